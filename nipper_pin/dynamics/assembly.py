@@ -1,0 +1,175 @@
+"""Closing the loops: positions and velocities that satisfy the closures exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ConvergenceError, SingularConfigurationError
+from .multibody import Multibody
+
+_MAX_ITERATIONS = 25
+# Beyond this condition of the dependent closure columns, half of the digits of a velocity are lost.
+MAX_CONDITION = 1e8
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Split of the coordinates: dependent ones follow from the others through the closures.
+
+    Attributes:
+        dependent: As many coordinates as closure rows.
+        independent: All the others, prescribed ones included.
+    """
+
+    dependent: tuple[int, ...]
+    independent: tuple[int, ...]
+
+
+def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[int]) -> Partition:
+    """Choose dependent coordinates.
+
+    Args:
+        jacobian: Closure Jacobian G, shape (m, nv).
+        given: Coordinates whose motion is prescribed; never dependent.
+        preferred: Coordinates to keep independent, the most important first, as far as the
+            closures allow it.
+
+    Returns:
+        The partition; every column of the dependent block is chosen by pivoting on its size.
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the dependent coordinates.
+    """
+    rows, size = jacobian.shape
+    if rows == 0:
+        return Partition((), tuple(range(size)))
+    candidates = [column for column in range(size) if column not in given]
+    for column in preferred:
+        rest = [other for other in candidates if other != column]
+        if column in candidates and len(rest) >= rows:
+            if np.linalg.cond(jacobian[:, rest]) < MAX_CONDITION:
+                candidates = rest
+    residual = jacobian[:, candidates].copy()
+    chosen: list[int] = []
+    for _ in range(min(rows, len(candidates))):
+        sizes = np.einsum("ij,ij->j", residual, residual)
+        pivot = int(np.argmax(sizes))
+        chosen.append(candidates[pivot])
+        if sizes[pivot] > 0.0:
+            direction = residual[:, pivot] / np.sqrt(sizes[pivot])
+            residual -= np.outer(direction, direction @ residual)
+        residual[:, pivot] = 0.0
+    condition = np.inf if len(chosen) < rows else float(np.linalg.cond(jacobian[:, chosen]))
+    if not condition < MAX_CONDITION:
+        message = (
+            f"the closures do not determine the mechanism here (condition {condition:.2g}): it "
+            "stands in a dead centre; change the dimensions or the drive"
+        )
+        raise SingularConfigurationError(message, condition=condition, coordinates=chosen)
+    dependent = tuple(sorted(chosen))
+    return Partition(dependent, tuple(i for i in range(size) if i not in dependent))
+
+
+def close_positions(
+    body: Multibody, q: FloatArray, split: Partition
+) -> tuple[FloatArray, FloatArray]:
+    """Solve g(q) = 0 for the dependent coordinates by Newton's method.
+
+    Args:
+        body: The multibody system.
+        q: Guesses, shape (N, nv); the independent coordinates are kept to the last bit.
+        split: Dependent and independent coordinates.
+
+    Returns:
+        Closed configurations, shape (N, nv), and the closure Jacobian G there, shape (N, m, nv).
+
+    Raises:
+        ConvergenceError: The loops cannot be closed from these guesses.
+        SingularConfigurationError: A dependent block is singular.
+    """
+    q = q.copy()
+    dependent = list(split.dependent)
+    tolerance = 16.0 * np.finfo(float).eps * body.reach_m
+    best = np.inf
+    for _ in range(_MAX_ITERATIONS):
+        g, jacobian = body.closures(q)
+        residual = float(np.max(np.abs(g), initial=0.0))
+        # Round-off may stop the residual a little above the tolerance: accept its floor.
+        if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
+            return q, jacobian
+        if not np.isfinite(residual):
+            break
+        best = min(best, residual)
+        q[:, dependent] -= _solve(jacobian[:, :, dependent], g)
+    message = (
+        f"the loops do not close: {best * 1e3:.3g} mm remain after {_MAX_ITERATIONS} Newton "
+        "steps; the drive asks for a position that the links cannot reach"
+    )
+    raise ConvergenceError(
+        message, residual=best, tolerance=tolerance, iterations=_MAX_ITERATIONS
+    )
+
+
+def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+    """Solve G v = 0 for the dependent velocities; the independent ones are kept.
+
+    Args:
+        v: Velocities, shape (N, nv).
+        jacobian: Closure Jacobian G, shape (N, m, nv).
+        split: Dependent and independent coordinates.
+
+    Returns:
+        Closed velocities, shape (N, nv).
+    """
+    v = v.copy()
+    dependent, independent = list(split.dependent), list(split.independent)
+    rate = np.einsum("nij,nj->ni", jacobian[:, :, independent], v[:, independent])
+    v[:, dependent] = -_solve(jacobian[:, :, dependent], rate)
+    return v
+
+
+def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
+    try:
+        return np.linalg.solve(matrices, right[:, :, None])[:, :, 0]
+    except np.linalg.LinAlgError as error:
+        message = (
+            "the closures are singular here: the mechanism stands exactly in a dead centre; "
+            "change the dimensions or the drive"
+        )
+        raise SingularConfigurationError(message, condition=np.inf) from error
+
+
+def assemble(
+    body: Multibody, path: FloatArray, given: Sequence[int], rates: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Assemble the mechanism at the end of a path of given coordinates that starts at q = 0.
+
+    Args:
+        body: The multibody system.
+        path: Given coordinates along the path, shape (K, given); short steps, the first one near
+            the touch configuration, so that the mechanism stays on its branch.
+        given: Places of those coordinates in q.
+        rates: Their rates at the end, shape (given,).
+
+    Returns:
+        q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
+    """
+    columns = list(given)
+    q = np.zeros((1, body.nv))
+    step = np.zeros((1, body.nv))
+    _, jacobian = body.closures(q)
+    for target in path:
+        split = partition(jacobian[0], given, [])
+        step[:] = 0.0
+        step[0, columns] = target - q[0, columns]
+        guess = q + close_velocities(step, jacobian, split)
+        guess[0, columns] = target
+        q, jacobian = close_positions(body, guess, split)
+    v = np.zeros((1, body.nv))
+    v[0, columns] = rates
+    split = partition(jacobian[0], given, [])
+    return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]

@@ -1,0 +1,258 @@
+"""The only owner of ``pin.Data``: every call of Pinocchio's algorithms is in this module.
+
+Two facts of Pinocchio shape it. A planar pin as a 3-D point constraint has one dead row (out of the
+plane), so the proximal form of the constrained dynamics is used, and explicit Jacobians keep the
+two planar rows only. And the explicit-Jacobian algorithms (impulse dynamics) share buffers with the
+constraint-model algorithms, so each family has a model and a data object of its own.
+
+Prescribed coordinates (held drives, closed stops) are joints of infinite inertia: with armature I
+and force I * a the joint accelerates with a, whatever pulls at it. I is a power of two, so that the
+product and the quotient are exact and a is met to the last bit but one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from ..arrays import FloatArray
+from ..errors import SingularConfigurationError
+from ..mechanism import Mechanism
+
+INFINITE_INERTIA = 2.0**100
+_PLANAR_ROWS_OF_A_PIN = (0, 2)
+# The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
+# removes its effect on the live rows (2 to 3 iterations to round-off).
+_PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 20}
+
+
+class Multibody:
+    """Kinematics and dynamics of a mechanism's tree with its closures, through Pinocchio.
+
+    Arrays of states have shape (N, nv): one row a configuration. Coordinates are [rad] or [m].
+
+    Args:
+        mechanism: The mechanism.
+        drive_inertia: Reflected inertia of the driven joints used in impacts, shape (nv,),
+            zero for joints that are not driven [kg m^2].
+    """
+
+    def __init__(self, mechanism: Mechanism, drive_inertia: FloatArray) -> None:
+        """Build models and data."""
+        self.nv = int(mechanism.model.nv)
+        self.closure_rows = 2 * len(mechanism.closures)
+        self._link_ids = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
+        self._plain = pin.Model(mechanism.model)
+        self._plain_data = self._plain.createData()
+        self._flight = pin.Model(mechanism.model)
+        self._flight_data = self._flight.createData()
+        self._impact = pin.Model(mechanism.model)
+        self._impact.armature = drive_inertia
+        self._impact_data = self._impact.createData()
+        self._pins = pin.StdVec_RigidConstraintModel()
+        self._pin_data = pin.StdVec_RigidConstraintData()
+        for closure in mechanism.closures:
+            frame_a, frame_b = (
+                mechanism.model.frames[mechanism.model.getFrameId(name)]
+                for name in (closure.frame_a, closure.frame_b)
+            )
+            constraint = pin.RigidConstraintModel(
+                pin.ContactType.CONTACT_3D,
+                self._flight,
+                frame_a.parentJoint,
+                frame_a.placement,
+                frame_b.parentJoint,
+                frame_b.placement,
+                pin.LOCAL,
+            )
+            self._pins.append(constraint)
+            self._pin_data.append(constraint.createData())
+        pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
+        self._proximal = pin.ProximalSettings(*_PROXIMAL.values())
+        self._planar_rows = [
+            3 * number + row
+            for number in range(len(mechanism.closures))
+            for row in _PLANAR_ROWS_OF_A_PIN
+        ]
+        # Length that the round-off of a closure gap is proportional to.
+        offsets = [placement.translation for placement in mechanism.model.jointPlacements]
+        self.reach_m = float(sum(np.linalg.norm(offset) for offset in offsets)) or 1.0
+        self.evaluations = 0
+
+    def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Closure gaps and their Jacobian.
+
+        Args:
+            q: Configurations, shape (N, nv).
+
+        Returns:
+            g [m], shape (N, m): position of frame a minus that of frame b in the axes of frame a,
+            and G = dg/dq (on the closure manifold), shape (N, m, nv).
+        """
+        model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
+        gaps = np.empty((len(q), 3 * len(pins)))
+        jacobians = np.empty((len(q), 3 * len(pins), self.nv))
+        constraints = list(zip(pins, pin_data, strict=True))
+        for row, q_row in enumerate(q):
+            pin.computeJointJacobians(model, data, q_row)
+            # `calc` must run at this q before the Jacobian is read, or its placement is stale.
+            for number, (constraint, constraint_data) in enumerate(constraints):
+                constraint.calc(model, data, constraint_data)
+                gaps[row, 3 * number : 3 * number + 3] = constraint_data.c1Mc2.translation
+            jacobians[row] = pin.getConstraintsJacobian(model, data, pins, pin_data)
+        return -gaps[:, self._planar_rows], jacobians[:, self._planar_rows]
+
+    def accelerations(
+        self, q: FloatArray, v: FloatArray, tau: FloatArray, armature: FloatArray
+    ) -> FloatArray:
+        """Constrained accelerations: M a + h = tau + G' la_g, G a + G_dot v = 0.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities that satisfy G v = 0, shape (N, nv).
+            tau: Generalised forces, shape (N, nv) [N m or N].
+            armature: Inertia added to each joint, shape (nv,); ``INFINITE_INERTIA`` where the
+                acceleration is prescribed as tau / armature.
+
+        Returns:
+            a, shape (N, nv).
+
+        Raises:
+            SingularConfigurationError: The closures lose rank.
+        """
+        model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
+        model.armature = armature
+        solve, proximal = pin.constraintDynamics, self._proximal
+        a = np.empty_like(q)
+        for row in range(len(q)):
+            a[row] = solve(model, data, q[row], v[row], tau[row], pins, pin_data, proximal)
+        self.evaluations += len(q)
+        if not np.isfinite(a).all():
+            message = (
+                "the constrained dynamics has no solution here: the closures lose rank; "
+                "keep the mechanism away from this dead centre"
+            )
+            raise SingularConfigurationError(message, q=q)
+        return a
+
+    def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """Generalised forces M a + h of the bare links (no armature), shape (N, nv)."""
+        return np.array(
+            [
+                pin.rnea(self._plain, self._plain_data, *state)
+                for state in zip(q, v, a, strict=True)
+            ]
+        ).reshape(q.shape)
+
+    def impulse_response(
+        self, q: FloatArray, rows: FloatArray, z: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Smallest change of velocity, in the metric of M, that cancels the rate ``rows @ z``.
+
+        Solves M delta = rows' P, rows (z + delta) = 0 by Pinocchio's impulse dynamics with zero
+        restitution. Only z, not the whole velocity, goes in: the result keeps its relative
+        precision however small the impact is, and each row may have its own restitution.
+
+        Args:
+            q: Configuration, shape (nv,).
+            rows: Independent constraint rows, shape (r, nv).
+            z: Velocity whose rates along the rows are to be cancelled, shape (nv,).
+
+        Returns:
+            delta, shape (nv,), and the impulses P, shape (r,) [N s or N m s].
+        """
+        after = pin.impulseDynamics(self._impact, self._impact_data, q, z, rows, 0.0, 0.0)
+        return after - z, np.array(self._impact_data.impulse_c)
+
+    def mass_matrix(self, q: FloatArray) -> FloatArray:
+        """Mass matrix M of the bare links at one configuration, shape (nv, nv)."""
+        upper = np.triu(pin.crba(self._plain, self._plain_data, q))
+        return upper + np.triu(upper, 1).T
+
+    def kinetic_energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Kinetic energy of the links [J], shape (N,)."""
+        return np.array(
+            [
+                pin.computeKineticEnergy(self._plain, self._plain_data, *state)
+                for state in zip(q, v, strict=True)
+            ]
+        )
+
+    def gravity_energy(self, q: FloatArray) -> FloatArray:
+        """Potential energy of gravity [J], shape (N,)."""
+        return np.array(
+            [pin.computePotentialEnergy(self._plain, self._plain_data, row) for row in q]
+        )
+
+    def link_velocities(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Angular and centroid velocities of the links at one state.
+
+        Args:
+            q: Configuration, shape (nv,).
+            v: Velocity, shape (nv,).
+
+        Returns:
+            Angular velocities, counter-clockwise in the side view, shape (links,) [rad/s], and
+            centroid velocities (x, z), shape (links, 2) [m/s].
+        """
+        model, data = self._plain, self._plain_data
+        pin.forwardKinematics(model, data, q, v)
+        spin = np.empty(len(self._link_ids))
+        centroid = np.empty((len(self._link_ids), 2))
+        for row, joint in enumerate(self._link_ids):
+            rotation = data.oMi[joint].rotation
+            angular = rotation @ data.v[joint].angular
+            arm = rotation @ model.inertias[joint].lever
+            linear = rotation @ data.v[joint].linear + np.cross(angular, arm)
+            spin[row] = -angular[1]
+            centroid[row] = linear[[0, 2]]
+        return spin, centroid
+
+    def placements(self, q: FloatArray) -> list[pin.SE3]:
+        """World placements of the links at one configuration, in the order of the joints."""
+        pin.forwardKinematics(self._plain, self._plain_data, q)
+        return [pin.SE3(self._plain_data.oMi[joint]) for joint in self._link_ids]
+
+    def joint_wrenches(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, closure_forces: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
+
+        Args:
+            q: Configuration, shape (nv,).
+            v: Velocity, shape (nv,).
+            a: Acceleration, shape (nv,).
+            closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
+
+        Returns:
+            Tree joints' wrenches (force x, force z [N], moment counter-clockwise about the joint
+            [N m]) in world axes, shape (joints, 3); and the force that each cut joint exerts on
+            the body of its frame a, in world axes, shape (closures, 2) [N].
+        """
+        model, data = self._plain, self._plain_data
+        pin.forwardKinematics(model, data, q)
+        outer = pin.StdVec_Force()
+        for _ in range(model.njoints):
+            outer.append(pin.Force.Zero())
+        cut = np.empty((len(self._pins), 2))
+        for number, constraint in enumerate(self._pins):
+            local = np.zeros(3)
+            local[list(_PLANAR_ROWS_OF_A_PIN)] = closure_forces[2 * number : 2 * number + 2]
+            place_a = data.oMi[constraint.joint1_id] * constraint.joint1_placement
+            place_b = data.oMi[constraint.joint2_id] * constraint.joint2_placement
+            world = place_a.rotation @ local
+            cut[number] = world[[0, 2]]
+            for joint, place, force in (
+                (constraint.joint1_id, place_a, world),
+                (constraint.joint2_id, place_b, -world),
+            ):
+                acting = pin.SE3(np.eye(3), place.translation).act(pin.Force(force, np.zeros(3)))
+                outer[joint] = outer[joint] + data.oMi[joint].actInv(acting)
+        pin.rnea(model, data, q, v, a, outer)
+        wrenches = np.empty((len(self._link_ids), 3))
+        for row, joint in enumerate(self._link_ids):
+            rotation = data.oMi[joint].rotation
+            force = rotation @ data.f[joint].linear
+            moment = rotation @ data.f[joint].angular
+            wrenches[row] = force[0], force[2], -moment[1]
+        return wrenches, cut

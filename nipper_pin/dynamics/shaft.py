@@ -1,0 +1,62 @@
+"""Motion of the input shaft and of the joints it drives, as functions of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..mechanism import Mechanism
+
+
+@dataclass(frozen=True)
+class ShaftMotion:
+    """Constant cylinder speed and the driven coordinates that follow from it.
+
+    Attributes:
+        mechanism: The mechanism.
+        speed_rad_s: Cylinder speed, positive [rad/s].
+        start_angle_rad: Cylinder angle psi at time zero [rad].
+    """
+
+    mechanism: Mechanism
+    speed_rad_s: float
+    start_angle_rad: float
+
+    @property
+    def indices(self) -> list[int]:
+        """Places of the driven coordinates in q."""
+        return [drive.index for drive in self.mechanism.drives]
+
+    @property
+    def rate(self) -> float:
+        """Rate of the cylinder angle, with its sign [rad/s]."""
+        return self.mechanism.cylinder.sense * self.speed_rad_s
+
+    @property
+    def period(self) -> float:
+        """Time of one turn [s]."""
+        return float(2.0 * np.pi / self.speed_rad_s)
+
+    def angle(self, t: FloatArray | float) -> FloatArray:
+        """Cylinder angle psi [rad] at times t [s]."""
+        return np.asarray(self.start_angle_rad + self.rate * np.asarray(t))
+
+    def driven(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Driven coordinates, rates and accelerations.
+
+        Args:
+            t: Times, shape (N,) [s].
+
+        Returns:
+            Three arrays of shape (N, drives): [rad], [rad/s], [rad/s^2].
+        """
+        psi, rate = self.angle(t), self.rate
+        values = np.empty((3, len(psi), len(self.mechanism.drives)))
+        for column, drive in enumerate(self.mechanism.drives):
+            law, slope, curvature = drive.law.evaluate(psi)
+            values[0, :, column] = law - drive.law_at_touch
+            values[1, :, column] = slope * rate
+            values[2, :, column] = curvature * rate**2
+        return values[0], values[1], values[2]

@@ -1,0 +1,152 @@
+"""A mechanism set in motion: its shaft, its forces and the constraint sets of its phases."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..mechanism import Mechanism
+from .multibody import INFINITE_INERTIA, Multibody
+from .shaft import ShaftMotion
+
+
+class DriveMode(StrEnum):
+    """How the driven shafts behave."""
+
+    HELD = "held"
+    """Position, rate and acceleration are prescribed; an impact cannot change them."""
+    INERTIAL = "inertial"
+    """Each shaft has a finite reflected inertia on an elastic drive train; impacts change its speed."""
+
+
+@dataclass(frozen=True)
+class ConstraintSet:
+    """The bilateral rows of one phase beside the closures.
+
+    Attributes:
+        closed: Names of the closed stops.
+        stops: Coordinates of the closed stops, held at zero.
+        prescribed: All coordinates whose motion is prescribed (held drives, closed stops).
+        armature: Inertia added to each joint in flight, shape (nv,).
+        freedom: Degrees of freedom that are left.
+    """
+
+    closed: frozenset[str]
+    stops: tuple[int, ...]
+    prescribed: tuple[int, ...]
+    armature: FloatArray
+    freedom: int
+
+
+class System:
+    """What the solver sees: accelerations, multipliers and impulses of one mechanism at one speed.
+
+    Args:
+        mechanism: The mechanism.
+        shaft: Motion of the cylinder.
+        drive: Behaviour of the driven shafts.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, shaft: ShaftMotion, drive: DriveMode = DriveMode.HELD
+    ) -> None:
+        """Build the system."""
+        self.mechanism = mechanism
+        self.shaft = shaft
+        self.drive = drive
+        self.held = drive is DriveMode.HELD
+        self.driven = np.array([item.index for item in mechanism.drives], dtype=int)
+        self.inertia = np.array([item.reflected_inertia_kg_m2 for item in mechanism.drives])
+        omega = 2.0 * np.pi * np.array([item.shaft_frequency_hz for item in mechanism.drives])
+        damping = np.array([item.shaft_damping_ratio for item in mechanism.drives])
+        self._shaft_stiffness = self.inertia * omega**2
+        self._shaft_damping = 2.0 * damping * omega * self.inertia
+        nv = len(mechanism.joints)
+        self._drive_armature = np.zeros(nv)
+        self._drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
+        self.body = Multibody(mechanism, self._drive_armature)
+        self._spring_index = np.array([item.index for item in mechanism.springs], dtype=int)
+        self._stiffness = np.array([item.stiffness for item in mechanism.springs])
+        self._preload = np.array([item.preload for item in mechanism.springs])
+        self._sets: dict[frozenset[str], ConstraintSet] = {}
+
+    def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
+        """Return the rows of the phase with these closed stops."""
+        if closed not in self._sets:
+            stops = tuple(stop.index for stop in self.mechanism.stops if stop.name in closed)
+            prescribed = (*self.driven, *stops) if self.held else stops
+            armature = self._drive_armature.copy()
+            armature[list(stops)] = INFINITE_INERTIA
+            freedom = self.body.nv - self.body.closure_rows - len(prescribed)
+            self._sets[closed] = ConstraintSet(
+                closed, stops, tuple(int(i) for i in prescribed), armature, freedom
+            )
+        return self._sets[closed]
+
+    def prescribe(
+        self, t: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet
+    ) -> None:
+        """Write the prescribed coordinates and rates at times t into q and v, in place.
+
+        Args:
+            t: Times, shape (N,) [s].
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+            rows: The phase.
+        """
+        if self.held:
+            q[:, self.driven], v[:, self.driven], _ = self.shaft.driven(t)
+        stops = list(rows.stops)
+        q[:, stops] = 0.0
+        v[:, stops] = 0.0
+
+    def spring_forces(self, q: FloatArray) -> FloatArray:
+        """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
+        tau = np.zeros_like(q)
+        tau[:, self._spring_index] = -self._stiffness * (self._preload + q[:, self._spring_index])
+        return tau
+
+    def spring_energy(self, q: FloatArray) -> FloatArray:
+        """Energy stored in the springs [J], shape (N,)."""
+        deflection = self._preload + q[:, self._spring_index]
+        return np.asarray(0.5 * (deflection**2) @ self._stiffness)
+
+    def shaft_torques(
+        self, motion: tuple[FloatArray, FloatArray, FloatArray], q: FloatArray, v: FloatArray
+    ) -> FloatArray:
+        """Torques that an elastic drive train exerts on the free shafts, shape (N, drives) [N m].
+
+        tau = I a_law + k (q_law - q) + c (v_law - v), with k = I w^2 and c = 2 zeta w I.
+        """
+        q_law, v_law, a_law = motion
+        return np.asarray(
+            self.inertia * a_law
+            + self._shaft_stiffness * (q_law - q[:, self.driven])
+            + self._shaft_damping * (v_law - v[:, self.driven])
+        )
+
+    def accelerations(
+        self,
+        motion: tuple[FloatArray, FloatArray, FloatArray],
+        q: FloatArray,
+        v: FloatArray,
+        rows: ConstraintSet,
+    ) -> FloatArray:
+        """Accelerations with the closures and the rows of a phase, shape (N, nv).
+
+        Args:
+            motion: Driven coordinates, rates and accelerations of these states, as
+                :meth:`ShaftMotion.driven` gives them.
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+            rows: The phase.
+        """
+        tau = self.spring_forces(q)
+        tau[:, self.driven] += (
+            INFINITE_INERTIA * motion[2] if self.held else self.shaft_torques(motion, q, v)
+        )
+        tau[:, list(rows.stops)] = 0.0
+        return self.body.accelerations(q, v, tau, rows.armature)

@@ -1,0 +1,109 @@
+"""Errors of the package: one root, each carrying its evidence and saying what to change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+class NipperError(Exception):
+    """Root of every error this package raises on purpose.
+
+    Attributes:
+        message: One sentence for the user: what is wrong and what to change.
+        evidence: The values the sentence is based on, by name.
+    """
+
+    def __init__(self, message: str, **evidence: Any) -> None:
+        """Create the error.
+
+        Args:
+            message: One sentence for the user.
+            **evidence: Values that the sentence is based on.
+        """
+        super().__init__(message)
+        self.message = message
+        self.evidence = evidence
+
+
+class InputError(NipperError):
+    """Arguments or files that cannot be used (exit status 2)."""
+
+
+class ModelError(InputError):
+    """A model file holds a value that no mechanism can have, or lacks one that it needs.
+
+    Evidence: ``file``, ``key``, ``value``, ``allowed``.
+    """
+
+    def __init__(self, *, file: str, key: str, value: Any, allowed: str) -> None:
+        """Create the error.
+
+        Args:
+            file: File that holds the value.
+            key: Path of the value inside the file.
+            value: The value found.
+            allowed: What may stand there.
+        """
+        super().__init__(
+            f"{file}: {key} = {value!r} cannot be used: {allowed}",
+            file=file,
+            key=key,
+            value=value,
+            allowed=allowed,
+        )
+
+
+class UnknownNameError(InputError):
+    """A name that does not exist, together with the names that do.
+
+    Evidence: ``kind``, ``name``, ``known``, ``where``.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
+        """Create the error.
+
+        Args:
+            kind: What the name should name, for example "joint".
+            name: The unknown name.
+            known: Names that exist.
+            where: File and key that hold the name.
+        """
+        names = sorted(known)
+        place = f"{where}: " if where else ""
+        super().__init__(
+            f"{place}there is no {kind} named {name!r}; known: {', '.join(names) or 'none'}",
+            kind=kind,
+            name=name,
+            known=names,
+            where=where,
+        )
+
+
+class AssemblyError(ModelError):
+    """The closures of a model do not meet in its touch configuration, or its rows are redundant."""
+
+
+class SimulationError(NipperError):
+    """The simulation could not be done (exit status 1)."""
+
+
+class SingularConfigurationError(SimulationError):
+    """The closures lose rank: the mechanism stands in (or too near) a dead centre.
+
+    Evidence: ``condition``, ``cylinder_angle_rad``, ``index``, ``joints``.
+    """
+
+
+class ConvergenceError(SimulationError):
+    """An iteration did not reach its tolerance.
+
+    Evidence: ``residual``, ``tolerance``, ``iterations``.
+    """
+
+
+class ImpactError(SimulationError):
+    """No set of impulses satisfies the impact law at a collision.
+
+    Evidence: ``stops``, ``rates_before``, ``condition``.
+    """

@@ -1,0 +1,74 @@
+"""What is simulated: one immutable case, validated when it is made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ..dynamics.system import DriveMode
+from ..errors import InputError
+
+
+class Window(StrEnum):
+    """The stretch of motion that is simulated."""
+
+    TRANSITION = "transition"
+    """From the first collision in the touch configuration to the rest of the transition stop."""
+    CYCLE = "cycle"
+    """Whole turns of the cylinder."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One simulation of a mechanism.
+
+    Attributes:
+        speed_rpm: Cylinder speed [r/min].
+        window: Transition or cycle.
+        cycles: Number of turns (window "cycle").
+        start_index: Index at which the turns start; the mechanism is in its initial phase there.
+        drive: Held or inertial shafts.
+        rest_rate: None: a series of bounces ends at its limit. A number: a stop comes to rest at
+            the first rebound slower than this, in the unit of its coordinate [rad/s or m/s].
+        tolerance: Relative accuracy of the motion and of the event times.
+        reuse_cycles: Copy a cycle that must repeat exactly instead of computing it again.
+        max_collisions: Collisions in one turn (or transition) after which the run stops.
+
+    Raises:
+        InputError: A value is out of range.
+    """
+
+    speed_rpm: float
+    window: Window = Window.TRANSITION
+    cycles: int = 1
+    start_index: float = 24.0
+    drive: DriveMode = DriveMode.HELD
+    rest_rate: float | None = None
+    tolerance: float = 1e-12
+    reuse_cycles: bool = True
+    max_collisions: int = 10_000
+
+    def __post_init__(self) -> None:
+        """Validate and normalise."""
+        try:
+            object.__setattr__(self, "window", Window(self.window))
+            object.__setattr__(self, "drive", DriveMode(self.drive))
+        except ValueError as error:
+            message = f"{error}; windows: transition, cycle; drives: held, inertial"
+            raise InputError(message, window=self.window, drive=self.drive) from error
+        _require(math.isfinite(self.speed_rpm) and self.speed_rpm > 0.0, "speed_rpm",
+                 self.speed_rpm, "a finite speed above 0 r/min")  # fmt: skip
+        _require(self.cycles >= 1, "cycles", self.cycles, "a whole number from 1")
+        _require(math.isfinite(self.start_index), "start_index", self.start_index, "a number")
+        _require(1e-14 <= self.tolerance <= 1e-3, "tolerance", self.tolerance, "1e-14 to 1e-3")
+        _require(self.max_collisions >= 1, "max_collisions", self.max_collisions, "at least 1")
+        if self.rest_rate is not None:
+            _require(math.isfinite(self.rest_rate) and self.rest_rate > 0.0, "rest_rate",
+                     self.rest_rate, "a finite rate above 0, or none for the limit")  # fmt: skip
+
+
+def _require(right: bool, key: str, value: object, allowed: str) -> None:
+    if not right:
+        message = f"case: {key} = {value!r} cannot be used: {allowed}"
+        raise InputError(message, key=key, value=value, allowed=allowed)

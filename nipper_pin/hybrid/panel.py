@@ -1,0 +1,218 @@
+"""One panel of motion: solved by collocation, or pure kinematics where no freedom is left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import Partition, close_positions, close_velocities
+from ..dynamics.multipliers import Multipliers, multipliers
+from ..dynamics.system import ConstraintSet, System
+from .collocation import evaluate, nodes, tail
+
+FLIGHT_ORDER = 12
+KINEMATIC_ORDER = 16
+_MAX_SWEEPS = 16
+# A sweep of Picard's iteration that gains less than this shows a panel too long for it.
+_WORST_CONTRACTION = 0.25
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Motion over [t, t + h] at its collocation nodes.
+
+    Attributes:
+        t: Start [s].
+        h: Length [s].
+        q: Configurations at the nodes, shape (N, nv).
+        v: Velocities at the nodes, shape (N, nv).
+        a: Accelerations at the nodes, shape (N, nv).
+        integrated: True if the free coordinates are integrals of ``a`` from the first node; False
+            if all follow from the drives, node by node.
+    """
+
+    t: float
+    h: float
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    integrated: bool
+
+    @property
+    def order(self) -> int:
+        """Number of nodes."""
+        return len(self.q)
+
+    @property
+    def times(self) -> FloatArray:
+        """Times of the nodes [s], shape (N,)."""
+        return self.t + self.h * nodes(self.order).sigma
+
+    def shifted(self, delay: float) -> Panel:
+        """Return the same motion at a later time."""
+        return replace(self, t=self.t + delay)
+
+    def interpolate(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions and velocities at times t, before the closures are met exactly.
+
+        Args:
+            t: Times within the panel, shape (K,) [s].
+
+        Returns:
+            q and v, shape (K, nv).
+        """
+        sigma = (t - self.t) / self.h
+        if not self.integrated:
+            return evaluate(self.q, sigma, 0), evaluate(self.v, sigma, 0)
+        h = self.h
+        q = self.q[0] + h * sigma[:, None] * self.v[0] + h**2 * evaluate(self.a, sigma, 2)
+        return q, self.v[0] + h * evaluate(self.a, sigma, 1)
+
+
+def state_at(
+    system: System, rows: ConstraintSet, split: Partition, panel: Panel, t: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Exact states on a panel: prescribed motion and closures are met to round-off.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        split: Dependent and independent coordinates.
+        panel: The panel.
+        t: Times within it, shape (K,) [s].
+
+    Returns:
+        q, v of shape (K, nv) and the closure Jacobian, shape (K, m, nv).
+    """
+    q, v = panel.interpolate(t)
+    system.prescribe(t, q, v, rows)
+    q, jacobian = close_positions(system.body, q, split)
+    return q, close_velocities(v, jacobian, split), jacobian
+
+
+def forces_at(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    panel: Panel,
+    t: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
+    """Exact states with accelerations and forces of constraint; arguments as :func:`state_at`.
+
+    Returns:
+        q, v, a of shape (K, nv) and the forces of constraint.
+    """
+    q, v, jacobian = state_at(system, rows, split, panel, t)
+    a = system.accelerations(system.shaft.driven(t), q, v, rows)
+    return q, v, a, multipliers(system, q, v, a, jacobian, rows, split)
+
+
+def kinematic_panel(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    t: float,
+    h: float,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    tolerance: float,
+) -> tuple[Panel, FloatArray] | None:
+    """Motion of a phase without freedom, where the drives determine everything.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        split: Dependent and independent coordinates.
+        t: Start [s].
+        h: Length [s].
+        q: Configuration at the start, shape (nv,); with v and a the guess for the nodes.
+        v: Velocity there.
+        a: Acceleration there.
+        tolerance: Relative size of what the nodes may leave unresolved.
+
+    Returns:
+        The panel and the stop forces at its nodes, shape (N, closed); None if the panel is too
+        long to be resolved.
+    """
+    grid = nodes(KINEMATIC_ORDER)
+    tau = (h * grid.sigma)[:, None]
+    guess = q + tau * v + 0.5 * tau**2 * a
+    times = t + h * grid.sigma
+    rates = np.repeat(v[None], len(times), axis=0)
+    system.prescribe(times, guess, rates, rows)
+    q_nodes, jacobian = close_positions(system.body, guess, split)
+    v_nodes = close_velocities(rates, jacobian, split)
+    a_nodes = system.accelerations(system.shaft.driven(times), q_nodes, v_nodes, rows)
+    forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    moving = np.abs(h * v_nodes).max(axis=0)
+    rough = tail(q_nodes) > tolerance * moving + 1e-15
+    # Stop forces are roots of a second derivative: they are resolved less far than positions.
+    rough_force = tail(forces) > np.sqrt(tolerance) * np.abs(forces).max(axis=0)
+    if rough.any() or rough_force.any():
+        return None
+    return Panel(t, h, q_nodes, v_nodes, a_nodes, integrated=False), forces
+
+
+def flight_panel(
+    system: System,
+    rows: ConstraintSet,
+    t: float,
+    h: float,
+    q: FloatArray,
+    v: FloatArray,
+    tolerance: float,
+) -> Panel | None:
+    """Motion of a phase with freedom, by Picard iteration on the collocation nodes.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        t: Start [s].
+        h: Length [s].
+        q: Closed configuration at the start, shape (nv,).
+        v: Closed velocity at the start, shape (nv,).
+        tolerance: Relative accuracy of the positions.
+
+    Returns:
+        The panel, or None if it is too long for the iteration or for the order.
+    """
+    grid = nodes(FLIGHT_ORDER)
+    tau = (h * grid.sigma)[:, None]
+    times = t + h * grid.sigma
+    motion = system.shaft.driven(times)
+    first = tuple(item[:1] for item in motion)
+    rest = tuple(item[1:] for item in motion)
+    start = system.accelerations(first, q[None], v[None], rows)
+    a = np.repeat(start, FLIGHT_ORDER, axis=0)
+    straight = q + tau * v
+    reach = np.abs(h * v)
+    change = np.inf
+    for _ in range(_MAX_SWEEPS):
+        q_nodes = straight + h**2 * (grid.twice @ a)
+        v_nodes = v + h * (grid.once @ a)
+        if system.held:
+            q_nodes[:, system.driven], v_nodes[:, system.driven] = motion[0], motion[1]
+        new = system.accelerations(rest, q_nodes[1:], v_nodes[1:], rows)
+        scale = reach + h**2 * np.abs(new).max(axis=0)
+        previous, change = change, float(np.max(h**2 * np.abs(new - a[1:]) / (scale + 1e-300)))
+        a[1:] = new
+        if change <= tolerance:
+            break
+        if change > _WORST_CONTRACTION * previous and previous < 1.0:
+            if change <= 1e3 * np.finfo(float).eps:
+                break
+            return None
+    else:
+        return None
+    # Two integrations divide the coefficient of degree k by about (2 k)^2.
+    left_over = h**2 * tail(a) / (2.0 * FLIGHT_ORDER) ** 2
+    if (left_over > tolerance * (scale + 1e-300)).any():
+        return None
+    q_nodes = straight + h**2 * (grid.twice @ a)
+    v_nodes = v + h * (grid.once @ a)
+    if system.held:
+        q_nodes[:, system.driven], v_nodes[:, system.driven] = motion[0], motion[1]
+    return Panel(t, h, q_nodes, v_nodes, a, integrated=True)

@@ -1,0 +1,74 @@
+"""Transitions between phases, as pure functions of the set of closed stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import combinations
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import partition
+from ..dynamics.multipliers import multipliers
+from ..dynamics.system import System
+from ..errors import SimulationError
+
+Closed = frozenset[str]
+
+
+def after_release(closed: Closed, released: Iterable[str]) -> Closed:
+    """Closed stops after the forces of some have fallen to zero."""
+    return closed - frozenset(released)
+
+
+def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
+    """Stops that may be closed after a collision: those in contact that do not separate.
+
+    Args:
+        closed: Closed stops before.
+        rates: Rate of every stop in contact after the impact, by name.
+    """
+    return frozenset(name for name, rate in rates.items() if rate == 0.0) | (closed - rates.keys())
+
+
+def pressed(
+    system: System, t: float, q: FloatArray, v: FloatArray, jacobian: FloatArray, at_rest: Closed
+) -> Closed:
+    """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
+
+    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest. The largest set that pushes
+    everywhere is taken.
+
+    Args:
+        system: The system.
+        t: Time [s].
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
+        at_rest: Names of the stops at rest.
+
+    Returns:
+        Names of the stops that stay closed.
+
+    Raises:
+        SimulationError: No set satisfies the conditions.
+    """
+    motion = system.shaft.driven(np.array([t]))
+    for size in range(len(at_rest), -1, -1):
+        for names in combinations(sorted(at_rest), size):
+            rows = system.constraint_set(frozenset(names))
+            if rows.freedom < 0:
+                continue
+            a = system.accelerations(motion, q[None], v[None], rows)
+            split = partition(jacobian, rows.prescribed, [])
+            la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N
+            leaving = [
+                a[0, system.mechanism.stop(name).index] for name in at_rest if name not in names
+            ]
+            if (la_N >= 0.0).all() and min(leaving, default=0.0) >= 0.0:
+                return frozenset(names)
+    message = (
+        f"at t = {t:.9g} s no set of the stops {sorted(at_rest)} can stay closed: each choice "
+        "either pulls or penetrates; check the sides of the stops"
+    )
+    raise SimulationError(message, t=t, stops=sorted(at_rest))

@@ -1,0 +1,96 @@
+"""First downward zero of a function that is resolved on a fine grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ConvergenceError
+
+_MAX_STEPS = 80
+
+
+def first_descent(
+    grid: FloatArray, values: FloatArray, function: Callable[[float], float]
+) -> tuple[float, float] | None:
+    """Bracket the first passage from positive to not positive.
+
+    Values before the first positive one are passed over: a trigger is half open, so a gap that
+    starts at zero fires only after it has opened. Between grid points a dip is followed to its
+    lowest point, so that two close zeros are not missed.
+
+    Args:
+        grid: Increasing abscissae, shape (S,).
+        values: Function values there, shape (S,).
+        function: The function itself, for the lowest points of dips.
+
+    Returns:
+        Bracket (left, right): positive at the left end, not positive at the right; or None.
+    """
+    positive = values > 0.0
+    if not positive.any():
+        return None
+    armed = int(np.argmax(positive))
+    below = np.flatnonzero(~positive[armed:])
+    end = armed + int(below[0]) if below.size else len(grid)
+    inner = values[armed:end]
+    if inner.size >= 3:
+        dips = 1 + np.flatnonzero((inner[1:-1] < inner[:-2]) & (inner[1:-1] <= inner[2:]))
+        for dip in armed + dips:
+            lowest, estimate = _vertex(grid[dip - 1 : dip + 2], values[dip - 1 : dip + 2])
+            # The parabola of a resolved function is good to a fraction of the dip's depth.
+            if estimate <= 0.5 * values[dip] and function(lowest) <= 0.0:
+                return float(grid[dip - 1]), lowest
+    if not below.size:
+        return None
+    return float(grid[end - 1]), float(grid[end])
+
+
+def _vertex(x: FloatArray, y: FloatArray) -> tuple[float, float]:
+    """Lowest point of the parabola through three points, y[1] being the lowest of them."""
+    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    curvature = (right - left) / (x[2] - x[0])
+    if curvature <= 0.0:
+        return float(x[1]), float(y[1])
+    slope = left + curvature * (x[1] - x[0])
+    return float(x[1] - 0.5 * slope / curvature), float(y[1] - 0.25 * slope**2 / curvature)
+
+
+def polish(function: Callable[[float], tuple[float, float]], left: float, right: float) -> float:
+    """Solve function = 0 in a bracket to round-off: Newton steps, bisection where they leave it.
+
+    Args:
+        function: Value and derivative (an approximate one is enough); positive at the left end.
+        left: Left end of the bracket.
+        right: Right end; the function is not positive there.
+
+    Returns:
+        The root, to the round-off of the function.
+
+    Raises:
+        ConvergenceError: No root to round-off after many steps.
+    """
+    low, high, x = left, right, right
+    resolution = 4.0 * np.finfo(float).eps * max(abs(left), abs(right))
+    previous = np.inf
+    for _ in range(_MAX_STEPS):
+        value, slope = function(x)
+        if value == 0.0:
+            return x
+        low, high = (x, high) if value > 0.0 else (low, x)
+        step = abs(value / slope) if slope != 0.0 else np.inf
+        new = x - value / slope if slope != 0.0 else np.inf
+        inside = low <= new <= high
+        # Once Newton steps stop shrinking they only show the round-off of the function.
+        if step <= resolution or (step >= previous and step <= 256.0 * resolution):
+            return new if inside else x
+        if high - low <= resolution:
+            return high
+        previous = step if inside else np.inf
+        x = new if inside else 0.5 * (low + high)
+    message = f"no event time to round-off in [{left!r}, {right!r}]: the function is not smooth there"
+    raise ConvergenceError(
+        message, residual=value, tolerance=resolution, iterations=_MAX_STEPS
+    )

@@ -1,0 +1,330 @@
+"""Motion between two events: one set of closed stops, from a start to the first trigger."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import Partition, close_positions, partition
+from ..dynamics.system import ConstraintSet, System
+from ..errors import ConvergenceError
+from ..mechanism import Stop
+from .collocation import evaluate, nodes
+from .panel import Panel, flight_panel, forces_at, kinematic_panel, state_at
+from .roots import first_descent, polish
+
+# Panels of a turn that are tried first where nothing suggests a length.
+_PANELS_PER_TURN = 16
+_SHORTEST_PANEL = 1e-12
+# Triggers nearer than this fraction of a turn are one event.
+_SIMULTANEOUS = 1e-13
+
+
+class TriggerKind(StrEnum):
+    """What a root function belongs to."""
+
+    GAP = "gap"
+    FORCE = "force"
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """A root: the gap of an open stop, or the force of a closed one, falls through zero.
+
+    Attributes:
+        t: Time [s].
+        kind: Gap or force.
+        stop: Name of the stop.
+    """
+
+    t: float
+    kind: TriggerKind
+    stop: str
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Motion with one set of closed stops.
+
+    Attributes:
+        t_start: Start [s].
+        t_end: End [s].
+        closed: Names of the closed stops.
+        split: Dependent and independent coordinates.
+        panels: Panels in order of time; the last one may reach beyond the end.
+        kinematic: True if the drives determine the motion.
+    """
+
+    t_start: float
+    t_end: float
+    closed: frozenset[str]
+    split: Partition
+    panels: tuple[Panel, ...]
+    kinematic: bool
+
+    def shifted(self, delay: float) -> Segment:
+        """Return the same motion at a later time."""
+        return replace(
+            self,
+            t_start=self.t_start + delay,
+            t_end=self.t_end + delay,
+            panels=tuple(panel.shifted(delay) for panel in self.panels),
+        )
+
+    def panel_at(self, t: float) -> Panel:
+        """Return the panel that holds time t [s]."""
+        starts = [panel.t for panel in self.panels]
+        place = int(np.searchsorted(starts, t, side="right")) - 1
+        return self.panels[max(place, 0)]
+
+
+@dataclass(frozen=True)
+class Advance:
+    """Result of :func:`advance`.
+
+    Attributes:
+        segment: The motion.
+        triggers: Simultaneous triggers that end it, ordered by stop; empty at the time limit.
+        q: Configuration at its end, shape (nv,).
+        v: Velocity there (left limit), shape (nv,).
+        jacobian: Closure Jacobian there, shape (m, nv).
+    """
+
+    segment: Segment
+    triggers: tuple[Trigger, ...]
+    q: FloatArray
+    v: FloatArray
+    jacobian: FloatArray
+
+
+def advance(
+    system: System,
+    rows: ConstraintSet,
+    t: float,
+    q: FloatArray,
+    v: FloatArray,
+    t_limit: float,
+    tolerance: float,
+) -> Advance:
+    """Follow the motion from a state just after an event to the next event.
+
+    Args:
+        system: The system.
+        rows: The phase: which stops are closed.
+        t: Start [s].
+        q: Closed configuration, shape (nv,); gaps of stops just left are exactly zero.
+        v: Closed velocity (right limit), shape (nv,).
+        t_limit: Where to stop at the latest [s].
+        tolerance: Relative accuracy of the motion.
+
+    Returns:
+        The motion and what ended it.
+
+    Raises:
+        SimulationError: The motion cannot be followed.
+    """
+    _, jacobian = system.body.closures(q[None])
+    open_stops = [stop for stop in system.mechanism.stops if stop.name not in rows.closed]
+    by_gap = sorted(open_stops, key=lambda stop: abs(q[stop.index]))
+    split = partition(jacobian[0], rows.prescribed, [stop.index for stop in by_gap])
+    kinematic = rows.freedom == 0
+    start = t
+    longest = system.shaft.period / _PANELS_PER_TURN
+    h = longest if kinematic else min(longest, _ballistic_length(system, rows, t, q, v, open_stops))
+    panels: list[Panel] = []
+    while True:
+        h = min(h, t_limit - t)
+        panel, forces = _panel(system, rows, split, t, h, q, v, tolerance, kinematic)
+        panels.append(panel)
+        triggers = _triggers(system, rows, split, panel, forces, open_stops)
+        if triggers or t + panel.h >= t_limit:
+            t_end = triggers[0].t if triggers else t_limit
+            q, v, jacobian = (
+                item[0] for item in state_at(system, rows, split, panel, np.array([t_end]))
+            )
+            segment = Segment(start, t_end, rows.closed, split, tuple(panels), kinematic)
+            for trigger in triggers:
+                if trigger.kind is TriggerKind.GAP:
+                    q[system.mechanism.stop(trigger.stop).index] = 0.0
+            return Advance(segment, triggers, q, v, jacobian)
+        t = t + panel.h
+        q, v, _ = (item[0] for item in state_at(system, rows, split, panel, np.array([t])))
+        h = min(longest, 1.5 * panel.h)
+
+
+def _ballistic_length(
+    system: System,
+    rows: ConstraintSet,
+    t: float,
+    q: FloatArray,
+    v: FloatArray,
+    open_stops: list[Stop],
+) -> float:
+    """Time [s] after which a body that leaves a stop at constant acceleration is back, and a bit."""
+    time = np.array([t])
+    a = system.accelerations(system.shaft.driven(time), q[None], v[None], rows)[0]
+    lengths = [
+        -2.0 * v[stop.index] / a[stop.index]
+        for stop in open_stops
+        if q[stop.index] == 0.0 and v[stop.index] > 0.0 and a[stop.index] < 0.0
+    ]
+    return 1.1 * float(min(lengths, default=np.inf))
+
+
+def _panel(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    t: float,
+    h: float,
+    q: FloatArray,
+    v: FloatArray,
+    tolerance: float,
+    kinematic: bool,
+) -> tuple[Panel, FloatArray]:
+    """Solve one panel, halving its length until it is resolved; with its stop forces."""
+    shortest = _SHORTEST_PANEL * system.shaft.period
+    if kinematic:
+        time = np.array([t])
+        a = system.accelerations(system.shaft.driven(time), q[None], v[None], rows)[0]
+    while h > shortest:
+        if kinematic:
+            try:
+                solved = kinematic_panel(system, rows, split, t, h, q, v, a, tolerance)
+            except ConvergenceError:
+                # The guess of a long panel may be too far; a short one tells the truth.
+                if 0.5 * h <= shortest:
+                    raise
+                solved = None
+            if solved is not None:
+                return solved
+        else:
+            panel = flight_panel(system, rows, t, h, q, v, tolerance)
+            if panel is not None:
+                return panel, _flight_forces(system, rows, split, panel)
+        h *= 0.5
+    message = (
+        f"the motion cannot be resolved at t = {t:.9g} s (index "
+        f"{system.mechanism.cylinder.index_from_angle(float(system.shaft.angle(t))):.4f}): the "
+        "step falls below its limit; a spring or a mass is too extreme, or a dead centre is near"
+    )
+    raise ConvergenceError(message, residual=h, tolerance=shortest, iterations=0)
+
+
+def _flight_forces(
+    system: System, rows: ConstraintSet, split: Partition, panel: Panel
+) -> FloatArray:
+    if not rows.stops:
+        return np.empty((panel.order, 0))
+    return forces_at(system, rows, split, panel, panel.times)[3].la_N
+
+
+def _triggers(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    panel: Panel,
+    forces: FloatArray,
+    open_stops: list[Stop],
+) -> tuple[Trigger, ...]:
+    """Earliest triggers on a panel, simultaneous ones together."""
+    found = []
+    for stop in open_stops:
+        t = _gap_root(system, rows, split, panel, stop.index)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.GAP, stop.name))
+    closed = [stop for stop in system.mechanism.stops if stop.name in rows.closed]
+    for column, stop in enumerate(closed):
+        t = _force_root(system, rows, split, panel, forces[:, column], column)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
+    if not found:
+        return ()
+    earliest = min(trigger.t for trigger in found)
+    limit = earliest + _SIMULTANEOUS * system.shaft.period
+    return tuple(
+        replace(trigger, t=earliest)
+        for trigger in sorted(found, key=lambda item: item.stop)
+        if trigger.t <= limit
+    )
+
+
+def _gap_root(
+    system: System, rows: ConstraintSet, split: Partition, panel: Panel, index: int
+) -> float | None:
+    """Time at which a gap falls through zero on a panel, or None."""
+    grid = nodes(panel.order)
+    h, a = panel.h, panel.a[:, index]
+    gap, rate = panel.q[0, index], panel.v[0, index]
+    if not panel.integrated:
+
+        def interpolant(sigma: float) -> float:
+            return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
+
+        def exact(t: float) -> tuple[float, float]:
+            q, v, _ = state_at(system, rows, split, panel, np.array([t]))
+            return float(q[0, index]), float(v[0, index])
+
+        bracket = first_descent(grid.samples, grid.sample_value @ panel.q[:, index], interpolant)
+        return _polished(panel, bracket, exact)
+    # Dividing out the zero at the start leaves the next one as the only one, to full precision.
+    power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
+
+    def deflated(sigma: FloatArray, twice: FloatArray) -> FloatArray:
+        terms = h**2 * twice * sigma**-power
+        if power == 0:
+            return np.asarray(gap + h * sigma * rate + terms)
+        return np.asarray(h * rate + terms if power == 1 else terms)
+
+    def at(sigma: float) -> float:
+        place = np.array([sigma])
+        return float(deflated(place, evaluate(a, place, 2))[0])
+
+    def motion(t: float) -> tuple[float, float]:
+        tau = t - panel.t
+        place = np.array([tau / h])
+        return (
+            float(gap + tau * rate + h**2 * evaluate(a, place, 2)[0]),
+            float(rate + h * evaluate(a, place, 1)[0]),
+        )
+
+    values = deflated(grid.samples, grid.sample_twice @ a)
+    return _polished(panel, first_descent(grid.samples, values, at), motion)
+
+
+def _force_root(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    panel: Panel,
+    force: FloatArray,
+    column: int,
+) -> float | None:
+    """Time at which the force of a closed stop falls through zero on a panel, or None."""
+    grid = nodes(panel.order)
+    slope = np.gradient(grid.sample_value @ force, grid.samples) / panel.h
+
+    def interpolant(sigma: float) -> float:
+        return float(evaluate(force, np.array([sigma]), 0)[0])
+
+    def exact(t: float) -> tuple[float, float]:
+        la_N = forces_at(system, rows, split, panel, np.array([t]))[3].la_N
+        return float(la_N[0, column]), float(np.interp((t - panel.t) / panel.h, grid.samples, slope))
+
+    bracket = first_descent(grid.samples, grid.sample_value @ force, interpolant)
+    return _polished(panel, bracket, exact)
+
+
+def _polished(
+    panel: Panel,
+    bracket: tuple[float, float] | None,
+    function: Callable[[float], tuple[float, float]],
+) -> float | None:
+    if bracket is None:
+        return None
+    left, right = (panel.t + panel.h * sigma for sigma in bracket)
+    return polish(function, left, right)

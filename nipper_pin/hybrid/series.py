@@ -1,0 +1,68 @@
+"""The end of an infinite series of bounces.
+
+At a stop with restitution e < 1 that is pressed on, rebound rates w_0, w_1, ... fall like e^n and the
+collision times t_0, t_1, ... converge. Near the limit the motion is smooth in time, gap and rate, so the
+time of a collision is a smooth function of its rebound rate, t = t_rest + c_1 w + c_2 w^2 + ...; each
+collision is a point on it and t_rest is its value at w = 0. Neville's scheme extrapolates there; the error
+of m points shrinks like the product of their rates, e^(m (m - 1) / 2), so a few bounces are enough.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+_MOST_POINTS = 8
+
+
+@dataclass(frozen=True)
+class BounceSeries:
+    """Consecutive collisions of one stop, undisturbed by others.
+
+    Attributes:
+        stop: Name of the stop.
+        start: Time of the first collision [s].
+        fastest: Fastest rebound rate of the series.
+        times: Times of the collisions [s].
+        rates: Rebound rates of its coordinate, positive [rad/s or m/s].
+    """
+
+    stop: str
+    start: float
+    fastest: float = 0.0
+    times: tuple[float, ...] = field(default=())
+    rates: tuple[float, ...] = field(default=())
+
+    def bounced(self, t: float, rate: float) -> BounceSeries:
+        """Return the series with one more collision."""
+        return BounceSeries(
+            self.stop,
+            self.start,
+            max(self.fastest, rate),
+            (*self.times, t)[-_MOST_POINTS:],
+            (*self.rates, rate)[-_MOST_POINTS:],
+        )
+
+    def limit(self) -> tuple[float, float]:
+        """Extrapolate to rest.
+
+        Returns:
+            Time of rest [s] and an estimate of its error [s]; both infinite while two collisions
+            do not show the rates falling.
+        """
+        w = np.array(self.rates)
+        if len(w) < 2 or not (np.diff(w) < 0.0).all():
+            return np.inf, np.inf
+        # Times are taken from the last collision, where the digits matter.
+        column = np.array(self.times) - self.times[-1]
+        best = (np.inf, np.inf)
+        previous = column[-1]
+        for order in range(1, len(w)):
+            near, far = w[order:], w[:-order]
+            column = (far * column[1:] - near * column[:-1]) / (far - near)
+            error = abs(column[-1] - previous)
+            previous = column[-1]
+            if error < best[1]:
+                best = (self.times[-1] + float(column[-1]), float(error))
+        return best

@@ -1,0 +1,347 @@
+"""The phase manager: follows the motion from event to event and changes the closed stops."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import assemble
+from ..dynamics.impact import Impact, arrest, collide
+from ..dynamics.shaft import ShaftMotion
+from ..dynamics.system import System
+from ..errors import InputError
+from ..mechanism import Mechanism, Stop
+from ..mechanism.cylinder import rad_s_from_rpm
+from .case import Case, Window
+from .phases import Closed, after_collision, after_release, pressed
+from .segment import Advance, Segment, TriggerKind, advance
+from .series import BounceSeries
+from .solution import Event, EventKind, Outcome, Solution
+
+_ASSEMBLY_STEPS = 24
+
+
+@dataclass(frozen=True)
+class State:
+    """State of a run between two segments.
+
+    Attributes:
+        t: Time [s].
+        q: Configuration, shape (nv,).
+        v: Velocity (right limit), shape (nv,).
+        closed: Closed stops.
+        series: Bounces that have not come to rest yet.
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    closed: Closed
+    series: BounceSeries | None
+
+
+def simulate(
+    mechanism: Mechanism, case: Case, progress: Callable[[int, int], None] | None = None
+) -> Solution:
+    """Simulate a mechanism.
+
+    Args:
+        mechanism: The mechanism.
+        case: What to simulate.
+        progress: Called with (turns done, turns in all) after each turn.
+
+    Returns:
+        The solution; its ``outcome`` says how the run ended.
+
+    Raises:
+        SimulationError: The motion cannot be followed; the message says where and why.
+        InputError: The mechanism does not close in its touch configuration.
+    """
+    began = time.perf_counter()
+    transition = case.window is Window.TRANSITION
+    cylinder = mechanism.cylinder
+    angle = (
+        cylinder.angle_at_touch_rad if transition else cylinder.angle_from_index(case.start_index)
+    )
+    shaft = ShaftMotion(mechanism, rad_s_from_rpm(case.speed_rpm), angle)
+    run = _Run(System(mechanism, shaft, case.drive), case)
+    if transition:
+        outcome, repeated = run.transition(), None
+    else:
+        outcome, repeated = run.turns(progress)
+    return Solution(
+        mechanism=mechanism,
+        case=case,
+        shaft=shaft,
+        events=tuple(run.events),
+        segments=tuple(run.segments),
+        outcome=outcome,
+        evaluations=run.system.body.evaluations,
+        wall_s=time.perf_counter() - began,
+        repeated_from=repeated,
+    )
+
+
+class _Run:
+    """Events and segments of one run as they grow."""
+
+    def __init__(self, system: System, case: Case) -> None:
+        self.system = system
+        self.case = case
+        self.mechanism = system.mechanism
+        self.events: list[Event] = []
+        self.segments: list[Segment] = []
+        self.state, self._jacobian = self._start()
+
+    def transition(self) -> Outcome:
+        """From the touch configuration, where the transition stop collides, to its rest."""
+        name = self.mechanism.transition_stop
+        rate = self.state.v[self.mechanism.stop(name).index]
+        if rate >= 0.0:
+            message = (
+                f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g}); "
+                "check cylinder.angle_at_touch_deg and cylinder.direction"
+            )
+            raise InputError(message, stop=name, rate=rate)
+        self.collide(self.state, self._jacobian, {name})
+        period = self.system.shaft.period
+        while True:
+            last = self.events[-1]
+            if last.kind is EventKind.REST and name in last.stops:
+                return Outcome.AT_REST
+            if len(self.events) > self.case.max_collisions:
+                return Outcome.TOO_MANY_COLLISIONS
+            if not self.step(period):
+                return Outcome.NO_REST
+
+    def turns(self, progress: Callable[[int, int], None] | None) -> tuple[Outcome, int | None]:
+        """Whole turns, until one is known to repeat."""
+        period, cycles = self.system.shaft.period, self.case.cycles
+        previous: list[Segment] = []
+        for turn in range(1, cycles + 1):
+            first_segment, first_event = len(self.segments), len(self.events)
+            while self.step(turn * period):
+                if len(self.events) - first_event > self.case.max_collisions:
+                    return Outcome.TOO_MANY_COLLISIONS, None
+            if progress is not None:
+                progress(turn, cycles)
+            current = self.segments[first_segment:]
+            if self.case.reuse_cycles and turn < cycles and self._repeats(previous, current):
+                self._copy(current, self.events[first_event:], cycles - turn)
+                if progress is not None:
+                    progress(cycles, cycles)
+                return self._outcome(), turn
+            previous = current
+        return self._outcome(), None
+
+    def step(self, t_limit: float) -> bool:
+        """Advance to the next event or to the limit; False at the limit."""
+        state = self.state
+        rows = self.system.constraint_set(state.closed)
+        reached = advance(
+            self.system, rows, state.t, state.q, state.v, t_limit, self.case.tolerance
+        )
+        self.segments.append(reached.segment)
+        t, q, v = reached.segment.t_end, reached.q, reached.v
+        if not reached.triggers:
+            self.state = replace(state, t=t, q=q, v=v)
+            return False
+        hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
+        released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
+        if released:
+            self._release(state, reached, released)
+            state = self.state
+        if hit:
+            self.collide(replace(state, t=t, q=q, v=v), reached.jacobian, hit)
+        return True
+
+    def collide(self, state: State, jacobian: FloatArray, hit: set[str]) -> None:
+        """Apply the impact law to the stops that have just closed and those closed before."""
+        contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
+        impact = collide(
+            self.system, state.q, state.v, jacobian, contacts, [s.restitution for s in contacts]
+        )
+        rates = {stop.name: float(impact.v_after[stop.index]) for stop in contacts}
+        at_rest = after_collision(state.closed, rates)
+        closed = self._pressed(state, impact.v_after, jacobian, at_rest)
+        order = sorted(contacts, key=lambda stop: impact.P_N[stop.name] == 0.0)
+        self._record(
+            EventKind.COLLISION, state, state.t, tuple(stop.name for stop in order), impact, closed
+        )
+        after = State(state.t, state.q, impact.v_after, closed, None)
+        newly = hit & closed
+        if newly:
+            # Without rebound, the collision is the end of its own series.
+            still = replace(impact, P_N={}, energy_lost=0.0, energy_from_drives=0.0)
+            self._record(EventKind.REST, after, state.t, tuple(sorted(newly)), still, closed)
+        self.state = after
+        bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
+        if len(bouncing) == 1:
+            series = state.series
+            if series is None or series.stop != bouncing[0].name:
+                series = BounceSeries(bouncing[0].name, state.t)
+            series = series.bounced(state.t, rates[bouncing[0].name])
+            self.state = replace(after, series=series)
+            self._rest(bouncing[0], jacobian)
+
+    def _rest(self, stop: Stop, jacobian: FloatArray) -> None:
+        """Close a stop whose bounces have reached their limit or the threshold of the case."""
+        state, series = self.state, self.state.series
+        if series is None:
+            return
+        rate = float(state.v[stop.index])
+        if self.case.rest_rate is not None:
+            if rate >= self.case.rest_rate:
+                return
+            t_rest = state.t
+        else:
+            t_rest = self._limit(stop, series)
+            if not np.isfinite(t_rest):
+                return
+        impact = arrest(self.system, state.q, state.v, jacobian, stop)
+        closed = self._pressed(
+            state, impact.v_after, jacobian, state.closed | {stop.name}
+        )
+        if stop.name not in closed:
+            return
+        self._record(EventKind.REST, state, t_rest, (stop.name,), impact, closed)
+        self.state = State(state.t, state.q, impact.v_after, closed, None)
+
+    def _limit(self, stop: Stop, series: BounceSeries) -> float:
+        """Time at which a series comes to rest [s]; infinite while that is not known yet."""
+        state, tolerance = self.state, self.case.tolerance
+        rows = self.system.constraint_set(state.closed)
+        motion = self.system.shaft.driven(np.array([state.t]))
+        a = self.system.accelerations(motion, state.q[None], state.v[None], rows)[0, stop.index]
+        e_N, rate = stop.restitution, series.rates[-1]
+        remaining = -2.0 * rate / (a * (1.0 - e_N)) if a < 0.0 and e_N < 1.0 else np.inf
+        duration = state.t - series.start + remaining
+        if remaining <= tolerance * self.system.shaft.period:
+            return state.t + float(remaining)
+        t_rest, error = series.limit()
+        # What is left of the motion is dropped: its energy, of order w^2, is accounted for up to
+        # a relative error of order w, so w^3 has to be below the tolerance.
+        small = rate <= tolerance ** (1.0 / 3.0) * series.fastest
+        return t_rest if small and error <= tolerance * duration else np.inf
+
+    def _release(self, state: State, reached: Advance, released: set[str]) -> None:
+        """Open the stops whose force has fallen to zero."""
+        t = reached.segment.t_end
+        closed = after_release(state.closed, released)
+        after = State(t, reached.q, reached.v, closed, None)
+        self.events.append(
+            Event(
+                number=len(self.events) + 1,
+                t=t,
+                kind=EventKind.RELEASE,
+                stops=tuple(sorted(released)),
+                q=reached.q,
+                v_before=reached.v,
+                v_after=reached.v,
+                P_N={},
+                P_g=np.zeros(self.system.body.closure_rows),
+                P_drive=np.zeros(len(self.system.driven)),
+                energy_lost=0.0,
+                energy_from_drives=0.0,
+                closed_before=state.closed,
+                closed_after=closed,
+            )
+        )
+        self.state = after
+
+    def _record(
+        self,
+        kind: EventKind,
+        state: State,
+        t: float,
+        stops: tuple[str, ...],
+        impact: Impact,
+        closed: Closed,
+    ) -> None:
+        self.events.append(
+            Event(
+                number=len(self.events) + 1,
+                t=t,
+                kind=kind,
+                stops=stops,
+                q=state.q,
+                v_before=state.v,
+                v_after=impact.v_after,
+                P_N=impact.P_N,
+                P_g=impact.P_g,
+                P_drive=impact.P_drive,
+                energy_lost=impact.energy_lost,
+                energy_from_drives=impact.energy_from_drives,
+                closed_before=state.closed,
+                closed_after=closed,
+            )
+        )
+
+    def _pressed(
+        self, state: State, v: FloatArray, jacobian: FloatArray, at_rest: Closed
+    ) -> Closed:
+        if not at_rest:
+            return at_rest
+        return pressed(self.system, state.t, state.q, v, jacobian, at_rest)
+
+    def _start(self) -> tuple[State, FloatArray]:
+        """The initial phase at time zero, assembled along the drives from the touch configuration."""
+        mechanism, shaft = self.mechanism, self.system.shaft
+        closed = next(p.closed for p in mechanism.phases if p.number == mechanism.initial_phase)
+        stops = [stop.index for stop in mechanism.stops if stop.name in closed]
+        turns = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) * shaft.rate
+        back = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) / shaft.rate
+        steps = 1 if turns == 0.0 else _ASSEMBLY_STEPS
+        times = np.linspace(-back, 0.0, steps + 1)[1:]
+        angles, rates, _ = shaft.driven(times)
+        given = [*shaft.indices, *stops]
+        path = np.hstack([angles, np.zeros((len(times), len(stops)))])
+        if turns == 0.0:
+            path[:] = 0.0
+        end_rates = np.concatenate([rates[-1], np.zeros(len(stops))])
+        q, v, jacobian = assemble(self.system.body, path, given, end_rates)
+        if turns == 0.0:
+            for stop in mechanism.stops:
+                q[stop.index] = 0.0
+        return State(0.0, q, v, closed, None), jacobian
+
+    def _repeats(self, previous: list[Segment], current: list[Segment]) -> bool:
+        """True if the turn after this one must equal this one.
+
+        With held drives a phase without freedom is determined by the cylinder angle alone, so two
+        turns that share such a phase at the same angle are equal from there on.
+        """
+        if not self.system.held:
+            return False
+        first, last = current[0], current[-1]
+        if first.kinematic and last.kinematic and first.closed == last.closed:
+            return True
+        period = self.system.shaft.period
+        return any(
+            old.kinematic
+            and new.kinematic
+            and old.closed == new.closed
+            and old.t_start + period < new.t_end
+            and new.t_start < old.t_end + period
+            for old in previous
+            for new in current
+        )
+
+    def _copy(self, segments: list[Segment], events: list[Event], times: int) -> None:
+        """Append copies of a turn."""
+        period = self.system.shaft.period
+        for turn in range(1, times + 1):
+            delay = turn * period
+            self.segments.extend(segment.shifted(delay) for segment in segments)
+            for event in events:
+                self.events.append(
+                    replace(event, t=event.t + delay, number=len(self.events) + 1)
+                )
+        self.state = replace(self.state, t=self.state.t + times * period)
+
+    def _outcome(self) -> Outcome:
+        return Outcome.COMPLETED if self.state.series is None else Outcome.STILL_BOUNCING

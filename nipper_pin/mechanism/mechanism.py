@@ -1,0 +1,228 @@
+"""The immutable description of a mechanism that every later room reads.
+
+A mechanism is planar: side view, x forward, z up, y into the page. Angles are positive
+counter-clockwise in that view, so every hinge axis is -y. All coordinates are zero in the *touch
+configuration*, where the lips just meet and the spring-loaded joint stands on its stop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ..errors import UnknownNameError
+from .cylinder import Cylinder
+from .drives import DriveLaw
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """One tree joint with one coordinate.
+
+    Attributes:
+        name: Joint name in the URDF.
+        kind: "revolute" (rad) or "prismatic" (m).
+        parent: Parent link.
+        child: Child link.
+        index: Place of its coordinate in q and v.
+    """
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    parent: str
+    child: str
+    index: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Closure:
+    """A cut planar pin: the origins of two named frames coincide (two rows, x and z).
+
+    Attributes:
+        name: Name of the cut joint.
+        frame_a: URDF frame on the first side.
+        frame_b: URDF frame on the second side.
+    """
+
+    name: str
+    frame_a: str
+    frame_b: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """A joint driven from the cylinder.
+
+    Attributes:
+        name: Name of the drive.
+        index: Place of the driven coordinate in q and v.
+        law: Coordinate as a function of the cylinder angle.
+        law_at_touch: Value of the law at the touch configuration [rad]; the joint coordinate is
+            ``law(psi) - law_at_touch``.
+        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint, used when the
+            shafts are free to change speed in an impact.
+        shaft_frequency_hz: Natural frequency of that inertia on the elastic drive train [Hz].
+        shaft_damping_ratio: Damping ratio of the same [-].
+    """
+
+    name: str
+    index: int
+    law: DriveLaw
+    law_at_touch: float
+    reflected_inertia_kg_m2: float
+    shaft_frequency_hz: float
+    shaft_damping_ratio: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spring:
+    """A linear spring acting on one coordinate x: force -stiffness * (preload + x).
+
+    Attributes:
+        name: Name of the spring.
+        index: Place of the coordinate in q and v.
+        stiffness: [N/m] or [N m/rad].
+        preload: Deflection already in the spring at x = 0 [m] or [rad].
+    """
+
+    name: str
+    index: int
+    stiffness: float
+    preload: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """Where and how two lips meet, found from their collision shapes in the touch configuration.
+
+    Attributes:
+        point: Contact point in world axes [m], shape (3,).
+        normal: Unit normal, pointing from the lower to the opening lip, shape (3,).
+        lever_m: Rate of normal separation at the contact point per unit rate of the stop's
+            coordinate [m/rad], the arm of the contact force about the joint.
+        closing_coordinate: Coordinate at which the shapes touch [rad]; zero up to the tolerance
+            of the load check.
+    """
+
+    point: FloatArray
+    normal: FloatArray
+    lever_m: float
+    closing_coordinate: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stop:
+    """A unilateral stop on one coordinate: gap g_N = q[index] >= 0.
+
+    Attributes:
+        name: Name of the stop.
+        index: Place of the coordinate in q and v.
+        restitution: e_N, 0 to 1.
+        contact: Contact of the two bodies away from the joint, or None for a stop that acts along
+            the joint itself.
+    """
+
+    name: str
+    index: int
+    restitution: float
+    contact: Contact | None
+
+    @property
+    def lever(self) -> float:
+        """Normal gap rate at the contact per coordinate rate: [m/rad], or 1 along the joint."""
+        return 1.0 if self.contact is None else self.contact.lever_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phase:
+    """A working phase: the set of closed stops.
+
+    Attributes:
+        number: Number used in tables.
+        name: What happens in it.
+        closed: Names of the stops that are closed.
+    """
+
+    number: int
+    name: str
+    closed: frozenset[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanism:
+    """A validated planar mechanism with closures, drives, springs and stops.
+
+    Attributes:
+        name: Model name.
+        title: What the model is, in a few words.
+        joints: Tree joints in the order of their coordinates.
+        closures: Cut joints.
+        drives: Driven joints.
+        springs: Springs on coordinates.
+        stops: Unilateral stops.
+        phases: Working phases.
+        transition_stop: Stop whose bouncing is "the transition".
+        initial_phase: Phase at the start of a cycle.
+        cylinder: The input shaft.
+        gravity_m_s2: Gravity along -z.
+        shortcuts: Short command-line names to value paths, for example "stiffness".
+        provenance: Where the numbers come from, by path prefix.
+        urdf: The URDF text.
+        description: The TOML document as plain data, overrides applied.
+        mesh_folder: Folder that relative mesh paths of the URDF start from.
+        model: Pinocchio model of the tree; read only.
+    """
+
+    name: str
+    title: str
+    joints: tuple[Joint, ...]
+    closures: tuple[Closure, ...]
+    drives: tuple[Drive, ...]
+    springs: tuple[Spring, ...]
+    stops: tuple[Stop, ...]
+    phases: tuple[Phase, ...]
+    transition_stop: str
+    initial_phase: int
+    cylinder: Cylinder
+    gravity_m_s2: float
+    shortcuts: Mapping[str, str]
+    provenance: Mapping[str, str]
+    urdf: str
+    description: Mapping[str, object]
+    mesh_folder: str
+    model: pin.Model = field(repr=False, compare=False)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Mobility with every stop open, drives counted."""
+        return len(self.joints) - 2 * len(self.closures)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the moving links, in the order of their joints."""
+        return tuple(joint.child for joint in self.joints)
+
+    def stop(self, name: str) -> Stop:
+        """Return the stop of that name.
+
+        Raises:
+            UnknownNameError: No stop has this name.
+        """
+        for stop in self.stops:
+            if stop.name == name:
+                return stop
+        raise UnknownNameError("stop", name, (stop.name for stop in self.stops), self.name)
+
+    def phase_of(self, closed: frozenset[str]) -> Phase | None:
+        """Return the phase with exactly these closed stops, or None if it has no name."""
+        for phase in self.phases:
+            if phase.closed == closed:
+                return phase
+        return None
