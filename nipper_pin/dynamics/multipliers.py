@@ -50,7 +50,7 @@ def multipliers(
         a: Accelerations, shape (N, nv).
         jacobian: Closure Jacobian G, shape (N, m, nv).
         rows: The phase.
-        split: Dependent and independent coordinates; no prescribed one may be dependent.
+        split: Dependent and independent coordinates; no given one may be dependent.
     """
     missing = system.body.inverse_dynamics(q, v, a) - system.spring_forces(q)
     dependent = list(split.dependent)

@@ -29,14 +29,14 @@ class ConstraintSet:
     Attributes:
         closed: Names of the closed stops.
         stops: Coordinates of the closed stops, held at zero.
-        prescribed: All coordinates whose motion is prescribed (held drives, closed stops).
+        given: Driven coordinates and closed stops: never dependent through the closures.
         armature: Inertia added to each joint in flight, shape (nv,).
         freedom: Degrees of freedom that are left.
     """
 
     closed: frozenset[str]
     stops: tuple[int, ...]
-    prescribed: tuple[int, ...]
+    given: tuple[int, ...]
     armature: FloatArray
     freedom: int
 
@@ -77,13 +77,12 @@ class System:
         """Return the rows of the phase with these closed stops."""
         if closed not in self._sets:
             stops = tuple(stop.index for stop in self.mechanism.stops if stop.name in closed)
-            prescribed = (*self.driven, *stops) if self.held else stops
+            given = (*(drive.index for drive in self.mechanism.drives), *stops)
+            prescribed = len(given) if self.held else len(stops)
             armature = self._drive_armature.copy()
             armature[list(stops)] = INFINITE_INERTIA
-            freedom = self.body.nv - self.body.closure_rows - len(prescribed)
-            self._sets[closed] = ConstraintSet(
-                closed, stops, tuple(int(i) for i in prescribed), armature, freedom
-            )
+            freedom = self.body.nv - self.body.closure_rows - prescribed
+            self._sets[closed] = ConstraintSet(closed, stops, given, armature, freedom)
         return self._sets[closed]
 
     def prescribe(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from ..dynamics.system import DriveMode
@@ -20,6 +20,36 @@ class Window(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Resolution:
+    """How finely a motion is resolved.
+
+    Attributes:
+        tolerance: Relative accuracy of positions and event times.
+        flight_nodes: Collocation nodes of a panel with freedom.
+        kinematic_nodes: Collocation nodes of a panel without freedom.
+        panels_per_turn: Longest panel, as a fraction of a turn.
+        adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
+            panel length by the order of the method, which is how that order is measured.
+
+    Raises:
+        InputError: A value is out of range.
+    """
+
+    tolerance: float = 1e-12
+    flight_nodes: int = 12
+    kinematic_nodes: int = 16
+    panels_per_turn: int = 16
+    adaptive: bool = True
+
+    def __post_init__(self) -> None:
+        """Validate."""
+        _require(1e-14 <= self.tolerance <= 1e-3, "tolerance", self.tolerance, "1e-14 to 1e-3")
+        for key in ("flight_nodes", "kinematic_nodes"):
+            _require(3 <= getattr(self, key) <= 64, key, getattr(self, key), "3 to 64")
+        _require(self.panels_per_turn >= 1, "panels_per_turn", self.panels_per_turn, "at least 1")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Case:
     """One simulation of a mechanism.
 
@@ -31,7 +61,7 @@ class Case:
         drive: Held or inertial shafts.
         rest_rate: None: a series of bounces ends at its limit. A number: a stop comes to rest at
             the first rebound slower than this, in the unit of its coordinate [rad/s or m/s].
-        tolerance: Relative accuracy of the motion and of the event times.
+        resolution: How finely the motion is resolved.
         reuse_cycles: Copy a cycle that must repeat exactly instead of computing it again.
         max_collisions: Collisions in one turn (or transition) after which the run stops.
 
@@ -45,7 +75,7 @@ class Case:
     start_index: float = 24.0
     drive: DriveMode = DriveMode.HELD
     rest_rate: float | None = None
-    tolerance: float = 1e-12
+    resolution: Resolution = field(default_factory=Resolution)
     reuse_cycles: bool = True
     max_collisions: int = 10_000
 
@@ -61,7 +91,6 @@ class Case:
                  self.speed_rpm, "a finite speed above 0 r/min")  # fmt: skip
         _require(self.cycles >= 1, "cycles", self.cycles, "a whole number from 1")
         _require(math.isfinite(self.start_index), "start_index", self.start_index, "a number")
-        _require(1e-14 <= self.tolerance <= 1e-3, "tolerance", self.tolerance, "1e-14 to 1e-3")
         _require(self.max_collisions >= 1, "max_collisions", self.max_collisions, "at least 1")
         if self.rest_rate is not None:
             _require(math.isfinite(self.rest_rate) and self.rest_rate > 0.0, "rest_rate",

@@ -10,13 +10,14 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multipliers import Multipliers, multipliers
 from ..dynamics.system import ConstraintSet, System
+from .case import Resolution
 from .collocation import evaluate, nodes, tail
 
-FLIGHT_ORDER = 12
-KINEMATIC_ORDER = 16
 _MAX_SWEEPS = 16
 # A sweep of Picard's iteration that gains less than this shows a panel too long for it.
 _WORST_CONTRACTION = 0.25
+# Below this relative change only round-off is left in the iteration.
+_ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ def kinematic_panel(
     q: FloatArray,
     v: FloatArray,
     a: FloatArray,
-    tolerance: float,
+    resolution: Resolution,
 ) -> tuple[Panel, FloatArray] | None:
     """Motion of a phase without freedom, where the drives determine everything.
 
@@ -131,13 +132,13 @@ def kinematic_panel(
         q: Configuration at the start, shape (nv,); with v and a the guess for the nodes.
         v: Velocity there.
         a: Acceleration there.
-        tolerance: Relative size of what the nodes may leave unresolved.
+        resolution: Number of nodes, and what they may leave unresolved.
 
     Returns:
         The panel and the stop forces at its nodes, shape (N, closed); None if the panel is too
         long to be resolved.
     """
-    grid = nodes(KINEMATIC_ORDER)
+    grid = nodes(resolution.kinematic_nodes)
     tau = (h * grid.sigma)[:, None]
     guess = q + tau * v + 0.5 * tau**2 * a
     times = t + h * grid.sigma
@@ -147,13 +148,17 @@ def kinematic_panel(
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(system.shaft.driven(times), q_nodes, v_nodes, rows)
     forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    panel = Panel(t, h, q_nodes, v_nodes, a_nodes, integrated=False)
+    if not resolution.adaptive:
+        return panel, forces
+    tolerance = resolution.tolerance
     moving = np.abs(h * v_nodes).max(axis=0)
     rough = tail(q_nodes) > tolerance * moving + 1e-15
     # Stop forces are roots of a second derivative: they are resolved less far than positions.
     rough_force = tail(forces) > np.sqrt(tolerance) * np.abs(forces).max(axis=0)
     if rough.any() or rough_force.any():
         return None
-    return Panel(t, h, q_nodes, v_nodes, a_nodes, integrated=False), forces
+    return panel, forces
 
 
 def flight_panel(
@@ -163,7 +168,7 @@ def flight_panel(
     h: float,
     q: FloatArray,
     v: FloatArray,
-    tolerance: float,
+    resolution: Resolution,
 ) -> Panel | None:
     """Motion of a phase with freedom, by Picard iteration on the collocation nodes.
 
@@ -174,19 +179,22 @@ def flight_panel(
         h: Length [s].
         q: Closed configuration at the start, shape (nv,).
         v: Closed velocity at the start, shape (nv,).
-        tolerance: Relative accuracy of the positions.
+        resolution: Number of nodes and relative accuracy of the positions.
 
     Returns:
         The panel, or None if it is too long for the iteration or for the order.
     """
-    grid = nodes(FLIGHT_ORDER)
+    count, tolerance = resolution.flight_nodes, resolution.tolerance
+    if not resolution.adaptive:
+        tolerance = _ITERATION_FLOOR
+    grid = nodes(count)
     tau = (h * grid.sigma)[:, None]
     times = t + h * grid.sigma
     motion = system.shaft.driven(times)
     first = tuple(item[:1] for item in motion)
     rest = tuple(item[1:] for item in motion)
     start = system.accelerations(first, q[None], v[None], rows)
-    a = np.repeat(start, FLIGHT_ORDER, axis=0)
+    a = np.repeat(start, count, axis=0)
     straight = q + tau * v
     reach = np.abs(h * v)
     change = np.inf
@@ -202,14 +210,14 @@ def flight_panel(
         if change <= tolerance:
             break
         if change > _WORST_CONTRACTION * previous and previous < 1.0:
-            if change <= 1e3 * np.finfo(float).eps:
+            if change <= _ITERATION_FLOOR:
                 break
             return None
     else:
         return None
     # Two integrations divide the coefficient of degree k by about (2 k)^2.
-    left_over = h**2 * tail(a) / (2.0 * FLIGHT_ORDER) ** 2
-    if (left_over > tolerance * (scale + 1e-300)).any():
+    left_over = h**2 * tail(a) / (2.0 * count) ** 2
+    if resolution.adaptive and (left_over > tolerance * (scale + 1e-300)).any():
         return None
     q_nodes = straight + h**2 * (grid.twice @ a)
     v_nodes = v + h * (grid.once @ a)

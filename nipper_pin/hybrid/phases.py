@@ -60,7 +60,7 @@ def pressed(
             if rows.freedom < 0:
                 continue
             a = system.accelerations(motion, q[None], v[None], rows)
-            split = partition(jacobian, rows.prescribed, [])
+            split = partition(jacobian, rows.given, [])
             la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N
             leaving = [
                 a[0, system.mechanism.stop(name).index] for name in at_rest if name not in names

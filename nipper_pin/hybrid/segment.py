@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -13,12 +14,11 @@ from ..dynamics.assembly import Partition, close_positions, partition
 from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError
 from ..mechanism import Stop
+from .case import Resolution
 from .collocation import evaluate, nodes
 from .panel import Panel, flight_panel, forces_at, kinematic_panel, state_at
 from .roots import first_descent, polish
 
-# Panels of a turn that are tried first where nothing suggests a length.
-_PANELS_PER_TURN = 16
 _SHORTEST_PANEL = 1e-12
 # Triggers nearer than this fraction of a turn are one event.
 _SIMULTANEOUS = 1e-13
@@ -75,11 +75,9 @@ class Segment:
             panels=tuple(panel.shifted(delay) for panel in self.panels),
         )
 
-    def panel_at(self, t: float) -> Panel:
-        """Return the panel that holds time t [s]."""
-        starts = [panel.t for panel in self.panels]
-        place = int(np.searchsorted(starts, t, side="right")) - 1
-        return self.panels[max(place, 0)]
+    def panel_number(self, t: float) -> int:
+        """Return the place of the panel that holds time t [s]."""
+        return max(bisect_right(self.panels, t, key=lambda panel: panel.t) - 1, 0)
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ def advance(
     q: FloatArray,
     v: FloatArray,
     t_limit: float,
-    tolerance: float,
+    resolution: Resolution,
 ) -> Advance:
     """Follow the motion from a state just after an event to the next event.
 
@@ -119,7 +117,7 @@ def advance(
         q: Closed configuration, shape (nv,); gaps of stops just left are exactly zero.
         v: Closed velocity (right limit), shape (nv,).
         t_limit: Where to stop at the latest [s].
-        tolerance: Relative accuracy of the motion.
+        resolution: How finely the motion is resolved.
 
     Returns:
         The motion and what ended it.
@@ -130,15 +128,15 @@ def advance(
     _, jacobian = system.body.closures(q[None])
     open_stops = [stop for stop in system.mechanism.stops if stop.name not in rows.closed]
     by_gap = sorted(open_stops, key=lambda stop: abs(q[stop.index]))
-    split = partition(jacobian[0], rows.prescribed, [stop.index for stop in by_gap])
+    split = partition(jacobian[0], rows.given, [stop.index for stop in by_gap])
     kinematic = rows.freedom == 0
     start = t
-    longest = system.shaft.period / _PANELS_PER_TURN
+    longest = system.shaft.period / resolution.panels_per_turn
     h = longest if kinematic else min(longest, _ballistic_length(system, rows, t, q, v, open_stops))
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t)
-        panel, forces = _panel(system, rows, split, t, h, q, v, tolerance, kinematic)
+        panel, forces = _panel(system, rows, split, t, h, q, v, resolution, kinematic)
         panels.append(panel)
         triggers = _triggers(system, rows, split, panel, forces, open_stops)
         if triggers or t + panel.h >= t_limit:
@@ -183,7 +181,7 @@ def _panel(
     h: float,
     q: FloatArray,
     v: FloatArray,
-    tolerance: float,
+    resolution: Resolution,
     kinematic: bool,
 ) -> tuple[Panel, FloatArray]:
     """Solve one panel, halving its length until it is resolved; with its stop forces."""
@@ -194,7 +192,7 @@ def _panel(
     while h > shortest:
         if kinematic:
             try:
-                solved = kinematic_panel(system, rows, split, t, h, q, v, a, tolerance)
+                solved = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
             except ConvergenceError:
                 # The guess of a long panel may be too far; a short one tells the truth.
                 if 0.5 * h <= shortest:
@@ -203,7 +201,7 @@ def _panel(
             if solved is not None:
                 return solved
         else:
-            panel = flight_panel(system, rows, t, h, q, v, tolerance)
+            panel = flight_panel(system, rows, t, h, q, v, resolution)
             if panel is not None:
                 return panel, _flight_forces(system, rows, split, panel)
         h *= 0.5

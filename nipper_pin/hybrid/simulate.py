@@ -20,7 +20,8 @@ from .case import Case, Window
 from .phases import Closed, after_collision, after_release, pressed
 from .segment import Advance, Segment, TriggerKind, advance
 from .series import BounceSeries
-from .solution import Event, EventKind, Outcome, Solution
+from .event import Event, EventKind
+from .solution import Outcome, Solution
 
 _ASSEMBLY_STEPS = 24
 
@@ -143,7 +144,7 @@ class _Run:
         state = self.state
         rows = self.system.constraint_set(state.closed)
         reached = advance(
-            self.system, rows, state.t, state.q, state.v, t_limit, self.case.tolerance
+            self.system, rows, state.t, state.q, state.v, t_limit, self.case.resolution
         )
         self.segments.append(reached.segment)
         t, q, v = reached.segment.t_end, reached.q, reached.v
@@ -213,7 +214,7 @@ class _Run:
 
     def _limit(self, stop: Stop, series: BounceSeries) -> float:
         """Time at which a series comes to rest [s]; infinite while that is not known yet."""
-        state, tolerance = self.state, self.case.tolerance
+        state, tolerance = self.state, self.case.resolution.tolerance
         rows = self.system.constraint_set(state.closed)
         motion = self.system.shaft.driven(np.array([state.t]))
         a = self.system.accelerations(motion, state.q[None], state.v[None], rows)[0, stop.index]

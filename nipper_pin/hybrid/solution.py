@@ -4,20 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 from ..arrays import FloatArray
 from ..dynamics.shaft import ShaftMotion
+from ..dynamics.system import System
 from ..mechanism import Mechanism
 from .case import Case
+from .collisions import (
+    Collision,
+    PhaseInterval,
+    Transition,
+    collision_table,
+    phase_intervals,
+    transitions,
+)
+from .energy import EnergyBalance, energy_balance
+from .event import Event
 from .segment import Segment
-
-
-class EventKind(StrEnum):
-    """What happens at an event."""
-
-    COLLISION = "collision"
-    REST = "rest"
-    RELEASE = "release"
+from .trajectory import Trajectory, closure_residuals
 
 
 class Outcome(StrEnum):
@@ -37,45 +42,40 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True)
-class Event:
-    """One event.
+class LinkVelocities:
+    """Velocities of the moving links at one state.
 
     Attributes:
-        number: Number of the event, from 1.
-        t: Time [s] from the start of the run.
-        kind: Collision, rest (a series of bounces has reached its limit) or release.
-        stops: Stops that it concerns; of a collision those that receive an impulse first.
-        q: Configuration, shape (nv,) [rad or m].
-        v_before: Velocity just before, shape (nv,).
-        v_after: Velocity just after, shape (nv,).
-        P_N: Impulses of the stops in contact along their coordinates, by name [N m s or N s].
-        P_g: Closure impulses, shape (m,) [N s].
-        P_drive: Impulses of held drives, shape (drives,) [N m s].
-        energy_lost: Kinetic energy lost [J].
-        energy_from_drives: Work of the held drives' impulses [J].
-        closed_before: Closed stops before.
-        closed_after: Closed stops after.
+        links: Names.
+        angular: Counter-clockwise in the side view [rad/s], shape (links,).
+        centroid: (x, z) of the centre of mass [m/s], shape (links, 2).
     """
 
-    number: int
-    t: float
-    kind: EventKind
-    stops: tuple[str, ...]
-    q: FloatArray
-    v_before: FloatArray
-    v_after: FloatArray
-    P_N: dict[str, float]
-    P_g: FloatArray
-    P_drive: FloatArray
-    energy_lost: float
-    energy_from_drives: float
-    closed_before: frozenset[str]
-    closed_after: frozenset[str]
+    links: tuple[str, ...]
+    angular: FloatArray
+    centroid: FloatArray
+
+
+@dataclass(frozen=True)
+class Checks:
+    """What a run should be zero in.
+
+    Attributes:
+        closure_m: Largest closure gap of the computed motion [m].
+        closure_rate_m_s: Largest closure rate [m/s].
+        energy_balance: Residual of the energy balance by the largest kinetic energy [-].
+    """
+
+    closure_m: float
+    closure_rate_m_s: float
+    energy_balance: float
 
 
 @dataclass(frozen=True)
 class Solution:
     """A simulated stretch of motion.
+
+    Tables, dense motion, forces and balances are computed when they are first asked for.
 
     Attributes:
         mechanism: The mechanism.
@@ -86,7 +86,7 @@ class Solution:
         outcome: How the run ended.
         evaluations: Evaluations of the constrained dynamics.
         wall_s: Wall time of the run [s].
-        repeated_from: Turn after which all further ones are copies, or None.
+        repeated_from: Turn that all further ones are copies of, or None.
     """
 
     mechanism: Mechanism
@@ -98,3 +98,49 @@ class Solution:
     evaluations: int
     wall_s: float
     repeated_from: int | None
+
+    @cached_property
+    def system(self) -> System:
+        """The system that the solution belongs to, for evaluations afterwards."""
+        return System(self.mechanism, self.shaft, self.case.drive)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Dense motion and forces at any time."""
+        return Trajectory(self.system, self.segments)
+
+    @cached_property
+    def collisions(self) -> tuple[Collision, ...]:
+        """Collisions with their rebounds."""
+        return collision_table(self.system, self.segments, self.events)
+
+    @cached_property
+    def phases(self) -> tuple[PhaseInterval, ...]:
+        """Phases in order of time."""
+        t_end = self.segments[-1].t_end
+        return phase_intervals(self.system, self.events, self.segments[0].closed, t_end)
+
+    @cached_property
+    def transitions(self) -> tuple[Transition, ...]:
+        """Completed bounce series of the transition stop."""
+        stop = self.mechanism.transition_stop
+        return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """Energy balance of the whole run."""
+        return energy_balance(self.system, self.segments, self.events)
+
+    @cached_property
+    def checks(self) -> Checks:
+        """Closure and energy residuals of the whole run."""
+        gap, rate = closure_residuals(self.system, self.segments)
+        return Checks(gap, rate, self.energy.relative)
+
+    def link_velocities(self, event: Event) -> tuple[LinkVelocities, LinkVelocities]:
+        """Velocities of every link before and after an event (eqs 18 to 27 of the paper)."""
+        before, after = (
+            LinkVelocities(self.mechanism.links, *self.system.body.link_velocities(event.q, v))
+            for v in (event.v_before, event.v_after)
+        )
+        return before, after

@@ -1,0 +1,221 @@
+"""Tables of a run: collisions with their rebounds, phases and the transition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import System
+from .collocation import evaluate, nodes
+from .energy import pieces
+from .panel import Panel
+from .roots import first_descent, polish
+from .segment import Segment
+from .event import Event, EventKind
+
+
+@dataclass(frozen=True)
+class Collision:
+    """One collision and the rebound after it.
+
+    Attributes:
+        number: Number of the collision, from 1.
+        stop: Stop that receives the impulse.
+        t: Time [s] from the start of the run.
+        cylinder_angle: psi [rad].
+        index: Index on the comber's scale.
+        approach_rate: Rate of the stop's coordinate before, negative [rad/s or m/s].
+        separation_rate: Rate after.
+        impulse: Normal impulse at the contact point [N s].
+        energy_lost: Kinetic energy lost [J].
+        rebound_amplitude: Largest gap until the stop's next event [rad or m]; None if the window
+            ends before.
+        rebound_time: Time until then [s]; None likewise.
+        event: The event itself.
+    """
+
+    number: int
+    stop: str
+    t: float
+    cylinder_angle: float
+    index: float
+    approach_rate: float
+    separation_rate: float
+    impulse: float
+    energy_lost: float
+    rebound_amplitude: float | None
+    rebound_time: float | None
+    event: Event
+
+
+@dataclass(frozen=True)
+class PhaseInterval:
+    """A stretch of one phase.
+
+    Attributes:
+        number: Number of the phase; None for a set of closed stops without a number.
+        closed: Closed stops.
+        t_start: Start [s].
+        t_end: End [s].
+    """
+
+    number: int | None
+    closed: frozenset[str]
+    t_start: float
+    t_end: float
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A series of bounces of the transition stop, from its first collision to rest.
+
+    Attributes:
+        t_start: First collision [s].
+        duration: Time from there to rest [s].
+        collisions: Collisions computed; the series has infinitely many if it ends by its limit.
+        first_two_share: Share of the first two rebounds in the duration; None with fewer.
+    """
+
+    t_start: float
+    duration: float
+    collisions: int
+    first_two_share: float | None
+
+
+def collision_table(
+    system: System, segments: Sequence[Segment], events: Sequence[Event]
+) -> tuple[Collision, ...]:
+    """Collisions of a run, in order of time."""
+    impacts = [event for event in events if event.kind is EventKind.COLLISION]
+    table = []
+    for number, event in enumerate(impacts, start=1):
+        stop = system.mechanism.stop(event.stops[0])
+        amplitude, duration = _rebound(system, segments, events, event, stop.name, stop.index)
+        psi = float(system.shaft.angle(event.t))
+        table.append(
+            Collision(
+                number=number,
+                stop=stop.name,
+                t=event.t,
+                cylinder_angle=psi,
+                index=system.mechanism.cylinder.index_from_angle(psi),
+                approach_rate=float(event.v_before[stop.index]),
+                separation_rate=float(event.v_after[stop.index]),
+                impulse=event.P_N[stop.name] / stop.lever,
+                energy_lost=event.energy_lost,
+                rebound_amplitude=amplitude,
+                rebound_time=duration,
+                event=event,
+            )
+        )
+    return tuple(table)
+
+
+def phase_intervals(
+    system: System, events: Sequence[Event], initial: frozenset[str], t_end: float
+) -> tuple[PhaseInterval, ...]:
+    """Phases of a run; a phase after a series of bounces starts at the time of rest."""
+    intervals = []
+    start, closed = 0.0, initial
+    for event in events:
+        if event.closed_after == closed:
+            continue
+        if event.t > start:
+            intervals.append(_interval(system, closed, start, event.t))
+        start, closed = event.t, event.closed_after
+    if t_end > start:
+        intervals.append(_interval(system, closed, start, t_end))
+    return tuple(intervals)
+
+
+def transitions(
+    collisions: Sequence[Collision], events: Sequence[Event], stop: str
+) -> tuple[Transition, ...]:
+    """Completed series of bounces of one stop, in order of time."""
+    series: list[Collision] = []
+    found = []
+    by_event = {item.event.number: item for item in collisions if item.stop == stop}
+    for event in events:
+        if event.number in by_event:
+            series.append(by_event[event.number])
+        elif event.kind is EventKind.REST and stop in event.stops and series:
+            duration = event.t - series[0].t
+            share = None
+            if len(series) > 2 and duration > 0.0:
+                share = (series[2].t - series[0].t) / duration
+            found.append(Transition(series[0].t, duration, len(series), share))
+            series = []
+        elif event.kind is EventKind.RELEASE and stop in event.stops:
+            series = []
+    return tuple(found)
+
+
+def _interval(
+    system: System, closed: frozenset[str], start: float, end: float
+) -> PhaseInterval:
+    phase = system.mechanism.phase_of(closed)
+    return PhaseInterval(None if phase is None else phase.number, closed, start, end)
+
+
+def _rebound(
+    system: System,
+    segments: Sequence[Segment],
+    events: Sequence[Event],
+    event: Event,
+    name: str,
+    index: int,
+) -> tuple[float | None, float | None]:
+    """Amplitude and time of the rebound after a collision."""
+    rate = float(event.v_after[index])
+    if rate <= 0.0:
+        return 0.0, 0.0
+    later = events[event.number :]
+    following = next((other for other in later if name in other.P_N), None)
+    if following is None:
+        return None, None
+    if following.kind is EventKind.REST and np.array_equal(following.q, event.q):
+        # The last bounce before rest is ballistic to a relative error of the order of its rate.
+        rows = system.constraint_set(event.closed_after - {name})
+        motion = system.shaft.driven(np.array([event.t]))
+        a = system.accelerations(motion, event.q[None], event.v_after[None], rows)[0, index]
+        return float(-0.5 * rate**2 / a), float(-2.0 * rate / a)
+    highest = 0.0
+    for segment in segments:
+        if segment.t_start >= event.t and segment.t_end <= following.t:
+            for panel, begin, end in pieces(segment):
+                highest = max(highest, _highest(panel, begin, end, index))
+    return highest, following.t - event.t
+
+
+def _highest(panel: Panel, begin: float, end: float, index: int) -> float:
+    """Largest value of a coordinate on a part of a panel."""
+    grid = nodes(panel.order)
+    a, v = panel.a[:, index], panel.v[:, index]
+
+    def rate(t: float) -> tuple[float, float]:
+        sigma = np.array([(t - panel.t) / panel.h])
+        value = (
+            v[0] + panel.h * evaluate(a, sigma, 1)[0]
+            if panel.integrated
+            else evaluate(v, sigma, 0)[0]
+        )
+        return float(value), float(evaluate(a, sigma, 0)[0])
+
+    candidates = [begin, end]
+    rates = grid.sample_value @ v
+    bracket = first_descent(
+        grid.samples, rates, lambda sigma: rate(panel.t + panel.h * sigma)[0]
+    )
+    if bracket is not None:
+        left, right = (panel.t + panel.h * sigma for sigma in bracket)
+        peak = polish(rate, left, right)
+        if begin < peak < end:
+            candidates.append(peak)
+    return float(_values(panel, np.array(candidates), index).max())
+
+
+def _values(panel: Panel, t: FloatArray, index: int) -> FloatArray:
+    return panel.interpolate(t)[0][:, index]

@@ -1,0 +1,121 @@
+"""Energy balance of a run: what goes in through the drives and where it stays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import System
+from .panel import Panel, forces_at
+from .segment import Segment
+from .event import Event
+from .trajectory import Trajectory
+
+_GAUSS_POINTS = 16
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Energies of a run [J].
+
+    Attributes:
+        drive_work: Work of the drives' torques between events.
+        drive_impulse_work: Work of the held drives' impulses.
+        gravity_work: Work of gravity.
+        spring_change: Growth of the energy stored in springs.
+        kinetic_change: Growth of the kinetic energy (with the shafts' where these are free).
+        impact_losses: Energy lost in collisions and at rests.
+        kinetic_peak: Largest kinetic energy seen.
+    """
+
+    drive_work: float
+    drive_impulse_work: float
+    gravity_work: float
+    spring_change: float
+    kinetic_change: float
+    impact_losses: float
+    kinetic_peak: float
+
+    @property
+    def residual(self) -> float:
+        """What the balance fails to close by [J]."""
+        supplied = self.drive_work + self.drive_impulse_work + self.gravity_work
+        return supplied - self.spring_change - self.kinetic_change - self.impact_losses
+
+    @property
+    def relative(self) -> float:
+        """Size of the residual in units of the largest kinetic energy [-]."""
+        return abs(self.residual) / self.kinetic_peak if self.kinetic_peak > 0.0 else 0.0
+
+
+def energy_balance(
+    system: System, segments: Sequence[Segment], events: Sequence[Event]
+) -> EnergyBalance:
+    """Integrate the drives' power by Gauss quadrature and balance it.
+
+    Args:
+        system: The system.
+        segments: Segments in order of time.
+        events: Events of the run.
+
+    Returns:
+        The balance. Copies of a turn share their panels' arrays and are integrated once.
+    """
+    points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+    known: dict[tuple[int, float], tuple[float, float]] = {}
+    work = peak = 0.0
+    for segment in segments:
+        rows = system.constraint_set(segment.closed)
+        for panel, begin, end in pieces(segment):
+            key = (id(panel.q), round((end - begin) / panel.h, 9))
+            if key not in known:
+                t = begin + 0.5 * (end - begin) * (points + 1.0)
+                q, v, _, forces = forces_at(system, rows, segment.split, panel, t)
+                power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
+                known[key] = (
+                    float(0.5 * (end - begin) * weights @ power),
+                    float(np.max(_kinetic(system, q, v))),
+                )
+            work += known[key][0]
+            peak = max(peak, known[key][1])
+    trajectory = Trajectory(system, segments)
+    first, last = trajectory.span
+    start, end = trajectory.evaluate(first), trajectory.evaluate(last, left=True)
+    # A run may begin or end with a collision: its outer limits belong to the balance.
+    q0, v0 = start.q, start.v
+    q1, v1 = end.q, end.v
+    if events and events[0].t == first:
+        q0, v0 = events[0].q[None], events[0].v_before[None]
+    if events and events[-1].t >= last:
+        q1, v1 = events[-1].q[None], events[-1].v_after[None]
+    return EnergyBalance(
+        drive_work=work,
+        drive_impulse_work=sum(event.energy_from_drives for event in events),
+        gravity_work=_change(-system.body.gravity_energy(q1), -system.body.gravity_energy(q0)),
+        spring_change=_change(system.spring_energy(q1), system.spring_energy(q0)),
+        kinetic_change=_change(_kinetic(system, q1, v1), _kinetic(system, q0, v0)),
+        impact_losses=sum(event.energy_lost for event in events),
+        kinetic_peak=peak,
+    )
+
+
+def pieces(segment: Segment) -> Iterator[tuple[Panel, float, float]]:
+    """Panels of a segment with the part of each that belongs to it."""
+    for panel in segment.panels:
+        begin, end = max(panel.t, segment.t_start), min(panel.t + panel.h, segment.t_end)
+        if end > begin:
+            yield panel, begin, end
+
+
+def _kinetic(system: System, q: FloatArray, v: FloatArray) -> FloatArray:
+    kinetic = system.body.kinetic_energy(q, v)
+    if not system.held:
+        kinetic = kinetic + 0.5 * v[:, system.driven] ** 2 @ system.inertia
+    return np.asarray(kinetic)
+
+
+def _change(end: FloatArray, start: FloatArray) -> float:
+    return float(end[0] - start[0])

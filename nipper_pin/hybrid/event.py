@@ -1,0 +1,53 @@
+"""Events: what interrupts the motion and what it changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ..arrays import FloatArray
+
+
+class EventKind(StrEnum):
+    """What happens at an event."""
+
+    COLLISION = "collision"
+    REST = "rest"
+    RELEASE = "release"
+
+
+@dataclass(frozen=True)
+class Event:
+    """One event.
+
+    Attributes:
+        number: Number of the event, from 1.
+        t: Time [s] from the start of the run.
+        kind: Collision, rest (a series of bounces has reached its limit) or release.
+        stops: Stops that it concerns; of a collision those that receive an impulse first.
+        q: Configuration, shape (nv,) [rad or m].
+        v_before: Velocity just before, shape (nv,).
+        v_after: Velocity just after, shape (nv,).
+        P_N: Impulses of the stops in contact along their coordinates, by name [N m s or N s].
+        P_g: Closure impulses, shape (m,) [N s].
+        P_drive: Impulses of held drives, shape (drives,) [N m s].
+        energy_lost: Kinetic energy lost [J].
+        energy_from_drives: Work of the held drives' impulses [J].
+        closed_before: Closed stops before.
+        closed_after: Closed stops after.
+    """
+
+    number: int
+    t: float
+    kind: EventKind
+    stops: tuple[str, ...]
+    q: FloatArray
+    v_before: FloatArray
+    v_after: FloatArray
+    P_N: dict[str, float]
+    P_g: FloatArray
+    P_drive: FloatArray
+    energy_lost: float
+    energy_from_drives: float
+    closed_before: frozenset[str]
+    closed_after: frozenset[str]

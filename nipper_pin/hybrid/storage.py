@@ -1,0 +1,201 @@
+"""Solutions on disk: one ``.npz`` file that holds the model, the case and every number, without loss.
+
+The file holds arrays and one JSON text; nothing in it is executed when it is read. Python writes and
+reads floats in JSON so that every bit comes back.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import Partition
+from ..dynamics.shaft import ShaftMotion
+from ..errors import InputError
+from ..mechanism import from_sources
+from .case import Case, Resolution
+from .event import Event, EventKind
+from .panel import Panel
+from .segment import Segment
+from .solution import Outcome, Solution
+
+FORMAT = 1
+
+
+def save(solution: Solution, path: str | Path) -> Path:
+    """Write a solution; the file appears only when it is complete.
+
+    Args:
+        solution: The solution.
+        path: File to write; the suffix ``.npz`` is added if it lacks one.
+
+    Returns:
+        The path written.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        target = target.with_name(target.name + ".npz")
+    arrays: dict[str, FloatArray] = {}
+    places: dict[int, int] = {}
+    segments = [_segment_record(segment, arrays, places) for segment in solution.segments]
+    events = [_event_record(event) for event in solution.events]
+    arrays["events"] = np.array(
+        [[event.q, event.v_before, event.v_after] for event in solution.events]
+    )
+    mechanism = solution.mechanism
+    document = {
+        "format": FORMAT,
+        "mechanism": {
+            "name": mechanism.name,
+            "urdf": mechanism.urdf,
+            "description": mechanism.description,
+            "folder": mechanism.mesh_folder,
+        },
+        "case": asdict(solution.case),
+        "shaft": {
+            "speed_rad_s": solution.shaft.speed_rad_s,
+            "start_angle_rad": solution.shaft.start_angle_rad,
+        },
+        "segments": segments,
+        "events": events,
+        "outcome": solution.outcome.name,
+        "evaluations": solution.evaluations,
+        "wall_s": solution.wall_s,
+        "repeated_from": solution.repeated_from,
+    }
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    try:
+        with partial.open("wb") as stream:
+            np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
+        partial.replace(target)
+    finally:
+        partial.unlink(missing_ok=True)
+    return target
+
+
+def load_solution(path: str | Path) -> Solution:
+    """Read a solution written by :func:`save`; its mechanism is validated again.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A solution equal to the saved one in every number.
+
+    Raises:
+        InputError: The file is missing, damaged or of another format.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            document = json.loads(str(stored["document"]))
+            if document["format"] != FORMAT:
+                message = (
+                    f"{path}: this is format {document['format']}, and this version reads format "
+                    f"{FORMAT}; simulate the case again"
+                )
+                raise InputError(message, file=str(path), format=document["format"])
+            return _solution(document, stored)
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        message = f"{path}: not a saved solution, or a damaged one ({error}); simulate the case again"
+        raise InputError(message, file=str(path)) from error
+
+
+def _segment_record(
+    segment: Segment, arrays: dict[str, FloatArray], places: dict[int, int]
+) -> dict[str, Any]:
+    panels = []
+    for panel in segment.panels:
+        # Copies of a turn share their arrays, in memory and on disk.
+        place = places.setdefault(id(panel.q), len(places))
+        if f"panel{place}" not in arrays:
+            arrays[f"panel{place}"] = np.stack([panel.q, panel.v, panel.a])
+        panels.append([panel.t, panel.h, panel.integrated, place])
+    return {
+        "t_start": segment.t_start,
+        "t_end": segment.t_end,
+        "closed": sorted(segment.closed),
+        "dependent": segment.split.dependent,
+        "independent": segment.split.independent,
+        "kinematic": segment.kinematic,
+        "panels": panels,
+    }
+
+
+def _event_record(event: Event) -> dict[str, Any]:
+    return {
+        "number": event.number,
+        "t": event.t,
+        "kind": event.kind.value,
+        "stops": event.stops,
+        "P_N": event.P_N,
+        "P_g": event.P_g.tolist(),
+        "P_drive": event.P_drive.tolist(),
+        "energy_lost": event.energy_lost,
+        "energy_from_drives": event.energy_from_drives,
+        "closed_before": sorted(event.closed_before),
+        "closed_after": sorted(event.closed_after),
+    }
+
+
+def _solution(document: dict[str, Any], stored: Any) -> Solution:
+    source = document["mechanism"]
+    mechanism = from_sources(
+        source["name"], source["urdf"], source["description"], Path(source["folder"])
+    )
+    panels: dict[int, tuple[FloatArray, ...]] = {}
+    segments = []
+    for record in document["segments"]:
+        for *_, place in record["panels"]:
+            if place not in panels:
+                panels[place] = tuple(stored[f"panel{place}"])
+        segments.append(
+            Segment(
+                t_start=record["t_start"],
+                t_end=record["t_end"],
+                closed=frozenset(record["closed"]),
+                split=Partition(tuple(record["dependent"]), tuple(record["independent"])),
+                panels=tuple(
+                    Panel(t, h, *panels[place], integrated=integrated)
+                    for t, h, integrated, place in record["panels"]
+                ),
+                kinematic=record["kinematic"],
+            )
+        )
+    events = []
+    for record, (q, v_before, v_after) in zip(document["events"], stored["events"], strict=True):
+        events.append(
+            Event(
+                number=record["number"],
+                t=record["t"],
+                kind=EventKind(record["kind"]),
+                stops=tuple(record["stops"]),
+                q=q,
+                v_before=v_before,
+                v_after=v_after,
+                P_N=record["P_N"],
+                P_g=np.array(record["P_g"]),
+                P_drive=np.array(record["P_drive"]),
+                energy_lost=record["energy_lost"],
+                energy_from_drives=record["energy_from_drives"],
+                closed_before=frozenset(record["closed_before"]),
+                closed_after=frozenset(record["closed_after"]),
+            )
+        )
+    return Solution(
+        mechanism=mechanism,
+        case=Case(**{**document["case"], "resolution": Resolution(**document["case"]["resolution"])}),
+        shaft=ShaftMotion(mechanism, **document["shaft"]),
+        events=tuple(events),
+        segments=tuple(segments),
+        outcome=Outcome[document["outcome"]],
+        evaluations=document["evaluations"],
+        wall_s=document["wall_s"],
+        repeated_from=document["repeated_from"],
+    )
