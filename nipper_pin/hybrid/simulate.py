@@ -169,10 +169,11 @@ class _Run:
         rates = {stop.name: float(impact.v_after[stop.index]) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, jacobian, at_rest)
-        order = sorted(contacts, key=lambda stop: impact.P_N[stop.name] == 0.0)
-        self._record(
-            EventKind.COLLISION, state, state.t, tuple(stop.name for stop in order), impact, closed
+        struck = sorted(
+            (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
+            key=lambda name: impact.P_N[name] == 0.0,
         )
+        self._record(EventKind.COLLISION, state, state.t, tuple(struck), impact, closed)
         after = State(state.t, state.q, impact.v_after, closed, None)
         newly = hit & closed
         if newly:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import os
 import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition
 from ..dynamics.shaft import ShaftMotion
 from ..errors import InputError
-from ..mechanism import from_sources
+from ..mechanism import Mechanism, from_sources
 from .case import Case, Resolution
 from .event import Event, EventKind
 from .panel import Panel
@@ -49,16 +51,8 @@ def save(solution: Solution, path: str | Path) -> Path:
     arrays["events"] = np.array(
         [[event.q, event.v_before, event.v_after] for event in solution.events]
     )
-    mechanism = solution.mechanism
     document = {
-        "format": FORMAT,
-        "mechanism": {
-            "name": mechanism.name,
-            "urdf": mechanism.urdf,
-            "description": mechanism.description,
-            "folder": mechanism.mesh_folder,
-        },
-        "case": asdict(solution.case),
+        **_setting(solution.mechanism, solution.case),
         "shaft": {
             "speed_rad_s": solution.shaft.speed_rad_s,
             "start_angle_rad": solution.shaft.start_angle_rad,
@@ -70,13 +64,8 @@ def save(solution: Solution, path: str | Path) -> Path:
         "wall_s": solution.wall_s,
         "repeated_from": solution.repeated_from,
     }
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as stream:
-            np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with complete_file(target) as partial, partial.open("wb") as stream:
+        np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
     return target
 
 
@@ -95,16 +84,81 @@ def load_solution(path: str | Path) -> Solution:
     try:
         with np.load(path, allow_pickle=False) as stored:
             document = json.loads(str(stored["document"]))
-            if document["format"] != FORMAT:
-                message = (
-                    f"{path}: this is format {document['format']}, and this version reads format "
-                    f"{FORMAT}; simulate the case again"
-                )
-                raise InputError(message, file=str(path), format=document["format"])
+            _check_format(document, path)
             return _solution(document, stored)
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate the case again"
         raise InputError(message, file=str(path)) from error
+
+
+def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
+    """Write everything that a run needs to be repeated, model included, as one JSON file."""
+    with complete_file(Path(path)) as partial:
+        partial.write_text(json.dumps(_setting(mechanism, case), indent=1), encoding="utf-8")
+    return Path(path)
+
+
+def load_case(path: str | Path) -> tuple[Mechanism, Case]:
+    """Read a case written by :func:`save_case`; its mechanism is validated again.
+
+    Raises:
+        InputError: The file is missing, damaged or of another format.
+    """
+    try:
+        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        _check_format(document, path)
+        return _mechanism(document), _case(document)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        message = f"{path}: not a saved case, or a damaged one ({error})"
+        raise InputError(message, file=str(path)) from error
+
+
+@contextmanager
+def complete_file(target: Path) -> Iterator[Path]:
+    """Give a temporary path beside the target that takes its place only if nothing fails."""
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        partial.replace(target)
+    except OSError as error:
+        message = f"{target}: cannot be written ({error.strerror or error})"
+        raise InputError(message, file=str(target)) from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "mechanism": {
+            "name": mechanism.name,
+            "urdf": mechanism.urdf,
+            "description": mechanism.description,
+            "folder": mechanism.mesh_folder,
+        },
+        "case": asdict(case),
+    }
+
+
+def _check_format(document: dict[str, Any], path: str | Path) -> None:
+    if document["format"] != FORMAT:
+        message = (
+            f"{path}: this is format {document['format']!r}, and this version reads format "
+            f"{FORMAT}; simulate the case again"
+        )
+        raise InputError(message, file=str(path), format=document["format"])
+
+
+def _mechanism(document: dict[str, Any]) -> Mechanism:
+    source = document["mechanism"]
+    return from_sources(
+        source["name"], source["urdf"], source["description"], Path(source["folder"])
+    )
+
+
+def _case(document: dict[str, Any]) -> Case:
+    values = document["case"]
+    return Case(**{**values, "resolution": Resolution(**values["resolution"])})
 
 
 def _segment_record(
@@ -145,10 +199,7 @@ def _event_record(event: Event) -> dict[str, Any]:
 
 
 def _solution(document: dict[str, Any], stored: Any) -> Solution:
-    source = document["mechanism"]
-    mechanism = from_sources(
-        source["name"], source["urdf"], source["description"], Path(source["folder"])
-    )
+    mechanism = _mechanism(document)
     panels: dict[int, tuple[FloatArray, ...]] = {}
     segments = []
     for record in document["segments"]:
@@ -190,7 +241,7 @@ def _solution(document: dict[str, Any], stored: Any) -> Solution:
         )
     return Solution(
         mechanism=mechanism,
-        case=Case(**{**document["case"], "resolution": Resolution(**document["case"]["resolution"])}),
+        case=_case(document),
         shaft=ShaftMotion(mechanism, **document["shaft"]),
         events=tuple(events),
         segments=tuple(segments),

@@ -1,0 +1,174 @@
+"""What a model is: its structure, its conditioning over a cycle, clearances and timing."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..hybrid.case import Case, Window
+from ..hybrid.event import EventKind
+from ..hybrid.simulate import simulate
+from ..hybrid.solution import Solution
+from ..mechanism import Mechanism
+from .interference import Clearance, clearances
+
+_SAMPLES = 240
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """An extreme value over a cycle.
+
+    Attributes:
+        value: The value.
+        index: Index at which it occurs.
+    """
+
+    value: float
+    index: float
+
+
+@dataclass(frozen=True)
+class ModelReport:
+    """Findings about a model at one speed.
+
+    Attributes:
+        mechanism: The model.
+        speed_rpm: Speed of the cycle that was walked [r/min].
+        condition: Largest condition number of the closures over the cycle, the columns of the
+            driven joints left out [-]; infinite in a dead centre.
+        clearances: Smallest distances between links that should not touch.
+        closing_index: Index of the first collision of the transition stop; None without one.
+        opening_index: Index at which that stop opens again; None if it does not.
+        releases: Indices at which a closed stop lets go because its force falls to zero.
+        stop_force: Smallest force of every stop while it is closed [N], and where.
+        outcome: How the cycle ended.
+    """
+
+    mechanism: Mechanism
+    speed_rpm: float
+    condition: Extreme
+    clearances: tuple[Clearance, ...]
+    closing_index: float | None
+    opening_index: float | None
+    releases: tuple[tuple[str, float], ...]
+    stop_force: dict[str, Extreme]
+    outcome: str
+
+    @property
+    def interferences(self) -> tuple[Clearance, ...]:
+        """Pairs of links that overlap somewhere in the cycle."""
+        return tuple(item for item in self.clearances if item.interferes)
+
+    def record(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+        mechanism = self.mechanism
+        return {
+            "model": mechanism.name,
+            "title": mechanism.title,
+            "speed_rpm": self.speed_rpm,
+            "links": list(mechanism.links),
+            "joints": [asdict(joint) for joint in mechanism.joints],
+            "closures": [asdict(closure) for closure in mechanism.closures],
+            "mobility": mechanism.degrees_of_freedom,
+            "driven": len(mechanism.drives),
+            "contacts": {
+                stop.name: {
+                    "point_m": stop.contact.point.tolist(),
+                    "normal": stop.contact.normal.tolist(),
+                    "lever_m": stop.contact.lever_m,
+                    "closing_coordinate": stop.contact.closing_coordinate,
+                }
+                for stop in mechanism.stops
+                if stop.contact is not None
+            },
+            "condition": asdict(self.condition),
+            "clearances": [
+                {**asdict(item), "interferes": item.interferes} for item in self.clearances
+            ],
+            "closing_index": self.closing_index,
+            "opening_index": self.opening_index,
+            "releases": [{"stop": stop, "index": index} for stop, index in self.releases],
+            "smallest_stop_force_N": {
+                name: asdict(extreme) for name, extreme in self.stop_force.items()
+            },
+            "outcome": self.outcome,
+            "provenance": dict(mechanism.provenance),
+        }
+
+
+def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
+    """Walk one cycle of a model and report on it.
+
+    Args:
+        mechanism: The model, already validated by loading it.
+        speed_rpm: Cylinder speed [r/min].
+
+    Returns:
+        The report.
+
+    Raises:
+        SimulationError: The cycle cannot be simulated.
+    """
+    solution = simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))
+    name = mechanism.transition_stop
+    closing = next((item.index for item in solution.collisions if item.stop == name), None)
+    opening = next(
+        (
+            _index(solution, event.t)
+            for event in solution.events
+            if name in event.closed_before and name not in event.closed_after
+        ),
+        None,
+    )
+    return ModelReport(
+        mechanism=mechanism,
+        speed_rpm=speed_rpm,
+        condition=_worst_condition(solution),
+        clearances=clearances(solution),
+        closing_index=closing,
+        opening_index=opening,
+        releases=tuple(
+            (stop, _index(solution, event.t))
+            for event in solution.events
+            if event.kind is EventKind.RELEASE
+            for stop in event.stops
+        ),
+        stop_force=_smallest_forces(solution),
+        outcome=solution.outcome.value,
+    )
+
+
+def _worst_condition(solution: Solution) -> Extreme:
+    times = np.linspace(*solution.trajectory.span, _SAMPLES)
+    _, jacobian = solution.system.body.closures(solution.trajectory.evaluate(times).q)
+    free = [i for i in range(solution.system.body.nv) if i not in solution.system.driven]
+    if not jacobian.shape[1]:
+        return Extreme(1.0, _index(solution, 0.0))
+    conditions = np.linalg.cond(jacobian[:, :, free])
+    worst = int(np.argmax(conditions))
+    return Extreme(float(conditions[worst]), _index(solution, float(times[worst])))
+
+
+def _smallest_forces(solution: Solution) -> dict[str, Extreme]:
+    found: dict[str, Extreme] = {}
+    for segment in solution.segments:
+        if not segment.closed or segment.t_end <= segment.t_start:
+            continue
+        count = max(8, int(_SAMPLES * (segment.t_end - segment.t_start) / solution.shaft.period))
+        times = np.linspace(segment.t_start, segment.t_end, count)
+        # A release ends a segment: its own side of the event is the one that counts.
+        begin = solution.trajectory.reactions(times[:-1])
+        end = solution.trajectory.reactions(times[-1:], left=True)
+        for name in segment.closed:
+            forces = np.concatenate([begin.contacts[name], end.contacts[name]])
+            least = int(np.argmin(forces))
+            if name not in found or forces[least] < found[name].value:
+                found[name] = Extreme(float(forces[least]), _index(solution, float(times[least])))
+    return found
+
+
+def _index(solution: Solution, t: float) -> float:
+    return solution.mechanism.cylinder.index_from_angle(float(solution.shaft.angle(t)))
