@@ -28,6 +28,12 @@ class Partition:
     dependent: tuple[int, ...]
     independent: tuple[int, ...]
 
+    @classmethod
+    def of(cls, dependent: Sequence[int], size: int) -> Partition:
+        """Return the partition of ``size`` coordinates with these dependent ones."""
+        chosen = tuple(sorted(dependent))
+        return cls(chosen, tuple(i for i in range(size) if i not in chosen))
+
 
 def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[int]) -> Partition:
     """Choose dependent coordinates.
@@ -45,33 +51,46 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
         SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
     rows, size = jacobian.shape
-    if rows == 0:
-        return Partition((), tuple(range(size)))
     candidates = [column for column in range(size) if column not in given]
+    condition = np.inf
     for column in preferred:
         rest = [other for other in candidates if other != column]
         if column in candidates and len(rest) >= rows:
-            if np.linalg.cond(jacobian[:, rest]) < MAX_CONDITION:
-                candidates = rest
-    residual = jacobian[:, candidates].copy()
-    chosen: list[int] = []
-    for _ in range(min(rows, len(candidates))):
-        sizes = np.einsum("ij,ij->j", residual, residual)
-        pivot = int(np.argmax(sizes))
-        chosen.append(candidates[pivot])
-        if sizes[pivot] > 0.0:
-            direction = residual[:, pivot] / np.sqrt(sizes[pivot])
-            residual -= np.outer(direction, direction @ residual)
-        residual[:, pivot] = 0.0
-    condition = np.inf if len(chosen) < rows else float(np.linalg.cond(jacobian[:, chosen]))
+            found = _condition(jacobian[:, rest])
+            if found < MAX_CONDITION:
+                candidates, condition = rest, found
+    if len(candidates) > rows:
+        candidates = _pivot(jacobian, candidates)
+        condition = np.inf
+    if condition == np.inf and len(candidates) == rows:
+        condition = _condition(jacobian[:, candidates])
     if not condition < MAX_CONDITION:
         message = (
             f"the closures do not determine the mechanism here (condition {condition:.2g}): it "
             "stands in a dead centre; change the dimensions or the drive"
         )
-        raise SingularConfigurationError(message, condition=condition, coordinates=chosen)
-    dependent = tuple(sorted(chosen))
-    return Partition(dependent, tuple(i for i in range(size) if i not in dependent))
+        raise SingularConfigurationError(message, condition=condition, coordinates=candidates)
+    return Partition.of(candidates, size)
+
+
+def _condition(matrix: FloatArray) -> float:
+    return float(np.linalg.cond(matrix)) if matrix.size else 1.0
+
+
+def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
+    """Choose as many columns as rows, each the largest one orthogonal to those before."""
+    residual = jacobian[:, candidates].copy()
+    chosen: list[int] = []
+    for _ in range(len(jacobian)):
+        sizes = np.einsum("ij,ij->j", residual, residual)
+        pivot = int(np.argmax(sizes))
+        chosen.append(candidates[pivot])
+        direction = residual[:, pivot] / np.sqrt(max(sizes[pivot], np.finfo(float).tiny))
+        residual -= np.outer(direction, direction @ residual)
+        # A column is chosen once, even where all that is left is round-off.
+        candidates = [*candidates[:pivot], *candidates[pivot + 1 :]]
+        residual = np.delete(residual, pivot, axis=1)
+    return chosen
 
 
 def close_positions(

@@ -18,6 +18,7 @@ from ..mechanism import Stop
 from .system import System
 
 _RANK_TOLERANCE = 1e-9
+_NO_RATE = 1e-13
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,11 @@ def _outcome(
     indices = [contacts[i].index for i in chosen]
     v_after = v + delta
     v_after[indices] = wanted[chosen]
+    rates = v[[stop.index for stop in contacts]]
+    for i, stop in enumerate(contacts):
+        # A contact that the impact does not touch must not separate by its round-off.
+        if i not in chosen and abs(v_after[stop.index]) <= _NO_RATE * np.abs(rates).max():
+            v_after[stop.index] = 0.0
     P_N = {stop.name: 0.0 for stop in contacts}
     P_N.update({contacts[i].name: float(p) for i, p in zip(chosen, stop_impulses, strict=True)})
     P_drive = np.zeros(len(system.driven))

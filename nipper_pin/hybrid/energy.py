@@ -73,7 +73,7 @@ def energy_balance(
             key = (id(panel.q), round((end - begin) / panel.h, 9))
             if key not in known:
                 t = begin + 0.5 * (end - begin) * (points + 1.0)
-                q, v, _, forces = forces_at(system, rows, segment.split, panel, t)
+                q, v, _, forces = forces_at(system, rows, panel, t)
                 power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
                 known[key] = (
                     float(0.5 * (end - begin) * weights @ power),

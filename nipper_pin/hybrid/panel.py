@@ -16,8 +16,25 @@ from .collocation import evaluate, nodes, tail
 _MAX_SWEEPS = 16
 # A sweep of Picard's iteration that gains less than this shows a panel too long for it.
 _WORST_CONTRACTION = 0.25
+_ROUND_OFF = 1e-15
+_SMALLEST = 1e-300
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A panel, or why there is none, and the length that the next attempt should have.
+
+    Attributes:
+        panel: The panel; None if the nodes do not resolve it.
+        forces: Stop forces at its nodes, shape (N, closed).
+        factor: Ratio of the advised next length to this one.
+    """
+
+    panel: Panel | None
+    forces: FloatArray
+    factor: float
 
 
 @dataclass(frozen=True)
@@ -30,6 +47,7 @@ class Panel:
         q: Configurations at the nodes, shape (N, nv).
         v: Velocities at the nodes, shape (N, nv).
         a: Accelerations at the nodes, shape (N, nv).
+        split: Dependent and independent coordinates.
         integrated: True if the free coordinates are integrals of ``a`` from the first node; False
             if all follow from the drives, node by node.
     """
@@ -39,6 +57,7 @@ class Panel:
     q: FloatArray
     v: FloatArray
     a: FloatArray
+    split: Partition
     integrated: bool
 
     @property
@@ -73,14 +92,13 @@ class Panel:
 
 
 def state_at(
-    system: System, rows: ConstraintSet, split: Partition, panel: Panel, t: FloatArray
+    system: System, rows: ConstraintSet, panel: Panel, t: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Exact states on a panel: prescribed motion and closures are met to round-off.
 
     Args:
         system: The system.
         rows: The phase.
-        split: Dependent and independent coordinates.
         panel: The panel.
         t: Times within it, shape (K,) [s].
 
@@ -89,14 +107,13 @@ def state_at(
     """
     q, v = panel.interpolate(t)
     system.prescribe(t, q, v, rows)
-    q, jacobian = close_positions(system.body, q, split)
-    return q, close_velocities(v, jacobian, split), jacobian
+    q, jacobian = close_positions(system.body, q, panel.split)
+    return q, close_velocities(v, jacobian, panel.split), jacobian
 
 
 def forces_at(
     system: System,
     rows: ConstraintSet,
-    split: Partition,
     panel: Panel,
     t: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
@@ -105,9 +122,9 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    q, v, jacobian = state_at(system, rows, split, panel, t)
+    q, v, jacobian = state_at(system, rows, panel, t)
     a = system.accelerations(system.shaft.driven(t), q, v, rows)
-    return q, v, a, multipliers(system, q, v, a, jacobian, rows, split)
+    return q, v, a, multipliers(system, q, v, a, jacobian, rows, panel.split)
 
 
 def kinematic_panel(
@@ -120,7 +137,7 @@ def kinematic_panel(
     v: FloatArray,
     a: FloatArray,
     resolution: Resolution,
-) -> tuple[Panel, FloatArray] | None:
+) -> Attempt:
     """Motion of a phase without freedom, where the drives determine everything.
 
     Args:
@@ -135,8 +152,7 @@ def kinematic_panel(
         resolution: Number of nodes, and what they may leave unresolved.
 
     Returns:
-        The panel and the stop forces at its nodes, shape (N, closed); None if the panel is too
-        long to be resolved.
+        The panel with the stop forces, or the advice to try a shorter one.
     """
     grid = nodes(resolution.kinematic_nodes)
     tau = (h * grid.sigma)[:, None]
@@ -148,33 +164,42 @@ def kinematic_panel(
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(system.shaft.driven(times), q_nodes, v_nodes, rows)
     forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
-    panel = Panel(t, h, q_nodes, v_nodes, a_nodes, integrated=False)
+    panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
-        return panel, forces
-    tolerance = resolution.tolerance
+        return Attempt(panel, forces, 1.0)
     moving = np.abs(h * v_nodes).max(axis=0)
-    rough = tail(q_nodes) > tolerance * moving + 1e-15
-    # Stop forces are roots of a second derivative: they are resolved less far than positions.
-    rough_force = tail(forces) > np.sqrt(tolerance) * np.abs(forces).max(axis=0)
-    if rough.any() or rough_force.any():
-        return None
-    return panel, forces
+    rough = tail(q_nodes) / (resolution.tolerance * moving + _ROUND_OFF)
+    # Stop forces are second derivatives: they are resolved less far than positions, and their
+    # roots are polished on the exact motion.
+    size = np.abs(forces).max(axis=0) + _SMALLEST
+    rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
+    excess = float(max(rough.max(initial=0.0), rough_force.max(initial=0.0)))
+    return _judged(panel, forces, excess, resolution.kinematic_nodes)
+
+
+def _judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attempt:
+    """Accept a panel whose unresolved part is at most 1 in units of the tolerance."""
+    factor = 0.9 * max(excess, _SMALLEST) ** (-1.0 / order)
+    factor = min(max(factor, 0.2), 2.0)
+    return Attempt(panel if excess <= 1.0 else None, forces, factor if excess <= 1.0 else min(factor, 0.7))
 
 
 def flight_panel(
     system: System,
     rows: ConstraintSet,
+    split: Partition,
     t: float,
     h: float,
     q: FloatArray,
     v: FloatArray,
     resolution: Resolution,
-) -> Panel | None:
+) -> Attempt:
     """Motion of a phase with freedom, by Picard iteration on the collocation nodes.
 
     Args:
         system: The system.
         rows: The phase.
+        split: Dependent and independent coordinates.
         t: Start [s].
         h: Length [s].
         q: Closed configuration at the start, shape (nv,).
@@ -182,7 +207,7 @@ def flight_panel(
         resolution: Number of nodes and relative accuracy of the positions.
 
     Returns:
-        The panel, or None if it is too long for the iteration or for the order.
+        The panel, or the advice to try a shorter one.
     """
     count, tolerance = resolution.flight_nodes, resolution.tolerance
     if not resolution.adaptive:
@@ -197,30 +222,45 @@ def flight_panel(
     a = np.repeat(start, count, axis=0)
     straight = q + tau * v
     reach = np.abs(h * v)
+    forces = np.empty((count, len(rows.stops)))
     change = np.inf
     for _ in range(_MAX_SWEEPS):
-        q_nodes = straight + h**2 * (grid.twice @ a)
-        v_nodes = v + h * (grid.once @ a)
-        if system.held:
-            q_nodes[:, system.driven], v_nodes[:, system.driven] = motion[0], motion[1]
+        q_nodes, v_nodes = _integrated(system, motion, straight, v, h, a)
         new = system.accelerations(rest, q_nodes[1:], v_nodes[1:], rows)
-        scale = reach + h**2 * np.abs(new).max(axis=0)
-        previous, change = change, float(np.max(h**2 * np.abs(new - a[1:]) / (scale + 1e-300)))
+        scale = reach + h**2 * np.abs(new).max(axis=0) + _SMALLEST
+        previous, change = change, float((h**2 * np.abs(new - a[1:]) / scale).max())
         a[1:] = new
         if change <= tolerance:
             break
         if change > _WORST_CONTRACTION * previous and previous < 1.0:
             if change <= _ITERATION_FLOOR:
                 break
-            return None
+            return Attempt(None, forces, 0.5)
     else:
-        return None
+        return Attempt(None, forces, 0.5)
+    q_nodes, v_nodes = _integrated(system, motion, straight, v, h, a)
+    panel = Panel(t, h, q_nodes, v_nodes, a, split, integrated=True)
+    if rows.stops:
+        forces = forces_at(system, rows, panel, times)[3].la_N
+    if not resolution.adaptive:
+        return Attempt(panel, forces, 1.0)
     # Two integrations divide the coefficient of degree k by about (2 k)^2.
     left_over = h**2 * tail(a) / (2.0 * count) ** 2
-    if resolution.adaptive and (left_over > tolerance * (scale + 1e-300)).any():
-        return None
+    return _judged(panel, forces, float((left_over / (tolerance * scale)).max()), count)
+
+
+def _integrated(
+    system: System,
+    motion: tuple[FloatArray, FloatArray, FloatArray],
+    straight: FloatArray,
+    v: FloatArray,
+    h: float,
+    a: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Positions and velocities at the nodes that belong to accelerations there."""
+    grid = nodes(len(a))
     q_nodes = straight + h**2 * (grid.twice @ a)
     v_nodes = v + h * (grid.once @ a)
     if system.held:
         q_nodes[:, system.driven], v_nodes[:, system.driven] = motion[0], motion[1]
-    return Panel(t, h, q_nodes, v_nodes, a, integrated=True)
+    return q_nodes, v_nodes

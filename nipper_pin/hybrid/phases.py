@@ -68,7 +68,7 @@ def pressed(
             if (la_N >= 0.0).all() and min(leaving, default=0.0) >= 0.0:
                 return frozenset(names)
     message = (
-        f"at t = {t:.9g} s no set of the stops {sorted(at_rest)} can stay closed: each choice "
+        f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
         "either pulls or penetrates; check the sides of the stops"
     )
-    raise SimulationError(message, t=t, stops=sorted(at_rest))
+    raise SimulationError(message, stops=sorted(at_rest))

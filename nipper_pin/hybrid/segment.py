@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions, partition
 from ..dynamics.system import ConstraintSet, System
-from ..errors import ConvergenceError
+from ..errors import ConvergenceError, SimulationError
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import evaluate, nodes
@@ -54,7 +54,6 @@ class Segment:
         t_start: Start [s].
         t_end: End [s].
         closed: Names of the closed stops.
-        split: Dependent and independent coordinates.
         panels: Panels in order of time; the last one may reach beyond the end.
         kinematic: True if the drives determine the motion.
     """
@@ -62,7 +61,6 @@ class Segment:
     t_start: float
     t_end: float
     closed: frozenset[str]
-    split: Partition
     panels: tuple[Panel, ...]
     kinematic: bool
 
@@ -125,10 +123,9 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    _, jacobian = system.body.closures(q[None])
+    _, jacobians = system.body.closures(q[None])
+    jacobian = jacobians[0]
     open_stops = [stop for stop in system.mechanism.stops if stop.name not in rows.closed]
-    by_gap = sorted(open_stops, key=lambda stop: abs(q[stop.index]))
-    split = partition(jacobian[0], rows.given, [stop.index for stop in by_gap])
     kinematic = rows.freedom == 0
     start = t
     longest = system.shaft.period / resolution.panels_per_turn
@@ -136,22 +133,24 @@ def advance(
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t)
-        panel, forces = _panel(system, rows, split, t, h, q, v, resolution, kinematic)
+        by_gap = sorted(open_stops, key=lambda stop: abs(q[stop.index]))
+        split = partition(jacobian, rows.given, [stop.index for stop in by_gap])
+        panel, forces, advised = _panel(system, rows, split, t, h, q, v, resolution)
         panels.append(panel)
-        triggers = _triggers(system, rows, split, panel, forces, open_stops)
+        triggers = _triggers(system, rows, panel, forces, open_stops)
         if triggers or t + panel.h >= t_limit:
             t_end = triggers[0].t if triggers else t_limit
             q, v, jacobian = (
-                item[0] for item in state_at(system, rows, split, panel, np.array([t_end]))
+                item[0] for item in state_at(system, rows, panel, np.array([t_end]))
             )
-            segment = Segment(start, t_end, rows.closed, split, tuple(panels), kinematic)
+            segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             for trigger in triggers:
                 if trigger.kind is TriggerKind.GAP:
                     q[system.mechanism.stop(trigger.stop).index] = 0.0
             return Advance(segment, triggers, q, v, jacobian)
         t = t + panel.h
-        q, v, _ = (item[0] for item in state_at(system, rows, split, panel, np.array([t])))
-        h = min(longest, 1.5 * panel.h)
+        q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t])))
+        h = min(longest, advised)
 
 
 def _ballistic_length(
@@ -182,49 +181,41 @@ def _panel(
     q: FloatArray,
     v: FloatArray,
     resolution: Resolution,
-    kinematic: bool,
-) -> tuple[Panel, FloatArray]:
-    """Solve one panel, halving its length until it is resolved; with its stop forces."""
+) -> tuple[Panel, FloatArray, float]:
+    """Solve one panel, shortened until it is resolved; with stop forces and the next length."""
     shortest = _SHORTEST_PANEL * system.shaft.period
+    kinematic = rows.freedom == 0
     if kinematic:
         time = np.array([t])
         a = system.accelerations(system.shaft.driven(time), q[None], v[None], rows)[0]
-    while h > shortest:
-        if kinematic:
-            try:
-                solved = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
-            except ConvergenceError:
-                # The guess of a long panel may be too far; a short one tells the truth.
-                if 0.5 * h <= shortest:
-                    raise
-                solved = None
-            if solved is not None:
-                return solved
+    while h > 0.0:
+        factor = 0.5
+        try:
+            if kinematic:
+                attempt = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
+            else:
+                attempt = flight_panel(system, rows, split, t, h, q, v, resolution)
+        except ConvergenceError:
+            # The guess of a long panel may be too far off; a short one tells the truth.
+            if h <= 2.0 * shortest:
+                raise
         else:
-            panel = flight_panel(system, rows, t, h, q, v, resolution)
-            if panel is not None:
-                return panel, _flight_forces(system, rows, split, panel)
-        h *= 0.5
+            if attempt.panel is not None:
+                return attempt.panel, attempt.forces, h * attempt.factor
+            factor = attempt.factor
+        if h <= shortest:
+            break
+        h *= factor
     message = (
-        f"the motion cannot be resolved at t = {t:.9g} s (index "
-        f"{system.mechanism.cylinder.index_from_angle(float(system.shaft.angle(t))):.4f}): the "
-        "step falls below its limit; a spring or a mass is too extreme, or a dead centre is near"
+        f"the motion cannot be resolved: the step falls to {h:.2g} s; a spring or a mass is too "
+        "extreme, or a dead centre is near"
     )
     raise ConvergenceError(message, residual=h, tolerance=shortest, iterations=0)
-
-
-def _flight_forces(
-    system: System, rows: ConstraintSet, split: Partition, panel: Panel
-) -> FloatArray:
-    if not rows.stops:
-        return np.empty((panel.order, 0))
-    return forces_at(system, rows, split, panel, panel.times)[3].la_N
 
 
 def _triggers(
     system: System,
     rows: ConstraintSet,
-    split: Partition,
     panel: Panel,
     forces: FloatArray,
     open_stops: list[Stop],
@@ -232,12 +223,12 @@ def _triggers(
     """Earliest triggers on a panel, simultaneous ones together."""
     found = []
     for stop in open_stops:
-        t = _gap_root(system, rows, split, panel, stop.index)
+        t = _gap_root(system, rows, panel, stop.index)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
     closed = [stop for stop in system.mechanism.stops if stop.name in rows.closed]
     for column, stop in enumerate(closed):
-        t = _force_root(system, rows, split, panel, forces[:, column], column)
+        t = _force_root(system, rows, panel, forces[:, column], column)
         if t is not None:
             found.append(Trigger(t, TriggerKind.FORCE, stop.name))
     if not found:
@@ -252,7 +243,7 @@ def _triggers(
 
 
 def _gap_root(
-    system: System, rows: ConstraintSet, split: Partition, panel: Panel, index: int
+    system: System, rows: ConstraintSet, panel: Panel, index: int
 ) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
     grid = nodes(panel.order)
@@ -264,7 +255,7 @@ def _gap_root(
             return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
 
         def exact(t: float) -> tuple[float, float]:
-            q, v, _ = state_at(system, rows, split, panel, np.array([t]))
+            q, v, _ = state_at(system, rows, panel, np.array([t]))
             return float(q[0, index]), float(v[0, index])
 
         bracket = first_descent(grid.samples, grid.sample_value @ panel.q[:, index], interpolant)
@@ -291,29 +282,39 @@ def _gap_root(
         )
 
     values = deflated(grid.samples, grid.sample_twice @ a)
+    if (values < 0.0).all():
+        name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
+        message = (
+            f"stop {name!r} is open but its gap starts to close from zero: the accelerations "
+            "contradict the closed stops; this is an error of the package, please report the case"
+        )
+        raise SimulationError(message, stop=name, gap=gap, rate=rate)
     return _polished(panel, first_descent(grid.samples, values, at), motion)
 
 
 def _force_root(
     system: System,
     rows: ConstraintSet,
-    split: Partition,
     panel: Panel,
     force: FloatArray,
     column: int,
 ) -> float | None:
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
     grid = nodes(panel.order)
-    slope = np.gradient(grid.sample_value @ force, grid.samples) / panel.h
+    values = grid.sample_value @ force
+    if values[0] < 0.0:
+        # The force was zero to round-off when the stop was taken to be pressed.
+        return panel.t
+    slope = np.gradient(values, grid.samples) / panel.h
 
     def interpolant(sigma: float) -> float:
         return float(evaluate(force, np.array([sigma]), 0)[0])
 
     def exact(t: float) -> tuple[float, float]:
-        la_N = forces_at(system, rows, split, panel, np.array([t]))[3].la_N
+        la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), float(np.interp((t - panel.t) / panel.h, grid.samples, slope))
 
-    bracket = first_descent(grid.samples, grid.sample_value @ force, interpolant)
+    bracket = first_descent(grid.samples, values, interpolant)
     return _polished(panel, bracket, exact)
 
 

@@ -13,7 +13,7 @@ from ..dynamics.assembly import assemble
 from ..dynamics.impact import Impact, arrest, collide
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
-from ..errors import InputError
+from ..errors import InputError, SimulationError
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
@@ -141,6 +141,15 @@ class _Run:
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit."""
+        try:
+            return self._step(t_limit)
+        except SimulationError as error:
+            t = self.segments[-1].t_end if self.segments else self.state.t
+            index = self.mechanism.cylinder.index_from_angle(float(self.system.shaft.angle(t)))
+            message = f"after t = {t:.6g} s (index {index:.3f}): {error.message}"
+            raise type(error)(message, **error.evidence, t=t, index=index) from error
+
+    def _step(self, t_limit: float) -> bool:
         state = self.state
         rows = self.system.constraint_set(state.closed)
         reached = advance(

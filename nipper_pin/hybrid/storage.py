@@ -170,13 +170,11 @@ def _segment_record(
         place = places.setdefault(id(panel.q), len(places))
         if f"panel{place}" not in arrays:
             arrays[f"panel{place}"] = np.stack([panel.q, panel.v, panel.a])
-        panels.append([panel.t, panel.h, panel.integrated, place])
+        panels.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
     return {
         "t_start": segment.t_start,
         "t_end": segment.t_end,
         "closed": sorted(segment.closed),
-        "dependent": segment.split.dependent,
-        "independent": segment.split.independent,
         "kinematic": segment.kinematic,
         "panels": panels,
     }
@@ -211,10 +209,12 @@ def _solution(document: dict[str, Any], stored: Any) -> Solution:
                 t_start=record["t_start"],
                 t_end=record["t_end"],
                 closed=frozenset(record["closed"]),
-                split=Partition(tuple(record["dependent"]), tuple(record["independent"])),
                 panels=tuple(
-                    Panel(t, h, *panels[place], integrated=integrated)
-                    for t, h, integrated, place in record["panels"]
+                    Panel(
+                        t, h, *panels[place],
+                        split=Partition.of(dependent, len(mechanism.joints)), integrated=integrated,
+                    )
+                    for t, h, dependent, integrated, place in record["panels"]
                 ),
                 kinematic=record["kinematic"],
             )

@@ -94,7 +94,7 @@ class Trajectory:
         for segment, panel, chosen in self._groups(times, left):
             rows = self.system.constraint_set(segment.closed)
             q[chosen], v[chosen], _ = state_at(
-                self.system, rows, segment.split, panel, times[chosen]
+                self.system, rows, panel, times[chosen]
             )
         return Motion(times, self.system.shaft.angle(times), q, v)
 
@@ -111,7 +111,7 @@ class Trajectory:
         for segment, panel, chosen in self._groups(times, left):
             rows = self.system.constraint_set(segment.closed)
             q, v, a_chosen, forces = forces_at(
-                self.system, rows, segment.split, panel, times[chosen]
+                self.system, rows, panel, times[chosen]
             )
             a[chosen] = a_chosen
             torques[chosen] = forces.drive

@@ -31,6 +31,11 @@ class Cylinder:
     reference_angle_rad: float
     reference_index: float
 
+    @property
+    def rated_speed_rpm(self) -> float:
+        """Rated speed [r/min]."""
+        return self.rated_speed_rad_s * 60.0 / math.tau
+
     def index_from_angle(self, psi: float) -> float:
         """Index in [0, 40) of the cylinder angle psi [rad]."""
         turns = self.sense * (psi - self.reference_angle_rad) / math.tau

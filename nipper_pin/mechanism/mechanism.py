@@ -218,7 +218,9 @@ class Mechanism:
         for stop in self.stops:
             if stop.name == name:
                 return stop
-        raise UnknownNameError("stop", name, (stop.name for stop in self.stops), self.name)
+        raise UnknownNameError(
+            kind="stop", name=name, known=(stop.name for stop in self.stops), where=self.name
+        )
 
     def phase_of(self, closed: frozenset[str]) -> Phase | None:
         """Return the phase with exactly these closed stops, or None if it has no name."""

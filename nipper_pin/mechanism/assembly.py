@@ -1,0 +1,242 @@
+"""Checks of the whole mechanism in its touch configuration, from static placements only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from ..arrays import FloatArray
+from ..errors import AssemblyError, ModelError
+from .mechanism import Closure, Drive, Joint, Phase, Stop
+from .tree import supports
+from .urdf import Urdf
+
+ASSEMBLY_TOLERANCE_M = 1e-9
+"""Largest gap of a closure in the touch configuration [m]."""
+
+_RANK_TOLERANCE = 1e-8
+_PLANE = (0, 2)
+
+
+def closure_gaps(
+    closures: Sequence[Closure], model: pin.Model, placements: list[pin.SE3]
+) -> FloatArray:
+    """Gap of every closure at q = 0, frame b minus frame a.
+
+    Args:
+        closures: The cut joints.
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+
+    Returns:
+        Gaps along x and z [m], shape (closures, 2).
+    """
+    gaps = [
+        _point(closure.frame_b, model, placements) - _point(closure.frame_a, model, placements)
+        for closure in closures
+    ]
+    return np.array(gaps).reshape(-1, 3)[:, _PLANE]
+
+
+def closure_jacobian(
+    closures: Sequence[Closure],
+    joints: Sequence[Joint],
+    urdf: Urdf,
+    model: pin.Model,
+    placements: list[pin.SE3],
+) -> FloatArray:
+    """Jacobian of the closure gaps at q = 0.
+
+    Args:
+        closures: The cut joints.
+        joints: The tree joints in the order of their coordinates.
+        urdf: The checked URDF.
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+
+    Returns:
+        Rows x, z of each closure in turn, shape (2 closures, joints).
+    """
+    rows = [
+        _point_jacobian(closure.frame_b, joints, urdf, model, placements)
+        - _point_jacobian(closure.frame_a, joints, urdf, model, placements)
+        for closure in closures
+    ]
+    return np.array(rows).reshape(-1, len(joints))
+
+
+def _point(frame: str, model: pin.Model, placements: list[pin.SE3]) -> FloatArray:
+    """World position of a frame's origin at q = 0, shape (3,)."""
+    item = model.frames[model.getFrameId(frame, pin.FrameType.BODY)]
+    return np.array((placements[item.parentJoint] * item.placement).translation)
+
+
+def _point_jacobian(
+    frame: str,
+    joints: Sequence[Joint],
+    urdf: Urdf,
+    model: pin.Model,
+    placements: list[pin.SE3],
+) -> FloatArray:
+    """Planar Jacobian of a frame's origin at q = 0, shape (2, joints)."""
+    point = _point(frame, model, placements)
+    moving = supports(model, model.frames[model.getFrameId(frame, pin.FrameType.BODY)].parentJoint)
+    jacobian = np.zeros((3, len(joints)))
+    for column, joint in enumerate(joints):
+        identity = model.getJointId(joint.name)
+        if identity not in moving:
+            continue
+        axis = placements[identity].rotation @ np.array(urdf.joints[joint.name].axis)
+        if joint.kind == "revolute":
+            axis = np.cross(axis, point - placements[identity].translation)
+        jacobian[:, column] = axis
+    return jacobian[_PLANE, :]
+
+
+def check_assembly(
+    closures: Sequence[Closure],
+    drives: Sequence[Drive],
+    stops: Sequence[Stop],
+    phases: Sequence[Phase],
+    *,
+    joints: Sequence[Joint],
+    urdf: Urdf,
+    model: pin.Model,
+    placements: list[pin.SE3],
+    degrees_of_freedom: int,
+    file: str,
+) -> None:
+    """Check that the mechanism closes, moves as stated and can be driven.
+
+    Args:
+        closures: The cut joints.
+        drives: The driven joints.
+        stops: The stops.
+        phases: The working phases.
+        joints: The tree joints in the order of their coordinates.
+        urdf: The checked URDF.
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+        degrees_of_freedom: Mobility stated in the TOML file.
+        file: Name of the TOML file, for messages.
+
+    Raises:
+        AssemblyError: A closure has a gap or redundant rows.
+        ModelError: The mobility is not the stated one, or drives or stops contradict the closures.
+    """
+    _check_gaps(closures, closure_gaps(closures, model, placements), file)
+    jacobian = closure_jacobian(closures, joints, urdf, model, placements)
+    names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
+    redundant = dependent_rows(jacobian, names)
+    if redundant:
+        raise AssemblyError(
+            file=file,
+            key="closures",
+            value=redundant,
+            allowed="each closure row must restrain the mechanism in its own way at touch; these "
+            "depend on one another (a pin closed twice, or a dead centre)",
+        )
+    _check_mobility(joints, closures, degrees_of_freedom, file)
+    _check_drives(jacobian, names, drives, joints, file)
+    _check_phases(jacobian, names, drives, stops, phases, file)
+
+
+def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> None:
+    """Refuse a closure whose frames do not meet."""
+    for closure, gap in zip(closures, gaps, strict=True):
+        if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:
+            x, z = 1e3 * gap
+            raise AssemblyError(
+                file=file,
+                key=f"closures.{closure.name}",
+                value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from "
+                f"{closure.frame_a} to {closure.frame_b}",
+                allowed=f"the frames meet within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
+                "configuration, where all joint coordinates are zero",
+            )
+
+
+def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
+    """Names of the rows that take part in a linear dependence; empty if there is none.
+
+    Args:
+        matrix: Rows of any scale, shape (rows, columns).
+        names: Name of each row.
+    """
+    if not len(matrix):
+        return []
+    length = np.linalg.norm(matrix, axis=1, keepdims=True)
+    left, values, _ = np.linalg.svd(matrix / np.where(length > 0.0, length, 1.0))
+    rank = int(np.count_nonzero(values > _RANK_TOLERANCE))
+    share = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
+    return [name for name, part in zip(names, share, strict=True) if part > 1e-6]
+
+
+def _check_mobility(
+    joints: Sequence[Joint], closures: Sequence[Closure], stated: int, file: str
+) -> None:
+    """Compare the mobility with the stated one; the rows are known to be independent."""
+    found = len(joints) - 2 * len(closures)
+    if found == stated:
+        return
+    names = ", ".join(closure.name for closure in closures) or "none"
+    raise ModelError(
+        file=file,
+        key="degrees_of_freedom",
+        value=stated,
+        allowed=f"the model has {found}: {len(joints)} tree joints less two rows for each of "
+        f"{len(closures)} closures ({names}); correct the number, or add or remove a closure",
+    )
+
+
+def _unit(indices: Sequence[int], size: int) -> FloatArray:
+    """Rows of the unit matrix, shape (indices, size)."""
+    return np.eye(size)[list(indices)].reshape(-1, size)
+
+
+def _check_drives(
+    jacobian: FloatArray,
+    names: Sequence[str],
+    drives: Sequence[Drive],
+    joints: Sequence[Joint],
+    file: str,
+) -> None:
+    """Drives must be independent of the closures and of one another."""
+    driven = _unit([drive.index for drive in drives], len(joints))
+    labels = [*names, *(f"drive {drive.name}" for drive in drives)]
+    clash = dependent_rows(np.vstack([jacobian, driven]), labels)
+    if clash:
+        raise ModelError(
+            file=file,
+            key="drives",
+            value=clash,
+            allowed="the driven joints must be free to move independently of one another",
+        )
+
+
+def _check_phases(
+    jacobian: FloatArray,
+    names: Sequence[str],
+    drives: Sequence[Drive],
+    stops: Sequence[Stop],
+    phases: Sequence[Phase],
+    file: str,
+) -> None:
+    """In each phase the closed stops must be compatible with closures and drives."""
+    size = jacobian.shape[1]
+    driven = _unit([drive.index for drive in drives], size)
+    labels = [*names, *(f"drive {drive.name}" for drive in drives)]
+    for place, phase in enumerate(phases):
+        closed = [stop for stop in stops if stop.name in phase.closed]
+        rows = np.vstack([jacobian, driven, _unit([stop.index for stop in closed], size)])
+        clash = dependent_rows(rows, [*labels, *(f"stop {stop.name}" for stop in closed)])
+        if clash:
+            raise ModelError(
+                file=file,
+                key=f"phases[{place}].closed",
+                value=sorted(phase.closed),
+                allowed="closed stops must leave the drives free to move; these contradict one "
+                f"another: {', '.join(clash)}",
+            )

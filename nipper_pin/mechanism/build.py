@@ -1,0 +1,283 @@
+"""Putting the parts of a mechanism together and checking the names that join them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from ..errors import ModelError, UnknownNameError
+from .assembly import check_assembly
+from .contact import find_contact
+from .describe import describe
+from .description import Description, SpringDescription
+from .drives import DriveLaw
+from .laws import build_cylinder, build_laws
+from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Spring, Stop
+from .tree import build_model, collision_geometry, joint_placements, tree_joints
+from .urdf import Urdf, check_urdf, parse_xml
+
+_AXES = {
+    "prismatic": ("stiffness_N_per_m", "preload_length_mm", 1e-3),
+    "revolute": ("stiffness_N_m_per_rad", "preload_deg", math.pi / 180.0),
+}
+
+
+def build_mechanism(
+    name: str, urdf_text: str, data: Mapping[str, object], mesh_folder: Path
+) -> Mechanism:
+    """Build and validate a mechanism.
+
+    Args:
+        name: Model name.
+        urdf_text: The URDF.
+        data: The TOML document, overrides applied and tables written out.
+        mesh_folder: Folder that mesh files must lie in.
+
+    Raises:
+        UnknownNameError: A name in the data does not exist.
+        ModelError: A value in the data cannot be used.
+    """
+    file, urdf_file = f"{name}.toml", f"{name}.urdf"
+    description = describe(data, file)
+    urdf = check_urdf(parse_xml(urdf_text, urdf_file), urdf_file, mesh_folder)
+    model = build_model(urdf_text, description.gravity_m_s2, urdf_file)
+    joints = tree_joints(model, urdf)
+    by_name = {joint.name: joint for joint in joints}
+    placements = joint_placements(model)
+    laws = build_laws(description.drives, file)
+    cylinder = build_cylinder(description, laws, file)
+    closures = _closures(description, urdf, file)
+    drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
+    springs = _springs(description, by_name, file)
+    phases = _phases(description, file)
+    geometry = None
+    if any(stop.contact for stop in description.stops.values()):
+        geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)
+    stops = _stops(description, by_name, model, placements, urdf, geometry, file, urdf_file)
+    for key, path in description.shortcuts.items():
+        _check_shortcut(key, path, data, urdf, file)
+    check_assembly(
+        closures,
+        drives,
+        stops,
+        phases,
+        joints=joints,
+        urdf=urdf,
+        model=model,
+        placements=placements,
+        degrees_of_freedom=description.degrees_of_freedom,
+        file=file,
+    )
+    return Mechanism(
+        name=name,
+        title=description.title,
+        joints=joints,
+        closures=closures,
+        drives=drives,
+        springs=springs,
+        stops=stops,
+        phases=phases,
+        transition_stop=description.transition_stop,
+        initial_phase=description.initial_phase,
+        cylinder=cylinder,
+        gravity_m_s2=description.gravity_m_s2,
+        shortcuts=dict(description.shortcuts),
+        provenance=dict(description.provenance),
+        urdf=urdf_text,
+        description=dict(data),
+        mesh_folder=str(mesh_folder),
+        model=model,
+    )
+
+
+def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, tuple[str, ...]]]:
+    """Collision shapes of a mechanism, for checks of clearance.
+
+    Args:
+        mechanism: The mechanism.
+
+    Returns:
+        Geometry model without any collision pairs, its objects named like the collision elements
+        of the URDF, and these names by link.
+    """
+    file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
+    urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)
+    geometry = collision_geometry(mechanism.model, mechanism.urdf, urdf, folder, file)
+    return geometry, dict(urdf.shapes)
+
+
+def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:
+    """Look a tree joint up."""
+    if name not in joints:
+        raise UnknownNameError(kind="joint", name=name, known=joints, where=where)
+    return joints[name]
+
+
+def _closures(description: Description, urdf: Urdf, file: str) -> tuple[Closure, ...]:
+    """Cut joints, their frames checked."""
+    for name, closure in description.closures.items():
+        for side in ("frame_a", "frame_b"):
+            frame = getattr(closure, side)
+            if frame not in urdf.links:
+                where = f"{file}: closures.{name}.{side}"
+                raise UnknownNameError(kind="frame", name=frame, known=urdf.links, where=where)
+    return tuple(
+        Closure(name=name, frame_a=closure.frame_a, frame_b=closure.frame_b)
+        for name, closure in description.closures.items()
+    )
+
+
+def _drives(
+    description: Description,
+    laws: Mapping[str, DriveLaw],
+    joints: Mapping[str, Joint],
+    angle_at_touch_rad: float,
+    file: str,
+) -> tuple[Drive, ...]:
+    """Driven joints, each hinge driven once."""
+    drives: list[Drive] = []
+    for name, drive in description.drives.items():
+        key = f"drives.{name}.joint"
+        joint = _joint(drive.joint, joints, f"{file}: {key}")
+        if joint.kind != "revolute":
+            raise ModelError(file=file, key=key, value=drive.joint, allowed="a drive turns a hinge")
+        if any(other.index == joint.index for other in drives):
+            allowed = "a joint has one drive only"
+            raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
+        drives.append(
+            Drive(
+                name=name,
+                index=joint.index,
+                law=laws[name],
+                law_at_touch=float(laws[name].evaluate(np.array([angle_at_touch_rad]))[0][0]),
+                reflected_inertia_kg_m2=drive.reflected_inertia_kg_m2,
+                shaft_frequency_hz=drive.shaft_frequency_hz,
+                shaft_damping_ratio=drive.shaft_damping_ratio,
+            )
+        )
+    return tuple(drives)
+
+
+def _springs(
+    description: Description, joints: Mapping[str, Joint], file: str
+) -> tuple[Spring, ...]:
+    """Springs in SI units, their keys checked against the kind of joint."""
+    springs = []
+    for name, spring in description.springs.items():
+        joint = _joint(spring.joint, joints, f"{file}: springs.{name}.joint")
+        stiffness, preload = _spring_values(name, spring, joint, file)
+        springs.append(Spring(name=name, index=joint.index, stiffness=stiffness, preload=preload))
+    return tuple(springs)
+
+
+def _spring_values(
+    name: str, spring: SpringDescription, joint: Joint, file: str
+) -> tuple[float, float]:
+    """Stiffness and preload of a spring in SI units."""
+    stiffness_key, preload_key, scale = _AXES[joint.kind]
+    for kind, (*keys, _) in _AXES.items():
+        for key in keys:
+            value = getattr(spring, key)
+            if (value is None) == (kind == joint.kind):
+                allowed = (
+                    f"a spring on the {joint.kind} joint {joint.name} has the keys "
+                    f"{stiffness_key} and {preload_key}, and no others"
+                )
+                raise ModelError(
+                    file=file, key=f"springs.{name}.{key}", value=value, allowed=allowed
+                )
+    return getattr(spring, stiffness_key), scale * getattr(spring, preload_key)
+
+
+def _stops(
+    description: Description,
+    joints: Mapping[str, Joint],
+    model: pin.Model,
+    placements: list[pin.SE3],
+    urdf: Urdf,
+    geometry: pin.GeometryModel | None,
+    file: str,
+    urdf_file: str,
+) -> tuple[Stop, ...]:
+    """Stops, each on a joint of its own that no drive moves, contacts found."""
+    stops: list[Stop] = []
+    driven = {drive.joint for drive in description.drives.values()}
+    for name, stop in description.stops.items():
+        key = f"stops.{name}.joint"
+        joint = _joint(stop.joint, joints, f"{file}: {key}")
+        if stop.joint in driven or any(other.index == joint.index for other in stops):
+            allowed = "a joint without a drive and without another stop"
+            raise ModelError(file=file, key=key, value=stop.joint, allowed=allowed)
+        contact = None
+        if stop.contact is not None:
+            contact = find_contact(
+                stop.contact,
+                urdf.joints[stop.joint],
+                model,
+                placements,
+                urdf,
+                geometry,
+                key=f"stops.{name}.contact",
+                file=file,
+                urdf_file=urdf_file,
+            )
+        stops.append(
+            Stop(name=name, index=joint.index, restitution=stop.restitution, contact=contact)
+        )
+    if description.stops and description.transition_stop not in description.stops:
+        raise UnknownNameError(
+            kind="stop",
+            name=description.transition_stop,
+            known=description.stops,
+            where=f"{file}: transition_stop",
+        )
+    return tuple(stops)
+
+
+def _phases(description: Description, file: str) -> tuple[Phase, ...]:
+    """Phases with different numbers and different sets of closed stops."""
+    phases: list[Phase] = []
+    for place, phase in enumerate(description.phases):
+        key = f"phases[{place}]"
+        for stop in phase.closed:
+            if stop not in description.stops:
+                raise UnknownNameError(
+                    kind="stop", name=stop, known=description.stops, where=f"{file}: {key}.closed"
+                )
+        if any(other.number == phase.number for other in phases):
+            allowed = "each phase has a number of its own"
+            raise ModelError(file=file, key=f"{key}.number", value=phase.number, allowed=allowed)
+        closed = frozenset(phase.closed)
+        if any(other.closed == closed for other in phases):
+            allowed = "each phase is a different set of closed stops"
+            raise ModelError(file=file, key=f"{key}.closed", value=sorted(closed), allowed=allowed)
+        phases.append(Phase(number=phase.number, name=phase.name, closed=closed))
+    numbers = [phase.number for phase in phases]
+    if description.initial_phase not in numbers:
+        allowed = f"the number of a phase: {', '.join(map(str, numbers))}"
+        raise ModelError(
+            file=file, key="initial_phase", value=description.initial_phase, allowed=allowed
+        )
+    return tuple(phases)
+
+
+def _check_shortcut(key: str, path: str, data: Mapping[str, object], urdf: Urdf, file: str) -> None:
+    """A shortcut leads to a number of the document or to a link value."""
+    value: object = data
+    steps = path.split(".")
+    if steps[0] == "links" and len(steps) == 3 and steps[1] in urdf.links:
+        return
+    for step in steps:
+        if not isinstance(value, Mapping) or step not in value:
+            known = value if isinstance(value, Mapping) else ()
+            raise UnknownNameError(
+                kind="key", name=step, known=known, where=f"{file}: shortcuts.{key} = {path!r}"
+            )
+        value = value[step]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        allowed = "the path of a number"
+        raise ModelError(file=file, key=f"shortcuts.{key}", value=path, allowed=allowed)

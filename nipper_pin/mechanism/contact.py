@@ -1,0 +1,230 @@
+"""Where and how the two bodies of a stop meet, found from their collision shapes at load time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from ..arrays import FloatArray
+from ..errors import ModelError, UnknownNameError
+from .description import ContactDescription
+from .mechanism import Contact
+from .tree import supports
+from .urdf import Urdf, UrdfJoint
+
+TOUCH_TOLERANCE_M = 1e-6
+"""Largest gap or overlap of the bodies at coordinate zero [m]."""
+
+_ITERATIONS = 12
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A collision shape and its world placement at q = 0."""
+
+    solid: coal.CollisionGeometry
+    placement: pin.SE3
+
+
+@dataclass(frozen=True)
+class _Gap:
+    """Signed distance of two shapes, the nearest points [m] and the normal from the first on."""
+
+    distance: float
+    first: FloatArray
+    second: FloatArray
+    normal: FloatArray
+
+
+def find_contact(
+    contact: ContactDescription,
+    joint: UrdfJoint,
+    model: pin.Model,
+    placements: list[pin.SE3],
+    urdf: Urdf,
+    geometry: pin.GeometryModel,
+    *,
+    key: str,
+    file: str,
+    urdf_file: str,
+) -> Contact:
+    """Find the contact of the two bodies of a stop.
+
+    Args:
+        contact: Names of the bodies.
+        joint: Joint of the stop; it moves the upper body and not the lower one.
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+        urdf: The checked URDF.
+        geometry: Collision shapes named like their elements.
+        key: Path of the contact in the TOML file, for messages.
+        file: Name of the TOML file, for messages.
+        urdf_file: Name of the URDF file, for messages.
+
+    Raises:
+        UnknownNameError: A body does not exist.
+        ModelError: The bodies do not touch at coordinate zero or opening does not part them.
+    """
+    identity = model.getJointId(joint.name)
+    bodies = []
+    for side, name, moved in (
+        ("lower", contact.lower, False),
+        ("upper", contact.upper, True),
+    ):
+        where = f"{key}.{side}"
+        shapes = _shapes(name, urdf, geometry, file=file, key=where, urdf_file=urdf_file)
+        if any((identity in supports(model, item.parentJoint)) != moved for item in shapes):
+            allowed = f"a body that joint {joint.name} {'moves' if moved else 'does not move'}"
+            raise ModelError(file=file, key=where, value=name, allowed=allowed)
+        bodies.append(
+            [
+                _Shape(_planar(item), placements[item.parentJoint] * item.placement)
+                for item in shapes
+            ]
+        )
+    frame = placements[identity]
+    axis = frame.rotation @ np.array(joint.axis)
+    closing, gap = _close(bodies[0], bodies[1], joint, frame, axis)
+    start = _nearest(bodies[0], bodies[1], pin.SE3.Identity())
+    _check_touch(closing, start, joint, f"{contact.lower} and {contact.upper}", key, file)
+    # The search stands at the closing coordinate; the bodies meet there, at one common point.
+    point = 0.5 * (gap.first + gap.second)
+    point[1] = 0.0
+    normal = gap.normal * np.array([1.0, 0.0, 1.0])
+    normal /= np.linalg.norm(normal)
+    lever = float(normal @ _velocity(point, joint, frame, axis))
+    return Contact(point=point, normal=normal, lever_m=lever, closing_coordinate=closing)
+
+
+def _shapes(
+    name: str, urdf: Urdf, geometry: pin.GeometryModel, *, file: str, key: str, urdf_file: str
+) -> list[pin.GeometryObject]:
+    """Geometry objects of a collision element, or of all elements of a link."""
+    elements = {item for names in urdf.shapes.values() for item in names}
+    if name in elements:
+        names: Iterable[str] = (name,)
+    elif name in urdf.shapes:
+        names = urdf.shapes[name]
+        if not names:
+            raise ModelError(
+                file=urdf_file,
+                key=f"link {name} collision",
+                value=None,
+                allowed=f"{key} in {file} needs a collision shape on this link",
+            )
+    else:
+        known = elements | {link for link, found in urdf.shapes.items() if found}
+        raise UnknownNameError(
+            kind="link or collision element", name=name, known=known, where=f"{file}: {key}"
+        )
+    return [geometry.geometryObjects[geometry.getGeometryId(item)] for item in names]
+
+
+def _planar(item: pin.GeometryObject) -> coal.CollisionGeometry:
+    """Shape to search with: the same section in the plane, found as precisely as possible.
+
+    The search stops at about 1e-6 m on the flank of a cylinder, because it feels its way along a
+    curve. It is exact to round-off for a capsule, which is a segment with a radius, and the two
+    have the same section if their axis is y.
+    """
+    solid = item.geometry
+    axis = item.placement.rotation[:, 2]
+    if isinstance(solid, coal.Cylinder) and abs(abs(axis[1]) - 1.0) < 1e-12:
+        return coal.Capsule(solid.radius, 2.0 * solid.halfLength)
+    return solid
+
+
+def _motion(coordinate: float, joint: UrdfJoint, frame: pin.SE3, axis: FloatArray) -> pin.SE3:
+    """World motion of the moved body when the joint stands at a coordinate."""
+    if joint.kind == "prismatic":
+        return pin.SE3(np.eye(3), coordinate * axis)
+    rotation = pin.exp3(coordinate * axis)
+    return pin.SE3(rotation, frame.translation - rotation @ frame.translation)
+
+
+def _velocity(point: FloatArray, joint: UrdfJoint, frame: pin.SE3, axis: FloatArray) -> FloatArray:
+    """Velocity of a point of the moved body per unit rate of the joint."""
+    if joint.kind == "prismatic":
+        return axis
+    return np.cross(axis, point - frame.translation)
+
+
+def _nearest(lower: list[_Shape], upper: list[_Shape], motion: pin.SE3) -> _Gap:
+    """Least signed distance of two bodies."""
+    request = coal.DistanceRequest()
+    request.gjk_tolerance = 1e-12
+    request.epa_tolerance = 1e-12
+    request.gjk_max_iterations = 1000
+    request.epa_max_iterations = 1000
+    best = _Gap(math.inf, np.zeros(3), np.zeros(3), np.zeros(3))
+    for one in lower:
+        for other in upper:
+            result = coal.DistanceResult()
+            moved = motion * other.placement
+            distance = coal.distance(
+                one.solid,
+                coal.Transform3s(one.placement.rotation, one.placement.translation),
+                other.solid,
+                coal.Transform3s(moved.rotation, moved.translation),
+                request,
+                result,
+            )
+            if distance < best.distance:
+                best = _Gap(
+                    float(distance),
+                    np.array(result.getNearestPoint1()),
+                    np.array(result.getNearestPoint2()),
+                    np.array(result.normal),
+                )
+    return best
+
+
+def _close(
+    lower: list[_Shape], upper: list[_Shape], joint: UrdfJoint, frame: pin.SE3, axis: FloatArray
+) -> tuple[float, _Gap]:
+    """Move the upper body until it touches: Newton's method on the signed distance.
+
+    Returns:
+        Closing coordinate, NaN if the motion does not part or join the bodies, and the gap there.
+    """
+    coordinate = 0.0
+    gap = _nearest(lower, upper, pin.SE3.Identity())
+    for _ in range(_ITERATIONS):
+        slope = float(gap.normal @ _velocity(gap.second, joint, frame, axis))
+        if not slope > 0.0:
+            return math.nan, gap
+        step = -gap.distance / slope
+        coordinate += step
+        gap = _nearest(lower, upper, _motion(coordinate, joint, frame, axis))
+        if abs(step) < 1e-13:
+            break
+    return coordinate, gap
+
+
+def _check_touch(
+    closing: float, start: _Gap, joint: UrdfJoint, pair: str, key: str, file: str
+) -> None:
+    """Refuse bodies that do not touch at coordinate zero."""
+    if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
+        return
+    value = f"{pair}, {1e3 * start.distance:.6g} mm apart at {joint.name} = 0"
+    if not math.isfinite(closing):
+        allowed = (
+            f"a growing coordinate of {joint.name} must move the upper body away from the lower one"
+        )
+    else:
+        place = (
+            f"{math.degrees(closing):.6g} deg"
+            if joint.kind == "revolute"
+            else f"{1e3 * closing:.6g} mm"
+        )
+        allowed = (
+            f"the bodies must touch within {1e3 * TOUCH_TOLERANCE_M:g} mm where the coordinate is "
+            f"zero; their shapes in the URDF touch at {joint.name} = {place}"
+        )
+    raise ModelError(file=file, key=key, value=value, allowed=allowed)

@@ -1,0 +1,235 @@
+"""Typed description of a model's TOML file: its layout, with the unit in every field name."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NotNegative = Annotated[float, Meta(ge=0.0)]
+Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
+Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
+Name = Annotated[str, Meta(min_length=1)]
+PlanePoint = tuple[float, float]
+
+
+class _Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A TOML table whose keys are all known."""
+
+
+class CylinderDescription(_Table, frozen=True, kw_only=True):
+    """The input shaft. The reference is given by its angle, or by the extreme of a drive.
+
+    Attributes:
+        rated_speed_rpm: Rated speed [r/min].
+        direction: Sense of rotation in the side view.
+        angle_at_touch_deg: Cylinder angle in the touch configuration [deg].
+        reference_index: Index at the reference, 0 to 40.
+        reference_drive: Drive whose extreme over a turn is the reference.
+        reference_extreme: Which extreme.
+        reference_angle_deg: Cylinder angle at the reference [deg].
+    """
+
+    rated_speed_rpm: Positive
+    direction: Literal["clockwise", "counter-clockwise"]
+    angle_at_touch_deg: float
+    reference_index: Index
+    reference_drive: Name | None = None
+    reference_extreme: Literal["minimum", "maximum"] = "minimum"
+    reference_angle_deg: float | None = None
+
+
+class _DriveTable(_Table, frozen=True, kw_only=True, tag_field="law"):
+    """What every drive has.
+
+    Attributes:
+        joint: Driven joint.
+        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
+        shaft_frequency_hz: Natural frequency of the elastic drive train [Hz].
+        shaft_damping_ratio: Its damping ratio [-].
+    """
+
+    joint: Name
+    reflected_inertia_kg_m2: Positive
+    shaft_frequency_hz: Positive
+    shaft_damping_ratio: NotNegative
+
+
+class OscillatingGuideDrive(_DriveTable, frozen=True, kw_only=True, tag="oscillating_guide"):
+    """A crank pin on the cylinder that slides in a guide bar fixed to the driven link.
+
+    Attributes:
+        crank_radius_mm: Distance of the pin from the cylinder axis [mm].
+        crank_axis_mm: Cylinder axis (x, z) [mm].
+        guide_axis_mm: Axis of the driven shaft (x, z) [mm].
+        guide_offset_mm: Distance of the bar's line from the guide axis, positive to the left of
+            the direction towards the pin [mm].
+    """
+
+    crank_radius_mm: Positive
+    crank_axis_mm: PlanePoint
+    guide_axis_mm: PlanePoint
+    guide_offset_mm: float = 0.0
+
+
+class GearedDrive(_DriveTable, frozen=True, kw_only=True, tag="geared"):
+    """A shaft geared to another drive.
+
+    Attributes:
+        of: Name of the other drive.
+        ratio: Turns of this shaft per turn of the other, negative in opposite sense [-].
+    """
+
+    of: Name
+    ratio: float
+
+
+class ConstantSpeedDrive(_DriveTable, frozen=True, kw_only=True, tag="constant_speed"):
+    """A shaft that turns in proportion to the cylinder.
+
+    Attributes:
+        ratio: Turns of this shaft per turn of the cylinder [-].
+    """
+
+    ratio: float
+
+
+class FourierDrive(_DriveTable, frozen=True, kw_only=True, tag="fourier"):
+    """A Fourier series in the cylinder angle; coefficient n belongs to n turns per turn.
+
+    Attributes:
+        mean_rad: Mean value [rad].
+        cosine_rad: Coefficients of cos psi, cos 2 psi, ... [rad].
+        sine_rad: Coefficients of sin psi, sin 2 psi, ... [rad].
+    """
+
+    mean_rad: float = 0.0
+    cosine_rad: tuple[float, ...] = ()
+    sine_rad: tuple[float, ...] = ()
+
+
+class TableDrive(_DriveTable, frozen=True, kw_only=True, tag="table"):
+    """A table over one turn, from a CSV file in the model folder or written out here.
+
+    Attributes:
+        file: CSV file with the columns cylinder_angle_deg and coordinate_rad.
+        cylinder_angle_deg: Cylinder angles, rising over exactly one turn [deg].
+        coordinate_rad: Coordinate at each angle [rad].
+    """
+
+    file: Name | None = None
+    cylinder_angle_deg: tuple[float, ...] = ()
+    coordinate_rad: tuple[float, ...] = ()
+
+
+DriveDescription = (
+    OscillatingGuideDrive | GearedDrive | ConstantSpeedDrive | FourierDrive | TableDrive
+)
+
+
+class SpringDescription(_Table, frozen=True, kw_only=True):
+    """A linear spring on a joint: on a prismatic joint the first two, on a hinge the last two.
+
+    Attributes:
+        joint: Joint it acts on.
+        stiffness_N_per_m: Stiffness [N/m].
+        preload_length_mm: Deflection at coordinate zero [mm].
+        stiffness_N_m_per_rad: Torsional stiffness [N m/rad].
+        preload_deg: Deflection at coordinate zero [deg].
+    """
+
+    joint: Name
+    stiffness_N_per_m: Positive | None = None
+    preload_length_mm: float | None = None
+    stiffness_N_m_per_rad: Positive | None = None
+    preload_deg: float | None = None
+
+
+class ContactDescription(_Table, frozen=True, kw_only=True):
+    """Two bodies that meet at a stop.
+
+    Attributes:
+        lower: Link or collision element that the joint does not move.
+        upper: Link or collision element that the joint moves.
+    """
+
+    lower: Name
+    upper: Name
+
+
+class StopDescription(_Table, frozen=True, kw_only=True):
+    """A unilateral stop on a joint.
+
+    Attributes:
+        joint: Joint it limits from below at zero.
+        restitution: Coefficient of restitution, 0 to 1.
+        contact: The bodies that meet, unless the stop acts along the joint itself.
+    """
+
+    joint: Name
+    restitution: Restitution
+    contact: ContactDescription | None = None
+
+
+class ClosureDescription(_Table, frozen=True, kw_only=True):
+    """A cut joint.
+
+    Attributes:
+        frame_a: URDF link whose origin is the first side.
+        frame_b: URDF link whose origin is the second side.
+    """
+
+    frame_a: Name
+    frame_b: Name
+
+
+class PhaseDescription(_Table, frozen=True, kw_only=True):
+    """A working phase.
+
+    Attributes:
+        number: Number used in tables.
+        name: What happens in it.
+        closed: Names of the closed stops.
+    """
+
+    number: Annotated[int, Meta(ge=1)]
+    name: Name
+    closed: tuple[Name, ...]
+
+
+class Description(_Table, frozen=True, kw_only=True):
+    """The whole TOML file.
+
+    Attributes:
+        format: Layout version, 1.
+        title: What the model is, in a few words.
+        degrees_of_freedom: Mobility with all stops open, drives counted.
+        gravity_m_s2: Gravity along -z [m/s2].
+        transition_stop: Stop whose bouncing is the transition; may be missing without stops.
+        initial_phase: Phase at the start of a cycle.
+        cylinder: The input shaft.
+        drives: Driven joints.
+        springs: Springs.
+        stops: Unilateral stops.
+        closures: Cut joints.
+        phases: Working phases.
+        shortcuts: Short command-line names to value paths.
+        provenance: Where the numbers come from, by path prefix.
+    """
+
+    format: Literal[1]
+    title: Name
+    degrees_of_freedom: Annotated[int, Meta(ge=1)]
+    gravity_m_s2: NotNegative
+    transition_stop: str = ""
+    initial_phase: int
+    cylinder: CylinderDescription
+    phases: Annotated[tuple[PhaseDescription, ...], Meta(min_length=1)]
+    drives: dict[str, DriveDescription] = {}
+    stops: dict[str, StopDescription] = {}
+    springs: dict[str, SpringDescription] = {}
+    closures: dict[str, ClosureDescription] = {}
+    shortcuts: dict[str, str] = {}
+    provenance: dict[str, Name] = {}

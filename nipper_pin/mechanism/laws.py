@@ -1,0 +1,254 @@
+"""From drive descriptions to drive laws, and the reference position on the cylinder."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ..errors import InputError, ModelError, UnknownNameError
+from .cylinder import Cylinder, rad_s_from_rpm
+from .description import (
+    ConstantSpeedDrive,
+    CylinderDescription,
+    Description,
+    DriveDescription,
+    FourierDrive,
+    GearedDrive,
+    OscillatingGuideDrive,
+    TableDrive,
+)
+from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
+
+COLUMNS = ("cylinder_angle_deg", "coordinate_rad")
+
+
+def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, DriveLaw]:
+    """Build the law of every drive.
+
+    Args:
+        drives: Descriptions by name.
+        file: Name of the TOML file, for messages.
+
+    Raises:
+        ModelError: A law cannot be built from its values.
+        UnknownNameError: A geared drive names a drive that does not exist.
+    """
+    laws: dict[str, DriveLaw] = {}
+    for name in drives:
+        _build(name, drives, laws, (), file)
+    return {name: laws[name] for name in drives}
+
+
+def _build(
+    name: str,
+    drives: Mapping[str, DriveDescription],
+    laws: dict[str, DriveLaw],
+    above: tuple[str, ...],
+    file: str,
+) -> DriveLaw:
+    """Build one law, after the law it is geared to."""
+    if name in laws:
+        return laws[name]
+    drive = drives[name]
+    where = f"drives.{name}"
+    if isinstance(drive, GearedDrive):
+        if drive.of not in drives:
+            raise UnknownNameError(
+                kind="drive", name=drive.of, known=drives, where=f"{file}: {where}.of"
+            )
+        if drive.of in (*above, name):
+            allowed = "a chain of gears must start at a drive that is not geared"
+            raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
+        of = _build(drive.of, drives, laws, (*above, name), file)
+        laws[name] = Geared(of=of, ratio=drive.ratio)
+        return laws[name]
+    try:
+        laws[name] = _basic(drive)
+    except InputError as error:
+        key, value = _culprit(drive)
+        raise ModelError(
+            file=file, key=f"{where}.{key}", value=value, allowed=error.message
+        ) from error
+    return laws[name]
+
+
+def _basic(drive: DriveDescription) -> DriveLaw:
+    """Build a law that stands on its own."""
+    if isinstance(drive, OscillatingGuideDrive):
+        return OscillatingGuide(
+            crank_radius_m=1e-3 * drive.crank_radius_mm,
+            crank_axis=(1e-3 * drive.crank_axis_mm[0], 1e-3 * drive.crank_axis_mm[1]),
+            guide_axis=(1e-3 * drive.guide_axis_mm[0], 1e-3 * drive.guide_axis_mm[1]),
+            guide_offset_m=1e-3 * drive.guide_offset_mm,
+        )
+    if isinstance(drive, ConstantSpeedDrive):
+        return ConstantSpeed(ratio=drive.ratio)
+    if isinstance(drive, FourierDrive):
+        return Fourier(mean=drive.mean_rad, cosine=drive.cosine_rad, sine=drive.sine_rad)
+    if isinstance(drive, TableDrive):
+        angles = tuple(math.radians(angle) for angle in drive.cylinder_angle_deg)
+        return Table(cylinder_angle_rad=angles, coordinate_rad=drive.coordinate_rad)
+    message = f"there is no drive law for {type(drive).__name__}"
+    raise InputError(message)
+
+
+def _culprit(drive: DriveDescription) -> tuple[str, object]:
+    """Key and value to name when a law refuses its values."""
+    if isinstance(drive, OscillatingGuideDrive):
+        distance = math.dist(drive.crank_axis_mm, drive.guide_axis_mm)
+        if drive.crank_radius_mm < distance:
+            return "guide_offset_mm", drive.guide_offset_mm
+        return "crank_radius_mm", drive.crank_radius_mm
+    return "cylinder_angle_deg", f"{len(getattr(drive, 'cylinder_angle_deg', ()))} rows"
+
+
+def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
+    """Read the CSV files of table drives into the document, so that it stands on its own.
+
+    Args:
+        data: The TOML document, as written.
+        folder: Model folder that the CSV files must lie in.
+        file: Name of the TOML file, for messages.
+
+    Returns:
+        The document with the columns in place of each file name.
+
+    Raises:
+        ModelError: A file is missing, lies outside the folder or is not such a table.
+    """
+    drives = data.get("drives")
+    if not isinstance(drives, Mapping):
+        return dict(data)
+    changed = {}
+    for name, drive in drives.items():
+        changed[name] = drive
+        if isinstance(drive, Mapping) and drive.get("law") == "table" and "file" in drive:
+            table = {key: value for key, value in drive.items() if key != "file"}
+            changed[name] = {**table, **_read_csv(drive["file"], folder, f"drives.{name}", file)}
+    return {**data, "drives": changed}
+
+
+def _read_csv(name: object, folder: Path, where: str, file: str) -> dict[str, list[float]]:
+    """Read the two columns of a CSV file."""
+    key = f"{where}.file"
+    path = folder / str(name)
+    if not isinstance(name, str) or not path.resolve().is_relative_to(folder.resolve()):
+        raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
+    if not path.is_file():
+        known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
+        allowed = f"a CSV file in the model folder {folder}; found there: {known}"
+        raise ModelError(file=file, key=key, value=name, allowed=allowed)
+    columns: dict[str, list[float]] = {column: [] for column in COLUMNS}
+    with path.open(encoding="utf-8", newline="") as stream:
+        reader = csv.DictReader(stream, skipinitialspace=True)
+        if tuple(reader.fieldnames or ()) != COLUMNS:
+            raise ModelError(
+                file=name,
+                key="first line",
+                value=",".join(reader.fieldnames or ()),
+                allowed=f"the column names {','.join(COLUMNS)}",
+            )
+        for row in reader:
+            for column in COLUMNS:
+                columns[column].append(
+                    _number(row[column], name, f"line {reader.line_num} {column}")
+                )
+    rows = (columns[column] for column in COLUMNS)
+    try:
+        Table(
+            cylinder_angle_rad=tuple(math.radians(angle) for angle in next(rows)),
+            coordinate_rad=tuple(next(rows)),
+        )
+    except InputError as error:
+        value = f"{len(columns[COLUMNS[0]])} rows"
+        raise ModelError(file=name, key="table", value=value, allowed=error.message) from error
+    return columns
+
+
+def _number(text: str | None, file: str, key: str) -> float:
+    """Convert one CSV field to a finite number."""
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ModelError(file=file, key=key, value=text, allowed="a finite number")
+    return value
+
+
+def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float | None:
+    """Cylinder angle in [0, 2 pi) at which a periodic law is smallest or largest over a turn.
+
+    Args:
+        law: The drive law.
+        kind: Which extreme.
+
+    Returns:
+        The angle [rad], or None if the law has no extreme inside a turn.
+    """
+    sign = 1.0 if kind == "minimum" else -1.0
+    grid = np.linspace(0.0, math.tau, 721)
+    values = sign * law.evaluate(grid)[0]
+    drift = abs(values[-1] - values[0])
+    if drift > 1e-9 or np.ptp(values) < 1e-9:
+        return None
+    best = int(np.argmin(values))
+    low, high = grid[best] - grid[1], grid[best] + grid[1]
+    # Bisection on the rate: safe next to an extreme, and a load is not a hot loop.
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        if sign * float(law.evaluate(np.array([middle]))[1][0]) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return float(0.5 * (low + high) % math.tau)
+
+
+def build_cylinder(description: Description, laws: Mapping[str, DriveLaw], file: str) -> Cylinder:
+    """Build the input shaft with its index scale.
+
+    Args:
+        description: The TOML file.
+        laws: Drive laws by name.
+        file: Name of the TOML file, for messages.
+
+    Raises:
+        ModelError: The reference is not given exactly once, or the drive has no extreme.
+        UnknownNameError: The reference names a drive that does not exist.
+    """
+    cylinder = description.cylinder
+    return Cylinder(
+        angle_at_touch_rad=math.radians(cylinder.angle_at_touch_deg),
+        sense=-1 if cylinder.direction == "clockwise" else 1,
+        rated_speed_rad_s=rad_s_from_rpm(cylinder.rated_speed_rpm),
+        reference_angle_rad=_reference(cylinder, laws, file),
+        reference_index=cylinder.reference_index,
+    )
+
+
+def _reference(cylinder: CylinderDescription, laws: Mapping[str, DriveLaw], file: str) -> float:
+    """Cylinder angle at the reference index."""
+    drive, angle_deg = cylinder.reference_drive, cylinder.reference_angle_deg
+    if drive is None and angle_deg is not None:
+        return math.radians(angle_deg)
+    if drive is None or angle_deg is not None:
+        raise ModelError(
+            file=file,
+            key="cylinder.reference_drive",
+            value=drive,
+            allowed="exactly one of reference_drive and reference_angle_deg",
+        )
+    if drive not in laws:
+        raise UnknownNameError(
+            kind="drive", name=drive, known=laws, where=f"{file}: cylinder.reference_drive"
+        )
+    angle = extreme_angle(laws[drive], cylinder.reference_extreme)
+    if angle is None:
+        allowed = "a drive that swings to and fro once a turn; else use reference_angle_deg"
+        raise ModelError(file=file, key="cylinder.reference_drive", value=drive, allowed=allowed)
+    return angle

@@ -1,0 +1,120 @@
+"""From model files to a validated mechanism."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+
+from ..errors import ModelError, UnknownNameError
+from .build import build_mechanism
+from .laws import inline_tables
+from .mechanism import Mechanism
+from .overrides import apply_overrides
+
+
+def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = None) -> Mechanism:
+    """Load a model.
+
+    Args:
+        model: Name of a model that comes with the package, or a folder ``<name>`` that holds
+            ``<name>.urdf`` and ``<name>.toml``.
+        overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}`` or
+            ``{"links.top_nipper.mass_kg": 1.3}``; strings are converted.
+
+    Returns:
+        The validated mechanism.
+
+    Raises:
+        UnknownNameError: The model, or a name in it or in an override, does not exist.
+        ModelError: A value in a file or override cannot be used.
+    """
+    folder = find_model(model)
+    name = folder.name
+    urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
+    urdf = _read(folder / urdf_file)
+    try:
+        data: dict[str, object] = tomllib.loads(_read(folder / toml_file))
+    except tomllib.TOMLDecodeError as error:
+        raise ModelError(
+            file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
+        ) from error
+    if overrides:
+        data, urdf = apply_overrides(data, urdf, overrides, toml_file, urdf_file)
+    data = inline_tables(data, folder, toml_file)
+    return build_mechanism(name, urdf, data, folder)
+
+
+def from_sources(
+    name: str, urdf: str, description: Mapping[str, object], mesh_folder: str | Path
+) -> Mechanism:
+    """Rebuild a mechanism from its plain data, for saved runs and worker processes.
+
+    Args:
+        name: Model name.
+        urdf: The URDF text.
+        description: The TOML document as plain data.
+        mesh_folder: Folder that relative mesh paths of the URDF start from.
+
+    Raises:
+        UnknownNameError: A name in the data does not exist.
+        ModelError: A value in the data cannot be used.
+    """
+    folder = Path(mesh_folder)
+    data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
+    return build_mechanism(name, urdf, data, folder)
+
+
+def known_models() -> dict[str, Path]:
+    """Folders of the models that come with the package, by name."""
+    package = Path(str(resources.files(__package__.partition(".")[0])))
+    # Packaged, the models lie inside the package; in a source checkout they lie beside it.
+    for home in (package / "models", package.parent / "models"):
+        if home.is_dir():
+            return {
+                item.name: item
+                for item in sorted(home.iterdir())
+                if (item / f"{item.name}.toml").is_file()
+            }
+    return {}
+
+
+def find_model(model: str | Path) -> Path:
+    """Folder of a model.
+
+    Args:
+        model: Name of a known model or path of a folder.
+
+    Raises:
+        UnknownNameError: There is no such model or folder.
+        ModelError: The folder lacks one of the two files.
+    """
+    known = known_models()
+    if isinstance(model, str) and model in known:
+        return known[model]
+    folder = Path(model).resolve()
+    if not folder.is_dir():
+        raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
+    for suffix in (".urdf", ".toml"):
+        if not (folder / f"{folder.name}{suffix}").is_file():
+            found = ", ".join(sorted(item.name for item in folder.iterdir())) or "nothing"
+            raise ModelError(
+                file=str(folder),
+                key=f"{folder.name}{suffix}",
+                value=None,
+                allowed=f"a model folder holds <name>.urdf and <name>.toml, <name> being the name "
+                f"of the folder; found {found}",
+            )
+    return folder
+
+
+def _read(path: Path) -> str:
+    """Read a text file."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ModelError(
+            file=path.name, key="text", value=str(error), allowed="a readable UTF-8 file"
+        ) from error

@@ -1,0 +1,148 @@
+"""Changing single values of a model by their dotted paths, before anything is validated."""
+
+from __future__ import annotations
+
+import copy
+import re
+import tomllib
+from collections.abc import Mapping
+from xml.etree import ElementTree
+
+from ..errors import ModelError, UnknownNameError
+from .urdf import edit
+
+_LINK_VALUES = {"mass_kg": ("mass", "value"), "inertia_kg_m2": ("inertia", "iyy")}
+_STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
+
+
+def apply_overrides(
+    data: Mapping[str, object],
+    urdf: str,
+    overrides: Mapping[str, object],
+    file: str,
+    urdf_file: str,
+) -> tuple[dict[str, object], str]:
+    """Apply overrides to a model's two texts.
+
+    Args:
+        data: The TOML document.
+        urdf: The URDF text.
+        overrides: New values by path: a path into the TOML document such as
+            ``stops.jaw.restitution``, or ``links.<link>.mass_kg`` and
+            ``links.<link>.inertia_kg_m2`` (about y through the centre of mass) for the URDF.
+            Strings are converted to the type of the value that they replace.
+        file: Name of the TOML file, for messages.
+        urdf_file: Name of the URDF file, for messages.
+
+    Returns:
+        Changed copies of the document and of the URDF text.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: A string cannot be converted.
+    """
+    changed = copy.deepcopy(dict(data))
+    links: dict[tuple[str, str], float] = {}
+    for path, value in overrides.items():
+        steps = _STEP.findall(path)
+        if steps[:1] == ["links"]:
+            links[_link_path(steps, path)] = _number(value, path, urdf_file)
+        else:
+            _replace(changed, steps, path, value, file)
+    if links:
+        urdf = edit(urdf, lambda root: _change_links(root, links, urdf_file), urdf_file)
+    return changed, urdf
+
+
+def _link_path(steps: list[str], path: str) -> tuple[str, str]:
+    """Split ``links.<link>.<value>``."""
+    if len(steps) != 3 or steps[2] not in _LINK_VALUES:
+        name = ".".join(steps[2:])
+        raise UnknownNameError(
+            kind="value of a link", name=name, known=_LINK_VALUES, where=f"override {path}"
+        )
+    return steps[1], steps[2]
+
+
+def _change_links(
+    root: ElementTree.Element, values: Mapping[tuple[str, str], float], file: str
+) -> None:
+    """Write masses and inertias into the URDF."""
+    inertials = {
+        link.get("name", ""): inertial
+        for link in root.findall("link")
+        if (inertial := link.find("inertial")) is not None
+    }
+    for (link, value), number in values.items():
+        path = f"links.{link}.{value}"
+        if link not in inertials:
+            raise UnknownNameError(
+                kind="link with a mass", name=link, known=inertials, where=f"override {path}"
+            )
+        tag, attribute = _LINK_VALUES[value]
+        element = inertials[link].find(tag)
+        if element is None:
+            raise ModelError(
+                file=file, key=path, value=number, allowed=f"the link has no <{tag}> to change"
+            )
+        element.set(attribute, repr(number))
+
+
+def _replace(
+    data: dict[str, object], steps: list[str], path: str, value: object, file: str
+) -> None:
+    """Replace one value of the document in place."""
+    where = f"override {path}"
+    holder: object = data
+    for step in steps[:-1]:
+        holder = _item(holder, step, where)
+    if not steps:
+        raise UnknownNameError(kind="key", name=path, known=data, where=where)
+    old = _item(holder, steps[-1], where)
+    if isinstance(old, dict):
+        raise UnknownNameError(
+            kind="value", name=path, known=(f"{path}.{key}" for key in old), where=where
+        )
+    new = _convert(value, old, path, file)
+    if isinstance(holder, dict):
+        holder[steps[-1]] = new
+    elif isinstance(holder, list):
+        holder[int(steps[-1][1:-1])] = new
+
+
+def _item(holder: object, step: str, where: str) -> object:
+    """One step down a path."""
+    if isinstance(holder, dict) and step in holder:
+        return holder[step]
+    if isinstance(holder, list):
+        places = {f"[{place}]": item for place, item in enumerate(holder)}
+        if step in places:
+            return places[step]
+        raise UnknownNameError(kind="place", name=step, known=places, where=where)
+    raise UnknownNameError(
+        kind="key", name=step, known=holder if isinstance(holder, dict) else (), where=where
+    )
+
+
+def _number(value: object, path: str, file: str) -> float:
+    """Convert an override to a number."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ModelError(file=file, key=path, value=value, allowed="a number")
+    try:
+        return float(value)
+    except ValueError:
+        raise ModelError(file=file, key=path, value=value, allowed="a number") from None
+
+
+def _convert(value: object, old: object, path: str, file: str) -> object:
+    """Convert a string to the type of the value that it replaces."""
+    if not isinstance(value, str) or isinstance(old, str):
+        return list(value) if isinstance(value, tuple) else value
+    if isinstance(old, int | float) and not isinstance(old, bool):
+        number = _number(value, path, file)
+        return int(number) if isinstance(old, int) and number.is_integer() else number
+    try:
+        return tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        allowed = f"a value like {old!r}"
+        raise ModelError(file=file, key=path, value=value, allowed=allowed) from None

@@ -1,0 +1,132 @@
+"""The Pinocchio model of the tree, and where its bodies and frames stand at q = 0."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from ..errors import ModelError
+from .mechanism import Joint
+from .urdf import Urdf
+from .urdf_values import mesh_path
+
+
+def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:
+    """Build the Pinocchio model of a checked URDF.
+
+    Args:
+        text: The URDF.
+        gravity_m_s2: Gravity along -z [m/s2].
+        file: File name, for messages.
+
+    Raises:
+        ModelError: Pinocchio refuses the URDF.
+    """
+    if "continuous" in text:
+        # Pinocchio gives an unbounded hinge two coordinates, cosine and sine; one is wanted here.
+        text = _bounded(text)
+    try:
+        model = pin.buildModelFromXML(text)
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(
+            file=file,
+            key="robot",
+            value=f"{len(text)} characters",
+            allowed=f"Pinocchio says: {error}",
+        ) from error
+    model.gravity.linear = np.array([0.0, 0.0, -gravity_m_s2])
+    model.gravity.angular = np.zeros(3)
+    return model
+
+
+def _bounded(text: str) -> str:
+    """Turn continuous joints into revolute ones with limits that never act."""
+    root = ElementTree.fromstring(text)
+    for joint in root.findall("joint"):
+        if joint.get("type") != "continuous":
+            continue
+        joint.set("type", "revolute")
+        limit = joint.find("limit")
+        if limit is None:
+            limit = ElementTree.SubElement(joint, "limit", effort="1e9", velocity="1e9")
+        limit.set("lower", "-1e9")
+        limit.set("upper", "1e9")
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
+    """Tree joints in the order of their coordinates.
+
+    Args:
+        model: The Pinocchio model; it orders joints its own way.
+        urdf: The checked URDF.
+    """
+    joints = []
+    for identity in range(1, model.njoints):
+        source = urdf.joints[model.names[identity]]
+        if source.kind == "fixed":
+            continue
+        joints.append(
+            Joint(
+                name=source.name,
+                kind=source.kind,
+                parent=source.parent,
+                child=source.child,
+                index=model.joints[identity].idx_v,
+            )
+        )
+    return tuple(sorted(joints, key=lambda joint: joint.index))
+
+
+def joint_placements(model: pin.Model) -> list[pin.SE3]:
+    """World placement of every joint at q = 0, by joint identity, without any ``pin.Data``."""
+    placements = [pin.SE3.Identity()]
+    for identity in range(1, model.njoints):
+        above = placements[model.parents[identity]]
+        placements.append(above * model.jointPlacements[identity])
+    return placements
+
+
+def supports(model: pin.Model, joint: int) -> list[int]:
+    """Identities of the joints that move the body behind a joint, itself included."""
+    chain = []
+    while joint > 0:
+        chain.append(joint)
+        joint = model.parents[joint]
+    return chain
+
+
+def collision_geometry(
+    model: pin.Model, text: str, urdf: Urdf, mesh_folder: Path, file: str
+) -> pin.GeometryModel:
+    """Collision shapes of all links.
+
+    Args:
+        model: The Pinocchio model.
+        text: The URDF, checked.
+        urdf: The checked URDF.
+        mesh_folder: Folder that relative mesh paths start from.
+        file: File name, for messages.
+
+    Returns:
+        Geometry model whose objects carry the names of the collision elements.
+    """
+    if "<mesh" in text:
+        text = _absolute_meshes(text, mesh_folder, file)
+    geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
+    # Pinocchio numbers the shapes of each link in the order of the file.
+    for link, names in urdf.shapes.items():
+        for place, name in enumerate(names):
+            geometry.geometryObjects[geometry.getGeometryId(f"{link}_{place}")].name = name
+    return geometry
+
+
+def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> str:
+    """Write absolute mesh paths, which is what Pinocchio finds without a package."""
+    root = ElementTree.fromstring(text)
+    for mesh in root.iter("mesh"):
+        mesh.set("filename", str(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file)))
+    return ElementTree.tostring(root, encoding="unicode")

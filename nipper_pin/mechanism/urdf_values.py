@@ -1,0 +1,164 @@
+"""Reading and checking what belongs to one element of a URDF: numbers, inertias and shapes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ModelError
+
+_TOLERANCE = 1e-9
+_ATTRIBUTES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
+
+
+def numbers(
+    element: ElementTree.Element,
+    attribute: str,
+    count: int,
+    default: str | None,
+    key: str,
+    file: str,
+) -> FloatArray:
+    """Read an attribute of finite numbers."""
+    text = element.get(attribute, default)
+    try:
+        values = np.array([float(part) for part in (text or "").split()])
+    except ValueError:
+        values = np.array([math.nan])
+    if values.size != count or not np.isfinite(values).all():
+        noun = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise ModelError(file=file, key=key, value=text, allowed=f"{attribute} is {noun}")
+    return values
+
+
+def origin(element: ElementTree.Element, key: str, file: str) -> tuple[FloatArray, FloatArray]:
+    """Read the origin of an element: translation [m] and roll, pitch, yaw [rad]."""
+    origin = element.find("origin")
+    if origin is None:
+        return np.zeros(3), np.zeros(3)
+    xyz = numbers(origin, "xyz", 3, "0 0 0", f"{key} origin xyz", file)
+    return xyz, numbers(origin, "rpy", 3, "0 0 0", f"{key} origin rpy", file)
+
+
+def rotation_from_rpy(rpy: FloatArray) -> FloatArray:
+    """Rotation matrix of roll, pitch, yaw [rad], shape (3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str) -> None:
+    """A moving link has a mass and an inertia that a body can have."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        if moving:
+            allowed = "a moving link needs mass and inertia"
+            raise ModelError(file=file, key=f"link {name} inertial", value=None, allowed=allowed)
+        return
+    origin(inertial, f"link {name} inertial", file)
+    mass = inertial.find("mass")
+    if mass is None:
+        raise ModelError(file=file, key=f"link {name} mass", value=None, allowed="a positive mass")
+    value = float(numbers(mass, "value", 1, None, f"link {name} mass", file)[0])
+    if value <= 0.0:
+        raise ModelError(
+            file=file, key=f"link {name} mass", value=value, allowed="a positive mass in kg"
+        )
+    _check_inertia(inertial, f"link {name} inertia", file)
+
+
+def _check_inertia(inertial: ElementTree.Element, key: str, file: str) -> None:
+    """Principal inertias are positive and satisfy the triangle inequality."""
+    inertia = inertial.find("inertia")
+    if inertia is None:
+        allowed = "an inertia about the centre of mass"
+        raise ModelError(file=file, key=key, value=None, allowed=allowed)
+    xx, xy, xz, yy, yz, zz = (
+        float(numbers(inertia, f"i{part}", 1, "0", f"{key} i{part}", file)[0])
+        for part in ("xx", "xy", "xz", "yy", "yz", "zz")
+    )
+    principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    values = [float(item) for item in principal]
+    if values[0] <= 0.0:
+        allowed = "positive principal inertias in kg m2"
+        raise ModelError(file=file, key=key, value=values, allowed=allowed)
+    if values[2] > (values[0] + values[1]) * (1.0 + _TOLERANCE):
+        allowed = (
+            "no body has a principal inertia above the sum of the other two "
+            f"({values[2]:g} > {values[0] + values[1]:g} kg m2; ixx = {xx:g}, iyy = {yy:g}, "
+            f"izz = {zz:g})"
+        )
+        raise ModelError(file=file, key=key, value=values, allowed=allowed)
+
+
+def check_shapes(
+    link: ElementTree.Element, name: str, file: str, mesh_folder: Path
+) -> tuple[str, ...]:
+    """Check sizes and mesh paths of a link's shapes; return the names of the collision elements."""
+    names = []
+    for tag in ("visual", "collision"):
+        for place, element in enumerate(link.findall(tag)):
+            shape = element.get("name") or f"{name}_{place}"
+            key = f"link {name} {tag} {shape}"
+            if tag == "collision":
+                names.append(shape)
+            origin(element, key, file)
+            geometry = element.find("geometry")
+            solids = [] if geometry is None else [item for item in geometry if _is_tag(item)]
+            if len(solids) != 1 or solids[0].tag not in (*_ATTRIBUTES, "mesh"):
+                found = [str(item.tag) for item in solids]
+                allowed = f"one geometry out of {', '.join((*_ATTRIBUTES, 'mesh'))}"
+                raise ModelError(file=file, key=key, value=found, allowed=allowed)
+            if solids[0].tag == "mesh":
+                mesh_path(solids[0].get("filename", ""), mesh_folder, key, file)
+            else:
+                _check_sizes(solids[0], key, file)
+    return tuple(names)
+
+
+def _is_tag(element: ElementTree.Element) -> bool:
+    """Whether a child is an element and not a comment."""
+    return isinstance(element.tag, str)
+
+
+def _check_sizes(solid: ElementTree.Element, key: str, file: str) -> None:
+    """Sizes of a primitive are positive."""
+    for attribute in _ATTRIBUTES[solid.tag]:
+        count = 3 if attribute == "size" else 1
+        sizes = numbers(solid, attribute, count, None, f"{key} {attribute}", file)
+        if (sizes <= 0.0).any():
+            raise ModelError(
+                file=file, key=f"{key} {attribute}", value=sizes.tolist(), allowed="sizes above 0 m"
+            )
+
+
+def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
+    """Path of a mesh, which must be a file inside the model folder.
+
+    Args:
+        filename: Path in the URDF, relative to the model folder.
+        mesh_folder: The model folder.
+        key: Place in the URDF, for messages.
+        file: File name, for messages.
+
+    Raises:
+        ModelError: The path leaves the folder or names no file.
+    """
+    inside = bool(filename) and ":" not in filename and "\\" not in filename
+    path = (mesh_folder / filename).resolve() if inside else mesh_folder
+    if not inside or not path.is_relative_to(mesh_folder.resolve()):
+        allowed = "a path relative to the model folder that stays inside it"
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+    if not path.is_file():
+        allowed = f"a mesh file in the model folder {mesh_folder}"
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+    return path

@@ -1,0 +1,158 @@
+"""How people read a solution: units of its coordinates, digits of its numbers, turns shown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..hybrid.case import Window
+from ..hybrid.collisions import Collision, PhaseInterval, Transition
+from ..hybrid.event import Event, EventKind
+from ..hybrid.solution import Solution
+from ..mechanism import Mechanism, Stop
+
+TURNS_SHOWN = 2
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of one coordinate; a factor turns the SI value into the unit beside it.
+
+    Attributes:
+        noun: What the coordinate is.
+        coordinate: Unit of the coordinate.
+        coordinate_factor: [unit/rad] or [unit/m].
+        amplitude: Unit of rebound amplitudes.
+        amplitude_factor: [unit/rad] or [unit/m].
+        rate: Unit of the rate.
+        rate_factor: [unit/(rad/s)] or [unit/(m/s)].
+    """
+
+    noun: str
+    coordinate: str
+    coordinate_factor: float
+    amplitude: str
+    amplitude_factor: float
+    rate: str
+    rate_factor: float
+
+
+_DEGREES = math.degrees(1.0)
+_BY_KIND = {
+    "revolute": Units("angle", "deg", _DEGREES, "deg", _DEGREES, "rad/s", 1.0),
+    "prismatic": Units("stroke", "mm", 1e3, "um", 1e6, "mm/s", 1e3),
+}
+
+
+def units_of(mechanism: Mechanism, index: int) -> Units:
+    """Units of the coordinate at a place in q."""
+    return _BY_KIND[next(j.kind for j in mechanism.joints if j.index == index)]
+
+
+def digits(value: float | None) -> str:
+    """Four significant digits, without losing any to a column; a dash for a missing value."""
+    if value is None:
+        return "-"
+    if value == 0.0:
+        return "0"
+    if 1e-3 <= abs(value) < 1e6:
+        return f"{value:.{max(0, 3 - math.floor(math.log10(abs(value))))}f}"
+    mantissa, exponent = f"{value:.3e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Fixed decimals; round-off below zero does not show as minus zero."""
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def spring_text(mechanism: Mechanism) -> str:
+    """Stiffness, preload deflection and preload force of every spring."""
+    parts = []
+    for spring in mechanism.springs:
+        force = digits(spring.stiffness * spring.preload)
+        if units_of(mechanism, spring.index).noun == "angle":
+            stiffness = f"{spring.stiffness:g} N m/rad"
+            preload = f"{math.degrees(spring.preload):g} deg ({force} N m)"
+        else:
+            stiffness = f"{spring.stiffness / 1e3:g} N/mm"
+            preload = f"{spring.preload * 1e3:g} mm ({force} N)"
+        parts.append(f"{spring.name} {stiffness}, preload {preload}")
+    return "; ".join(parts) or "none"
+
+
+def restitution_text(stops: tuple[Stop, ...]) -> str:
+    """Restitution of every stop."""
+    return ", ".join(f"{stop.name} {stop.restitution:g}" for stop in stops)
+
+
+def case_text(solution: Solution) -> str:
+    """Speed, window and drive of a run."""
+    case = solution.case
+    window = case.window.value
+    if case.window is Window.CYCLE:
+        turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
+        window += f" ({turns} from index {case.start_index:g})"
+    return f"{case.speed_rpm:g} r/min, window {window}, {case.drive.value} drive"
+
+
+def shown_before(solution: Solution) -> float:
+    """Time before which things are shown [s]: no limit, or the first turns of many."""
+    if solution.case.window is Window.CYCLE and solution.case.cycles > TURNS_SHOWN:
+        return TURNS_SHOWN * solution.shaft.period
+    return math.inf
+
+
+def shown_until(solution: Solution) -> float:
+    """End of the motion that is shown [s]."""
+    return min(solution.segments[-1].t_end, shown_before(solution))
+
+
+def shown_collisions(solution: Solution) -> list[Collision]:
+    """Collisions of the turns shown."""
+    return [item for item in solution.collisions if item.t < shown_before(solution)]
+
+
+def shown_phases(solution: Solution) -> list[PhaseInterval]:
+    """Phase intervals that begin in the turns shown."""
+    return [item for item in solution.phases if item.t_start < shown_before(solution)]
+
+
+def shown_transitions(solution: Solution) -> list[Transition]:
+    """Completed transitions that begin in the turns shown."""
+    return [item for item in solution.transitions if item.t_start < shown_before(solution)]
+
+
+def shown_events(solution: Solution, kind: EventKind) -> list[Event]:
+    """Events of one kind in the turns shown."""
+    before = shown_before(solution)
+    return [item for item in solution.events if item.kind is kind and item.t < before]
+
+
+def index_at(solution: Solution, t: float) -> float:
+    """Index on the comber's scale at a time [s]."""
+    return solution.mechanism.cylinder.index_from_angle(float(solution.shaft.angle(t)))
+
+
+def phase_name(mechanism: Mechanism, closed: frozenset[str]) -> str:
+    """Number and name of the phase with these closed stops."""
+    phase = mechanism.phase_of(closed)
+    if phase is None:
+        return "without number"
+    return f"{phase.number} {phase.name}".strip()
+
+
+def force_name(mechanism: Mechanism, stop: str) -> str:
+    """What the force of a closed stop is called, with its unit."""
+    noun = "clamping force" if stop == mechanism.transition_stop else "stop force"
+    return f"{noun} [{force_unit(mechanism, stop)}]"
+
+
+def force_unit(mechanism: Mechanism, stop: str) -> str:
+    """Unit of a stop's force; its impulse has this unit times s.
+
+    The force acts at the contact point, or along the coordinate of a stop without one.
+    """
+    found = mechanism.stop(stop)
+    turning = found.contact is None and units_of(mechanism, found.index).noun == "angle"
+    return "N m" if turning else "N"

@@ -1,0 +1,111 @@
+"""Dense samples of a solution for pictures, with both limits at every event."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..hybrid.collisions import PhaseInterval
+from ..hybrid.segment import Segment
+from ..hybrid.solution import Solution
+from .reading import shown_phases, shown_until
+
+_FEWEST = 33
+_PER_TURN = 720
+
+
+@dataclass(frozen=True)
+class ForceRange:
+    """Range of the normal force of a closed stop in one phase, over the turns shown.
+
+    Attributes:
+        closed: Closed stops of the phase.
+        stop: Stop.
+        lowest: [N].
+        t_lowest: Its time [s].
+        highest: [N].
+        t_highest: Its time [s].
+    """
+
+    closed: frozenset[str]
+    stop: str
+    lowest: float
+    t_lowest: float
+    highest: float
+    t_highest: float
+
+
+def sample_coordinates(
+    solution: Solution, t_start: float, t_end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times [s], shape (K,), and configurations, shape (K, nv), with every event among them."""
+    trajectory = solution.trajectory
+    times, states = [], []
+    for _, t in _pieces(solution, t_start, t_end):
+        inner, last = trajectory.evaluate(t[:-1]), trajectory.evaluate(t[-1:], left=True)
+        times.append(t)
+        states += [inner.q, last.q]
+    return np.concatenate(times), np.concatenate(states)
+
+
+def sample_forces(
+    solution: Solution, stop: str, t_start: float, t_end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and normal forces [N] of a stop while it is closed, shape (K,).
+
+    Stretches are separated by a NaN, so that a line through them breaks at jumps.
+    """
+    times, forces = [np.empty(0)], [np.empty(0)]
+    for segment, t in _pieces(solution, t_start, t_end):
+        if stop in segment.closed:
+            times += [t, t[-1:]]
+            forces += [_contact(solution, stop, t), np.array([np.nan])]
+    return np.concatenate(times), np.concatenate(forces)
+
+
+def force_ranges(solution: Solution) -> tuple[ForceRange, ...]:
+    """Ranges of the forces of closed stops, by phase, over the turns shown."""
+    samples: dict[tuple[frozenset[str], str], list[tuple[FloatArray, FloatArray]]] = {}
+    for phase in shown_phases(solution):
+        for stop in sorted(phase.closed):
+            samples.setdefault((phase.closed, stop), []).append(_phase_force(solution, phase, stop))
+    found = []
+    for (closed, stop), parts in samples.items():
+        t = np.concatenate([part[0] for part in parts])
+        force = np.concatenate([part[1] for part in parts])
+        if np.isnan(force).all():
+            continue
+        low, high = int(np.nanargmin(force)), int(np.nanargmax(force))
+        found.append(
+            ForceRange(
+                closed, stop, float(force[low]), float(t[low]), float(force[high]), float(t[high])
+            )
+        )
+    return tuple(found)
+
+
+def _phase_force(
+    solution: Solution, phase: PhaseInterval, stop: str
+) -> tuple[FloatArray, FloatArray]:
+    return sample_forces(solution, stop, phase.t_start, min(phase.t_end, shown_until(solution)))
+
+
+def _contact(solution: Solution, stop: str, t: FloatArray) -> FloatArray:
+    trajectory = solution.trajectory
+    inner = trajectory.reactions(t[:-1]).contacts[stop]
+    last = trajectory.reactions(t[-1:], left=True).contacts[stop]
+    return np.concatenate([inner, last])
+
+
+def _pieces(
+    solution: Solution, t_start: float, t_end: float
+) -> Iterator[tuple[Segment, FloatArray]]:
+    """Segments inside a stretch of time with the times to sample, ends included."""
+    for segment in solution.segments:
+        begin, end = max(segment.t_start, t_start), min(segment.t_end, t_end)
+        if end > begin:
+            share = (end - begin) / solution.shaft.period
+            yield segment, np.linspace(begin, end, _FEWEST + int(_PER_TURN * share))

@@ -1,0 +1,265 @@
+"""A solution as tables and sentences for a terminal or a plain text file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from ..hybrid.collisions import Collision
+from ..hybrid.event import Event, EventKind
+from ..hybrid.solution import Solution
+from .reading import (
+    case_text,
+    digits,
+    fixed,
+    force_name,
+    force_unit,
+    index_at,
+    phase_name,
+    restitution_text,
+    shown_collisions,
+    shown_events,
+    shown_phases,
+    shown_transitions,
+    spring_text,
+    units_of,
+)
+from .sampling import force_ranges
+
+# Below this width the columns stand one space apart.
+_ROOMY = 100
+# A stop that never comes to rest can collide thousands of times in one turn.
+_MOST_ROWS = 100
+
+
+def print_solution(solution: Solution, console: Console, *, forces: bool = False) -> None:
+    """Print what a run found.
+
+    Times count from the first collision. Of many turns the first two are printed.
+
+    Args:
+        solution: The solution.
+        console: Where to print; 80 columns are enough.
+        forces: Print the ranges of the forces of closed stops, too.
+    """
+    _header(solution, console)
+    _collisions(solution, console)
+    _phases(solution, console)
+    _transitions(solution, console)
+    _releases(solution, console)
+    if forces:
+        _forces(solution, console)
+    _checks(solution, console)
+    _say(console, solution.outcome.value, style="bold")
+
+
+def _header(solution: Solution, console: Console) -> None:
+    mechanism = solution.mechanism
+    _say(console, mechanism.title or mechanism.name, style="bold")
+    _say(console, case_text(solution))
+    _say(console, f"restitution: {restitution_text(mechanism.stops)}")
+    _say(console, f"springs: {spring_text(mechanism)}")
+
+
+def _collisions(solution: Solution, console: Console) -> None:
+    mechanism = solution.mechanism
+    if not solution.collisions:
+        _headline(console, "No collisions")
+        return
+    shown = shown_collisions(solution)
+    origin = solution.collisions[0].t
+    printed = 0
+    for name in dict.fromkeys(item.stop for item in shown):
+        units = units_of(mechanism, mechanism.stop(name).index)
+        of_stop = [item for item in shown if item.stop == name]
+        place = "along its joint" if mechanism.stop(name).contact is None else "at the contact"
+        _headline(
+            console, f"Collisions of stop {name} (rates below zero close it; impulse {place})"
+        )
+        table = _table(
+            console,
+            ("no.", "index", "time\nms", f"rate\nbefore\n{units.rate}",
+             f"rate\nafter\n{units.rate}", f"impulse\n{force_unit(mechanism, name)} s", "energy\nlost\nmJ",
+             f"rebound\namplitude\n{units.amplitude}", "rebound\ntime\nms"),
+        )  # fmt: skip
+        for item in of_stop[:_MOST_ROWS]:
+            table.add_row(*_collision_cells(item, origin, units.rate_factor, units.amplitude_factor))
+        console.print(table)
+        printed += min(len(of_stop), _MOST_ROWS)
+        if any(item.rebound_time is None for item in of_stop[:_MOST_ROWS]):
+            _say(console, "-: the window ends before the rebound does.")
+    _more(console, len(solution.collisions) - printed, "collision")
+    _copies(solution, console)
+
+
+def _collision_cells(
+    item: Collision, origin: float, rate: float, amplitude: float
+) -> tuple[str, ...]:
+    height, duration = item.rebound_amplitude, item.rebound_time
+    return (
+        str(item.number),
+        fixed(item.index, 4),
+        fixed(1e3 * (item.t - origin), 5),
+        digits(rate * item.approach_rate),
+        digits(rate * item.separation_rate),
+        digits(item.impulse),
+        digits(1e3 * item.energy_lost),
+        digits(None if height is None else amplitude * height),
+        digits(None if duration is None else 1e3 * duration),
+    )
+
+
+def _copies(solution: Solution, console: Console) -> None:
+    """Say so if all later turns are equal."""
+    turn, cycles = solution.repeated_from, solution.case.cycles
+    if turn is not None and turn < cycles:
+        later = f"Turn {cycles} is" if turn + 1 == cycles else f"Turns {turn + 1} to {cycles} are"
+        _say(console, f"{later} equal to turn {turn}: the motion repeats exactly.")
+
+
+def _phases(solution: Solution, console: Console) -> None:
+    _headline(console, "Phases")
+    table = _table(
+        console,
+        ("from\nindex", "to\nindex", "duration\nms"),
+        text=("phase", "closed stops"),
+    )
+    shown = shown_phases(solution)
+    for item in shown[:_MOST_ROWS]:
+        table.add_row(
+            Text(phase_name(solution.mechanism, item.closed)),
+            Text(", ".join(sorted(item.closed)) or "none"),
+            fixed(index_at(solution, item.t_start), 4),
+            fixed(index_at(solution, item.t_end), 4),
+            fixed(1e3 * (item.t_end - item.t_start), 5),
+        )
+    console.print(table)
+    _more(console, len(solution.phases) - min(len(shown), _MOST_ROWS), "phase")
+
+
+def _transitions(solution: Solution, console: Console) -> None:
+    stop = solution.mechanism.transition_stop
+    _headline(console, "Transition")
+    if not solution.transitions:
+        _say(console, f"No transition of the {stop} was completed.")
+        return
+    shown = shown_transitions(solution)
+    for item in shown:
+        share = (
+            "" if item.first_two_share is None
+            else f"; the first two rebounds take {100.0 * item.first_two_share:.2f} % of it"
+        )  # fmt: skip
+        noun = "collision" if item.collisions == 1 else "collisions"
+        text = f"{1e3 * item.duration:.5f} ms from the first collision to rest, {item.collisions}"
+        _say(console, f"{text} {noun} computed{share}.")
+    _say(console, _how_ended(solution))
+    _more(console, len(solution.transitions) - len(shown), "transition")
+
+
+def _how_ended(solution: Solution) -> str:
+    """Why a series of infinitely many bounces has an end."""
+    mechanism, threshold = solution.mechanism, solution.case.rest_rate
+    stop = mechanism.stop(mechanism.transition_stop)
+    if stop.restitution == 0.0:
+        return "Without restitution the first collision ends it."
+    if threshold is None:
+        return "The bounces go on for ever; the rest is their limit, computed in closed form."
+    units = units_of(mechanism, stop.index)
+    rate = f"{digits(units.rate_factor * threshold)} {units.rate}"
+    return f"It was ended by a threshold: the first rebound slower than {rate}."
+
+
+def _releases(solution: Solution, console: Console) -> None:
+    shown = shown_events(solution, EventKind.RELEASE)
+    if not shown:
+        return
+    _headline(console, "Releases")
+    for event in shown[:_MOST_ROWS]:
+        _say(console, _release_text(solution, event))
+    total = sum(item.kind is EventKind.RELEASE for item in solution.events)
+    _more(console, total - min(len(shown), _MOST_ROWS), "release")
+
+
+def _release_text(solution: Solution, event: Event) -> str:
+    mechanism = solution.mechanism
+    phase = mechanism.phase_of(event.closed_before)
+    where = "" if phase is None else f" in phase {phase.number}"
+    who = " and ".join(event.stops)
+    leave = "leaves its stop" if len(event.stops) == 1 else "leave their stops"
+    text = f"The {who} {leave}{where} at index {index_at(solution, event.t):.4f}"
+    if phase is None or phase.number != mechanism.initial_phase:
+        return text + "."
+    return (
+        f"{text}, before the {mechanism.transition_stop} collides: to hold it closed until then "
+        "would need a force that pulls."
+    )
+
+
+def _forces(solution: Solution, console: Console) -> None:
+    """Ranges of the forces of closed stops in the turns shown."""
+    ranges = force_ranges(solution)
+    _headline(console, "Forces of closed stops")
+    if not ranges:
+        _say(console, "No stop is closed in this window.")
+        return
+    table = _table(
+        console,
+        ("lowest", "at\nindex", "highest", "at\nindex"),
+        text=("phase", "force", "stop"),
+    )
+    for item in ranges:
+        table.add_row(
+            Text(phase_name(solution.mechanism, item.closed)),
+            Text(force_name(solution.mechanism, item.stop)),
+            Text(item.stop),
+            fixed(item.lowest, 2),
+            fixed(index_at(solution, item.t_lowest), 3),
+            fixed(item.highest, 2),
+            fixed(index_at(solution, item.t_highest), 3),
+        )
+    console.print(table)
+
+
+def _checks(solution: Solution, console: Console) -> None:
+    checks = solution.checks
+    _headline(console, "Checks and work")
+    _say(
+        console,
+        f"closure {checks.closure_m:.1e} m, closure rate {checks.closure_rate_m_s:.1e} m/s, "
+        f"energy balance {checks.energy_balance:.1e} of the largest kinetic energy",
+    )
+    _say(
+        console,
+        f"{solution.evaluations} evaluations of the dynamics, {1e3 * solution.wall_s:.1f} ms",
+    )
+
+
+def _table(console: Console, columns: Iterable[str], text: Sequence[str] = ()) -> Table:
+    """Return a table of text columns, then number columns; digits fold rather than get lost."""
+    padding = (0, 1) if console.width >= _ROOMY else (0, 0)
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=padding)
+    for name in text:
+        table.add_column(name, overflow="fold", vertical="bottom")
+    for name in columns:
+        table.add_column(Text(name), justify="right", overflow="fold", vertical="bottom")
+    return table
+
+
+def _more(console: Console, count: int, noun: str) -> None:
+    if count:
+        verb = " is" if count == 1 else "s are"
+        _say(console, f"{count} more {noun}{verb} not shown.")
+
+
+def _headline(console: Console, text: str) -> None:
+    console.print()
+    _say(console, text, style="bold")
+
+
+def _say(console: Console, text: str, style: str = "") -> None:
+    # As Text, names with square brackets are not taken for markup.
+    console.print(Text(text, style=style), highlight=False)

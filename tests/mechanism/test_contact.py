@@ -1,0 +1,104 @@
+"""The contact of the lips against its construction."""
+
+import math
+
+import numpy as np
+import pytest
+
+from nipper_pin.errors import InputError, ModelError
+from nipper_pin.mechanism import collision_model, load
+
+POINT = np.array([9.2e-3, 0.0, 65.5e-3])
+PIVOT = np.array([-72.6e-3, 0.0, 101.9e-3])
+
+
+def test_contact_is_where_it_was_built() -> None:
+    contact = load().stop("jaw").contact
+    assert contact is not None
+    arm = POINT - PIVOT
+    lever = float(np.linalg.norm(arm))
+    np.testing.assert_allclose(contact.point, POINT, atol=1e-10)
+    np.testing.assert_allclose(contact.normal, np.array([-arm[2], 0.0, arm[0]]) / lever, atol=1e-12)
+    assert contact.lever_m == pytest.approx(lever, rel=1e-12)
+    assert abs(contact.closing_coordinate) < 1e-11
+
+
+def test_stop_along_its_joint_has_no_contact() -> None:
+    stop = load().stop("steeve")
+    assert stop.contact is None
+    assert stop.lever == 1.0
+    assert load().stop("jaw").lever == pytest.approx(0.0895332340530599, rel=1e-12)
+
+
+@pytest.mark.parametrize("lift_mm", [0.01, -0.01, 0.3])
+def test_lips_that_do_not_touch(spoil, lift_mm: float) -> None:  # type: ignore[no-untyped-def]
+    height = -0.03502955916540127 + 1e-3 * lift_mm
+    folder = spoil(
+        urdf=tuple(
+            ("0.082409829417841 0 -0.03502955916540127", f"0.082409829417841 0 {height!r}")
+            for _ in range(2)
+        )
+    )
+    with pytest.raises(ModelError) as caught:
+        load(folder)
+    evidence = caught.value.evidence
+    assert evidence["file"] == "e62.toml"
+    assert evidence["key"] == "stops.jaw.contact"
+    gap_mm = lift_mm * math.cos(math.radians(23.9885))
+    pair, _, apart = evidence["value"].rpartition(", ")
+    assert pair == "bottom_lip and top_lip"
+    assert float(apart.partition(" mm apart")[0]) == pytest.approx(gap_mm, rel=1e-4)
+    closing = float(evidence["allowed"].rpartition("jaw = ")[2].removesuffix(" deg"))
+    # The lever is the rate of the gap; a lift of a third of a millimetre bends it little.
+    assert math.radians(closing) * 89.53 == pytest.approx(-gap_mm, rel=1e-2)
+
+
+def test_contact_of_a_general_shape_is_close(spoil) -> None:  # type: ignore[no-untyped-def]
+    """A lip whose section is found by the general search, here a sphere of the same radius."""
+    folder = spoil(
+        urdf=tuple(
+            ('<cylinder radius="0.0015" length="0.19"/>', '<sphere radius="0.0015"/>')
+            for _ in range(2)
+        )
+    )
+    contact = load(folder).stop("jaw").contact
+    assert contact is not None
+    np.testing.assert_allclose(contact.point, POINT, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        ({"stops.jaw.contact.lower": "lip"}, "no link or collision element named 'lip'"),
+        ({"stops.jaw.contact.lower": "top_plate"}, "a body that joint jaw does not move"),
+        ({"stops.jaw.contact.upper": "bottom_lip"}, "a body that joint jaw moves"),
+        ({"stops.jaw.contact.lower": "cylinder_drum"}, "must touch within 0.001 mm"),
+    ],
+)
+def test_bodies_that_make_no_contact(overrides: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        load(overrides=overrides)
+
+
+def test_opening_must_part_the_bodies(spoil) -> None:  # type: ignore[no-untyped-def]
+    """The upper lip below the lower one."""
+    folder = spoil(
+        urdf=tuple(
+            ("0.082409829417841 0 -0.03502955916540127", "0.0815 0 -0.0384") for _ in range(2)
+        )
+    )
+    with pytest.raises(ModelError, match="must move the upper body away") as caught:
+        load(folder)
+    assert caught.value.evidence["key"] == "stops.jaw.contact"
+
+
+def test_shapes_carry_their_names_and_links() -> None:
+    mechanism = load()
+    geometry, shapes = collision_model(mechanism)
+    assert {item.name for item in geometry.geometryObjects} == {
+        name for names in shapes.values() for name in names
+    }
+    assert shapes["frame"][0] == "cylinder_drum"
+    assert shapes["rod_head"] == ()
+    joint = geometry.geometryObjects[geometry.getGeometryId("top_lip")].parentJoint
+    assert mechanism.model.names[joint] == "jaw"

@@ -1,0 +1,232 @@
+"""Mistakes in the URDF, and its agreement with another reader."""
+
+import logging
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+
+from nipper_pin.errors import ModelError, UnknownNameError
+from nipper_pin.mechanism import find_model, load
+
+MASS = '<mass value="1.2"/>'
+JAW = '<origin xyz="0.1226 0 0.0561" rpy="0 0 0"/>\n    <axis xyz="0 -1 0"/>'
+SLIDE = "0.3835683289474219 0 -0.9235124996601196"
+LIP = '<box size="0.012 0.2 0.0003"/>'
+INERTIA = 'iyy="0.001142"'
+TYPE = 'name="jaw" type="revolute"'
+FOOT = '<link name="rocker_foot"/>'
+PLATE = '<collision name="bottom_plate">'
+
+LINK = "link top_nipper"
+SHAPE = "link bottom_nipper visual bottom_lip"
+CLASH = "link bottom_nipper collision name"
+
+# Old text, new text, key, value (... if it is not worth repeating), words of what is allowed.
+MISTAKES = {
+    "mass zero": (MASS, '<mass value="0"/>', f"{LINK} mass", 0.0, "positive mass"),
+    "mass negative": (MASS, '<mass value="-2"/>', f"{LINK} mass", -2.0, "positive mass"),
+    "mass a word": (MASS, '<mass value="x"/>', f"{LINK} mass", "x", "a finite number"),
+    "mass infinite": (MASS, '<mass value="inf"/>', f"{LINK} mass", "inf", "a finite number"),
+    "mass missing": (MASS, "", f"{LINK} mass", None, "a positive mass"),
+    "inertia negative": (INERTIA, 'iyy="-1"', f"{LINK} inertia", ..., "positive principal"),
+    "inertia impossible": (INERTIA, 'iyy="0.01"', f"{LINK} inertia", ..., "sum of the other two"),
+    "hinge out of plane": (
+        JAW,
+        JAW.replace("0 -1 0", "0 -1 0.1"),
+        "joint jaw axis",
+        [0.0, -1.0, 0.1],
+        "0 -1 0",
+    ),
+    "hinge the other way": (
+        JAW,
+        JAW.replace("0 -1 0", "0 1 0"),
+        "joint jaw axis",
+        [0.0, 1.0, 0.0],
+        "counter-clockwise",
+    ),
+    "no direction": (
+        JAW,
+        JAW.replace("0 -1 0", "0 0 0"),
+        "joint jaw axis",
+        [0.0, 0.0, 0.0],
+        "direction",
+    ),
+    "slider out of plane": (
+        SLIDE,
+        "0.38 0.1 -0.92",
+        "joint steeve axis",
+        [0.38, 0.1, -0.92],
+        "x-z plane",
+    ),
+    "placement out of plane": (
+        JAW,
+        JAW.replace("0 0 0", "0.1 0 0"),
+        "joint jaw origin rpy",
+        [0.1, 0.0, 0.0],
+        "about y only",
+    ),
+    "joint floating": (
+        TYPE,
+        TYPE.replace("revolute", "floating"),
+        "joint jaw type",
+        "floating",
+        "revolute, continuous, prismatic, fixed",
+    ),
+    "joint planar": (
+        TYPE,
+        TYPE.replace("revolute", "planar"),
+        "joint jaw type",
+        "planar",
+        "revolute, continuous, prismatic, fixed",
+    ),
+    "mimic": (JAW, JAW + '<mimic joint="steeve"/>', "joint jaw mimic", ..., "geared"),
+    "two parents": (
+        '<child link="top_nipper"/>',
+        '<child link="rocker"/>',
+        "joint jaw child",
+        "rocker",
+        "hangs from one joint",
+    ),
+    "several roots": (
+        FOOT,
+        FOOT + '<link name="loose"/>',
+        "root links",
+        ["frame", "loose"],
+        "exactly one root link",
+    ),
+    "circle": (
+        '<parent link="frame"/>\n    <child link="pendulum_arm"/>',
+        '<parent link="top_nipper"/>\n    <child link="pendulum_arm"/>',
+        "links",
+        ...,
+        "in a circle",
+    ),
+    "same link twice": (FOOT, FOOT + '<link name="frame"/>', "<link> name", "frame", "its own"),
+    "link without name": (FOOT, "<link/>", "<link> name", None, "not empty"),
+    "size": (LIP, '<box size="1 2 0"/>', f"{SHAPE} size", [1.0, 2.0, 0.0], "above 0 m"),
+    "sizes missing": (LIP, '<box size="1 2"/>', f"{SHAPE} size", "1 2", "3 finite numbers"),
+    "geometry": (LIP, "<torus/>", SHAPE, ["torus"], "box, cylinder, sphere, mesh"),
+    "mesh above": (
+        LIP,
+        '<mesh filename="../lip.stl"/>',
+        f"{SHAPE} mesh",
+        "../lip.stl",
+        "stays inside",
+    ),
+    "mesh anywhere": (
+        LIP,
+        '<mesh filename="/tmp/lip.stl"/>',
+        f"{SHAPE} mesh",
+        "/tmp/lip.stl",
+        "stays inside",
+    ),
+    "mesh package": (
+        LIP,
+        '<mesh filename="package://a/lip.stl"/>',
+        f"{SHAPE} mesh",
+        "package://a/lip.stl",
+        "stays inside",
+    ),
+    "mesh missing": (
+        LIP,
+        '<mesh filename="lip.stl"/>',
+        f"{SHAPE} mesh",
+        "lip.stl",
+        "a mesh file in the model folder",
+    ),
+    "same shape twice": (PLATE, '<collision name="bottom_lip">', CLASH, "bottom_lip", "its own"),
+    "shape named as a link": (PLATE, '<collision name="frame">', CLASH, "frame", "its own"),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
+    old, new, key, value, allowed = MISTAKES[name]
+    with pytest.raises(ModelError) as caught:
+        load(spoil(urdf=((old, new),)))
+    evidence = caught.value.evidence
+    assert evidence["file"] == "e62.urdf"
+    assert evidence["key"] == key
+    if value is not ...:
+        assert evidence["value"] == value
+    assert allowed in evidence["allowed"]
+    assert str(caught.value).startswith(f"e62.urdf: {key} = ")
+
+
+def test_moving_link_without_inertial(spoil) -> None:  # type: ignore[no-untyped-def]
+    folder = spoil()
+    path = folder / "e62.urdf"
+    before, start, rest = path.read_text(encoding="utf-8").partition('<link name="rocker">')
+    _, _, after = rest.partition("</inertial>")
+    path.write_text(before + start + after, encoding="utf-8")
+    with pytest.raises(ModelError, match="link rocker inertial = None .* needs mass and inertia"):
+        load(folder)
+
+
+@pytest.mark.parametrize("side", ["parent", "child"])
+def test_joint_to_unknown_link(spoil, side: str) -> None:  # type: ignore[no-untyped-def]
+    ends = '<parent link="bottom_nipper"/>\n    <child link="top_nipper"/>'
+    link = {"parent": "bottom_nipper", "child": "top_nipper"}[side]
+    with pytest.raises(UnknownNameError) as caught:
+        load(spoil(urdf=((ends, ends.replace(link, "nipper")),)))
+    assert caught.value.evidence["name"] == "nipper"
+    assert link in caught.value.evidence["known"]
+    assert str(caught.value).startswith(f"e62.urdf: joint jaw {side}: there is no link")
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [(("</robot>", "</robot"), "XML"), (("<robot", "<machine"), "root element")],
+)
+def test_not_a_urdf(spoil, change: tuple[str, str], key: str) -> None:  # type: ignore[no-untyped-def]
+    changes = (change,) if key == "XML" else (change, ("</robot>", "</machine>"))
+    with pytest.raises(ModelError) as caught:
+        load(spoil(urdf=changes))
+    assert caught.value.evidence["key"] == key
+
+
+def test_continuous_joint_has_one_coordinate(spoil) -> None:  # type: ignore[no-untyped-def]
+    mechanism = load(spoil(urdf=((TYPE, TYPE.replace("revolute", "continuous")),)))
+    assert mechanism.model.nq == mechanism.model.nv == 7
+    assert mechanism.joints[2].kind == "revolute"
+
+
+def test_mesh_inside_the_folder(spoil) -> None:  # type: ignore[no-untyped-def]
+    folder = spoil(
+        urdf=tuple(
+            ('<box size="0.07 0.22 0.002"/>', '<mesh filename="meshes/plate.stl"/>')
+            for _ in range(2)
+        )
+    )
+    (folder / "meshes").mkdir()
+    (folder / "meshes" / "plate.stl").write_text(
+        "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
+        "vertex 0 0.1 0\nendloop\nendfacet\nendsolid plate\n",
+        encoding="utf-8",
+    )
+    assert load(folder).stop("jaw").contact is not None
+
+
+def test_another_reader_agrees(caplog: pytest.LogCaptureFixture) -> None:
+    mechanism = load()
+    path = find_model("e62") / "e62.urdf"
+    with caplog.at_level(logging.WARNING):
+        robot = yourdfpy.URDF.load(
+            str(path), build_collision_scene_graph=True, load_collision_meshes=True
+        )
+    assert robot.validate()
+    assert not caplog.records
+    assert robot.base_link == "frame"
+    model, data = mechanism.model, mechanism.model.createData()
+    random = np.random.default_rng(7)
+    for _ in range(10):
+        q = random.uniform(-0.04, 0.04, model.nq)
+        pin.framesForwardKinematics(model, data, q)
+        robot.update_cfg({joint.name: q[joint.index] for joint in mechanism.joints})
+        for link in robot.link_map:
+            frame = model.getFrameId(link, pin.FrameType.BODY)
+            np.testing.assert_allclose(
+                robot.get_transform(link, "frame"), data.oMf[frame].homogeneous, atol=1e-12
+            )
