@@ -26,6 +26,17 @@ class NipperError(Exception):
         self.evidence = evidence
 
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Rebuild from message and evidence, so that errors cross from worker processes."""
+        return _rebuild, (type(self), self.message, self.evidence)
+
+
+def _rebuild(kind: type[NipperError], message: str, evidence: dict[str, Any]) -> NipperError:
+    error = kind.__new__(kind)
+    NipperError.__init__(error, message, **evidence)
+    return error
+
+
 class InputError(NipperError):
     """Arguments or files that cannot be used (exit status 2)."""
 

@@ -1,0 +1,1 @@
+"""Kinematics, constrained dynamics, impacts and forces of a mechanism, on Pinocchio."""

@@ -59,7 +59,7 @@ class System:
         self.drive = drive
         self.held = drive is DriveMode.HELD
         self.driven = np.array([item.index for item in mechanism.drives], dtype=int)
-        self.inertia = np.array([item.reflected_inertia_kg_m2 for item in mechanism.drives])
+        self.inertia = np.array([item.reflected_inertia for item in mechanism.drives])
         omega = 2.0 * np.pi * np.array([item.shaft_frequency_hz for item in mechanism.drives])
         damping = np.array([item.shaft_damping_ratio for item in mechanism.drives])
         self._shaft_stiffness = self.inertia * omega**2

@@ -1,0 +1,1 @@
+"""Motion with changing contacts: events, phases and whole runs."""

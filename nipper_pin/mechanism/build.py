@@ -13,7 +13,7 @@ from ..errors import ModelError, UnknownNameError
 from .assembly import check_assembly
 from .contact import find_contact
 from .describe import describe
-from .description import Description, SpringDescription
+from .description import Description, ScrewDrive, SpringDescription
 from .drives import DriveLaw
 from .laws import build_cylinder, build_laws
 from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Spring, Stop
@@ -138,13 +138,15 @@ def _drives(
     angle_at_touch_rad: float,
     file: str,
 ) -> tuple[Drive, ...]:
-    """Driven joints, each hinge driven once."""
+    """Driven joints, each driven once."""
     drives: list[Drive] = []
     for name, drive in description.drives.items():
         key = f"drives.{name}.joint"
         joint = _joint(drive.joint, joints, f"{file}: {key}")
-        if joint.kind != "revolute":
-            raise ModelError(file=file, key=key, value=drive.joint, allowed="a drive turns a hinge")
+        screw = isinstance(drive, ScrewDrive)
+        if screw != (joint.kind == "prismatic"):
+            allowed = "a screw drives a slide (prismatic joint); every other law turns a hinge"
+            raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
             raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
@@ -154,7 +156,11 @@ def _drives(
                 index=joint.index,
                 law=laws[name],
                 law_at_touch=float(laws[name].evaluate(np.array([angle_at_touch_rad]))[0][0]),
-                reflected_inertia_kg_m2=drive.reflected_inertia_kg_m2,
+                reflected_inertia=(
+                    drive.reflected_mass_kg
+                    if isinstance(drive, ScrewDrive)
+                    else drive.reflected_inertia_kg_m2
+                ),
                 shaft_frequency_hz=drive.shaft_frequency_hz,
                 shaft_damping_ratio=drive.shaft_damping_ratio,
             )

@@ -20,21 +20,16 @@ class Cylinder:
     Attributes:
         angle_at_touch_rad: Angle psi in the touch configuration, counter-clockwise from x [rad].
         sense: +1 if psi grows with time, -1 if it falls.
-        rated_speed_rad_s: Rated speed, positive [rad/s].
+        rated_speed_rpm: Rated speed, positive [r/min].
         reference_angle_rad: Angle psi at ``reference_index`` [rad].
         reference_index: Index there (nipper foremost: 24).
     """
 
     angle_at_touch_rad: float
     sense: int
-    rated_speed_rad_s: float
+    rated_speed_rpm: float
     reference_angle_rad: float
     reference_index: float
-
-    @property
-    def rated_speed_rpm(self) -> float:
-        """Rated speed [r/min]."""
-        return self.rated_speed_rad_s * 60.0 / math.tau
 
     def index_from_angle(self, psi: float) -> float:
         """Index in [0, 40) of the cylinder angle psi [rad]."""

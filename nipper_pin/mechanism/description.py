@@ -46,18 +46,26 @@ class _DriveTable(_Table, frozen=True, kw_only=True, tag_field="law"):
 
     Attributes:
         joint: Driven joint.
-        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
         shaft_frequency_hz: Natural frequency of the elastic drive train [Hz].
         shaft_damping_ratio: Its damping ratio [-].
     """
 
     joint: Name
-    reflected_inertia_kg_m2: Positive
     shaft_frequency_hz: Positive
     shaft_damping_ratio: NotNegative
 
 
-class OscillatingGuideDrive(_DriveTable, frozen=True, kw_only=True, tag="oscillating_guide"):
+class _ShaftTable(_DriveTable, frozen=True, kw_only=True):
+    """What every drive of a hinge has.
+
+    Attributes:
+        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
+    """
+
+    reflected_inertia_kg_m2: Positive
+
+
+class OscillatingGuideDrive(_ShaftTable, frozen=True, kw_only=True, tag="oscillating_guide"):
     """A crank pin on the cylinder that slides in a guide bar fixed to the driven link.
 
     Attributes:
@@ -74,7 +82,7 @@ class OscillatingGuideDrive(_DriveTable, frozen=True, kw_only=True, tag="oscilla
     guide_offset_mm: float = 0.0
 
 
-class GearedDrive(_DriveTable, frozen=True, kw_only=True, tag="geared"):
+class GearedDrive(_ShaftTable, frozen=True, kw_only=True, tag="geared"):
     """A shaft geared to another drive.
 
     Attributes:
@@ -86,7 +94,7 @@ class GearedDrive(_DriveTable, frozen=True, kw_only=True, tag="geared"):
     ratio: float
 
 
-class ConstantSpeedDrive(_DriveTable, frozen=True, kw_only=True, tag="constant_speed"):
+class ConstantSpeedDrive(_ShaftTable, frozen=True, kw_only=True, tag="constant_speed"):
     """A shaft that turns in proportion to the cylinder.
 
     Attributes:
@@ -96,7 +104,19 @@ class ConstantSpeedDrive(_DriveTable, frozen=True, kw_only=True, tag="constant_s
     ratio: float
 
 
-class FourierDrive(_DriveTable, frozen=True, kw_only=True, tag="fourier"):
+class ScrewDrive(_DriveTable, frozen=True, kw_only=True, tag="screw"):
+    """A slide that a screw moves in proportion to the cylinder.
+
+    Attributes:
+        lead_mm_per_turn: Travel per turn of the cylinder [mm].
+        reflected_mass_kg: Inertia of the drive train seen at the slide [kg].
+    """
+
+    lead_mm_per_turn: float
+    reflected_mass_kg: Positive
+
+
+class FourierDrive(_ShaftTable, frozen=True, kw_only=True, tag="fourier"):
     """A Fourier series in the cylinder angle; coefficient n belongs to n turns per turn.
 
     Attributes:
@@ -110,7 +130,7 @@ class FourierDrive(_DriveTable, frozen=True, kw_only=True, tag="fourier"):
     sine_rad: tuple[float, ...] = ()
 
 
-class TableDrive(_DriveTable, frozen=True, kw_only=True, tag="table"):
+class TableDrive(_ShaftTable, frozen=True, kw_only=True, tag="table"):
     """A table over one turn, from a CSV file in the model folder or written out here.
 
     Attributes:
@@ -125,7 +145,12 @@ class TableDrive(_DriveTable, frozen=True, kw_only=True, tag="table"):
 
 
 DriveDescription = (
-    OscillatingGuideDrive | GearedDrive | ConstantSpeedDrive | FourierDrive | TableDrive
+    OscillatingGuideDrive
+    | GearedDrive
+    | ConstantSpeedDrive
+    | ScrewDrive
+    | FourierDrive
+    | TableDrive
 )
 
 

@@ -134,10 +134,10 @@ class Geared:
 
 @dataclass(frozen=True, kw_only=True)
 class ConstantSpeed:
-    """A shaft that turns in proportion to the cylinder.
+    """A shaft or a slide that moves in proportion to the cylinder.
 
     Attributes:
-        ratio: Turns of this shaft per turn of the cylinder.
+        ratio: Turns of the shaft per turn of the cylinder [-], or travel of the slide [m/rad].
     """
 
     ratio: float

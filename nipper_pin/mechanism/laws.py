@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from ..errors import InputError, ModelError, UnknownNameError
-from .cylinder import Cylinder, rad_s_from_rpm
+from .cylinder import Cylinder
 from .description import (
     ConstantSpeedDrive,
     CylinderDescription,
@@ -20,6 +20,7 @@ from .description import (
     FourierDrive,
     GearedDrive,
     OscillatingGuideDrive,
+    ScrewDrive,
     TableDrive,
 )
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
@@ -88,6 +89,8 @@ def _basic(drive: DriveDescription) -> DriveLaw:
         )
     if isinstance(drive, ConstantSpeedDrive):
         return ConstantSpeed(ratio=drive.ratio)
+    if isinstance(drive, ScrewDrive):
+        return ConstantSpeed(ratio=1e-3 * drive.lead_mm_per_turn / math.tau)
     if isinstance(drive, FourierDrive):
         return Fourier(mean=drive.mean_rad, cosine=drive.cosine_rad, sine=drive.sine_rad)
     if isinstance(drive, TableDrive):
@@ -225,7 +228,7 @@ def build_cylinder(description: Description, laws: Mapping[str, DriveLaw], file:
     return Cylinder(
         angle_at_touch_rad=math.radians(cylinder.angle_at_touch_deg),
         sense=-1 if cylinder.direction == "clockwise" else 1,
-        rated_speed_rad_s=rad_s_from_rpm(cylinder.rated_speed_rpm),
+        rated_speed_rpm=cylinder.rated_speed_rpm,
         reference_angle_rad=_reference(cylinder, laws, file),
         reference_index=cylinder.reference_index,
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import coal
@@ -13,8 +12,7 @@ import pinocchio as pin
 
 from ..arrays import FloatArray
 from ..hybrid.solution import Solution
-from ..mechanism import Mechanism
-from ..mechanism.urdf import check_urdf, parse_xml
+from ..mechanism import Mechanism, collision_model
 
 # Lips in contact meet to the tolerance of the distance computation, not to zero.
 _TOUCH_M = 1e-6
@@ -119,23 +117,16 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
 
 
 def _shapes(mechanism: Mechanism) -> list[_Shape]:
-    model = mechanism.model
-    geometry = pin.buildGeomFromUrdfString(
-        model, mechanism.urdf, pin.GeometryType.COLLISION, package_dirs=mechanism.mesh_folder
-    )
-    file = f"{mechanism.name}.urdf"
-    names = check_urdf(parse_xml(mechanism.urdf, file), file, Path(mechanism.mesh_folder)).shapes
-    order = [model.getJointId(joint.name) for joint in mechanism.joints]
+    geometry, names = collision_model(mechanism)
+    links = {shape: link for link, shapes in names.items() for shape in shapes}
+    order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     found = []
     for item in geometry.geometryObjects:
-        link = model.frames[item.parentFrame].name
         item.geometry.computeLocalAABB()
-        # Pinocchio names a shape after its link and its place in the link.
-        place = int(item.name.rpartition("_")[2])
         found.append(
             _Shape(
-                link=_moving_link(mechanism, item.parentJoint, link),
-                name=names[link][place],
+                link=_moving_link(mechanism, item.parentJoint, links[item.name]),
+                name=item.name,
                 joint=order.index(item.parentJoint) + 1 if item.parentJoint else 0,
                 placement=item.placement,
                 geometry=item.geometry,

@@ -49,7 +49,7 @@ MISTAKES = {
         'law = "chain"',
         "drives.tension.law",
         "chain",
-        "one of constant_speed, fourier, geared, oscillating_guide, table",
+        "one of constant_speed, fourier, geared, oscillating_guide, screw, table",
     ),
     "unknown key": (
         "restitution = 0.2\ncontact",
@@ -125,7 +125,7 @@ MISTAKES = {
         'joint = "steeve"',
         "drives.tension.joint",
         "steeve",
-        "turns a hinge",
+        "a screw drives a slide",
     ),
     "driven twice": (
         'joint = "tension_shaft"',

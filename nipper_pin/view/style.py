@@ -1,0 +1,120 @@
+"""One look for all figures: sizes, colours that the colour-blind can tell apart, axes, shading."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from ..hybrid.solution import Solution
+from ..mechanism import INDEX_PER_TURN, Mechanism
+from .reading import case_text, index_at, phase_name, restitution_text, shown_phases, shown_until
+
+WIDTH_IN = 7.2
+TEXT = 9.0
+SMALL = 8.0
+# Okabe and Ito's palette; lines take the strong colours, phases the light tints.
+LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
+MARKERS = ("o", "s", "^", "D")
+TINTS = ("#FFFFFF", "#A9D5F0", "#F6D58C", "#BFE3D2", "#E9C7DC")
+UNNAMED = "#CCCCCC"
+_TITLE_COLUMNS = 92
+_NARROWEST_LABEL = 0.025
+
+
+def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
+    """Return an empty figure with a title that names subject, model and case.
+
+    A figure with its own canvas leaves matplotlib's global state alone.
+    """
+    figure = Figure(figsize=(WIDTH_IN, height_in), dpi=200, layout="constrained")
+    FigureCanvasAgg(figure)
+    mechanism = solution.mechanism
+    model = textwrap.fill(mechanism.title or mechanism.name, _TITLE_COLUMNS)
+    case = textwrap.fill(
+        f"{case_text(solution)}; restitution: {restitution_text(mechanism.stops)}", _TITLE_COLUMNS
+    )
+    figure.suptitle(f"{subject}\n{model}\n{case}", fontsize=TEXT)
+    return figure
+
+
+def tidy(axes: Axes, xlabel: str, ylabel: str) -> None:
+    """Label axes with readable sizes."""
+    axes.set_xlabel(xlabel, fontsize=TEXT)
+    axes.set_ylabel(ylabel, fontsize=TEXT)
+    axes.tick_params(labelsize=SMALL)
+
+
+def line_colour(mechanism: Mechanism, stop: str) -> str:
+    """Colour of a stop's lines."""
+    return LINES[_place(mechanism, stop) % len(LINES)]
+
+
+def marker(mechanism: Mechanism, stop: str) -> str:
+    """Marker of a stop, so that colour is not all that tells stops apart."""
+    return MARKERS[_place(mechanism, stop) % len(MARKERS)]
+
+
+def tint(mechanism: Mechanism, closed: frozenset[str]) -> str:
+    """Background colour of the phase with these closed stops."""
+    for place, phase in enumerate(mechanism.phases):
+        if phase.closed == closed:
+            return TINTS[place % len(TINTS)]
+    return UNNAMED
+
+
+def phase_patches(solution: Solution) -> list[Artist]:
+    """Legend entries of the phases that are shown, in the model's order."""
+    mechanism = solution.mechanism
+    seen = {item.closed for item in shown_phases(solution)}
+    order = [phase.closed for phase in mechanism.phases if phase.closed in seen]
+    order += sorted(seen - set(order), key=sorted)
+    return [
+        Patch(facecolor=tint(mechanism, closed), edgecolor="0.4", linewidth=0.6,
+              label=f"phase {phase_name(mechanism, closed)}")
+        for closed in order
+    ]  # fmt: skip
+
+
+def legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
+    """Put one legend under all panels."""
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
+    )
+
+
+def shade_phases(solution: Solution, axes: Axes, *, numbered: bool) -> None:
+    """Shade the phases along a time axis in ms and number those that are wide enough."""
+    mechanism, until = solution.mechanism, shown_until(solution)
+    for item in shown_phases(solution):
+        begin, end = 1e3 * item.t_start, 1e3 * min(item.t_end, until)
+        axes.axvspan(begin, end, facecolor=tint(mechanism, item.closed), linewidth=0, zorder=0)
+        if numbered and item.number is not None and end - begin > _NARROWEST_LABEL * 1e3 * until:
+            axes.text(0.5 * (begin + end), 0.97, str(item.number), fontsize=SMALL, color="0.25",
+                      transform=axes.get_xaxis_transform(), ha="center", va="top")  # fmt: skip
+    axes.set_xlim(0.0, 1e3 * until)
+
+
+def index_scale(solution: Solution, axes: Axes) -> None:
+    """Add the comber's index above a time axis in ms."""
+    start = index_at(solution, 0.0)
+    per_ms = 1e-3 * INDEX_PER_TURN / solution.shaft.period
+    above = axes.secondary_xaxis(
+        "top", functions=(lambda t: start + per_ms * t, lambda index: (index - start) / per_ms)
+    )
+    above.set_xlabel("index of the comb cycle (40 to a turn)", fontsize=TEXT)
+    above.tick_params(labelsize=SMALL)
+    scale: Axis = above.xaxis
+    scale.set_major_locator(MaxNLocator(nbins=10, steps=[1, 2, 4, 5, 10]))
+    scale.set_major_formatter(FuncFormatter(lambda value, _: f"{value % INDEX_PER_TURN:g}"))
+
+
+def _place(mechanism: Mechanism, stop: str) -> int:
+    return [item.name for item in mechanism.stops].index(stop)
