@@ -145,7 +145,7 @@ def _check(options: argparse.Namespace) -> None:
     if options.json != "-":
         from rich.console import Console
 
-        from .view.table import print_report
+        from .view.report import print_report
 
         print_report(report, Console())
 

@@ -74,7 +74,14 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
 
 
 def _condition(matrix: FloatArray) -> float:
-    return float(np.linalg.cond(matrix)) if matrix.size else 1.0
+    """Condition number in the 1-norm; infinite for a singular matrix."""
+    if not matrix.size:
+        return 1.0
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return np.inf
+    return float(np.abs(matrix).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max())
 
 
 def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:

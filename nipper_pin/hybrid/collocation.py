@@ -91,6 +91,39 @@ def evaluate(values: FloatArray, sigma: FloatArray, integrations: int) -> FloatA
     return np.asarray(_basis(sigma, len(operator)) @ (operator @ values))
 
 
+class Arc:
+    """One coordinate on a panel as polynomials of sigma, for scalar evaluation in root searches.
+
+    Args:
+        values: Node values of the second derivative by sigma, shape (N,).
+        start: Value at sigma = 0.
+        slope: Derivative by sigma there.
+    """
+
+    def __init__(self, values: FloatArray, start: float, slope: float) -> None:
+        """Integrate the series."""
+        _, once, twice = nodes(len(values)).integrals
+        self._start, self._slope = start, slope
+        self._once: list[float] = (once @ values).tolist()
+        self._twice: list[float] = (twice @ values).tolist()
+
+    def value(self, sigma: float) -> float:
+        """Value at sigma."""
+        return self._start + sigma * self._slope + _clenshaw(self._twice, sigma)
+
+    def rate(self, sigma: float) -> float:
+        """First derivative by sigma."""
+        return self._slope + _clenshaw(self._once, sigma)
+
+
+def _clenshaw(coefficients: list[float], sigma: float) -> float:
+    x2 = 4.0 * sigma - 2.0
+    high = low = 0.0
+    for coefficient in coefficients[:0:-1]:
+        high, low = coefficient + x2 * high - low, high
+    return coefficients[0] + 0.5 * x2 * high - low
+
+
 def tail(values: FloatArray) -> FloatArray:
     """Size of the last two Chebyshev coefficients of every column of node values.
 

@@ -83,14 +83,18 @@ def energy_balance(
             peak = max(peak, known[key][1])
     trajectory = Trajectory(system, segments)
     first, last = trajectory.span
-    start, end = trajectory.evaluate(first), trajectory.evaluate(last, left=True)
     # A run may begin or end with a collision: its outer limits belong to the balance.
-    q0, v0 = start.q, start.v
-    q1, v1 = end.q, end.v
     if events and events[0].t == first:
         q0, v0 = events[0].q[None], events[0].v_before[None]
+    else:
+        start = trajectory.evaluate(first)
+        q0, v0 = start.q, start.v
     if events and events[-1].t >= last:
         q1, v1 = events[-1].q[None], events[-1].v_after[None]
+    else:
+        end = trajectory.evaluate(last, left=True)
+        q1, v1 = end.q, end.v
+    peak = max(peak, *_kinetic(system, np.vstack([q0, q1]), np.vstack([v0, v1])))
     return EnergyBalance(
         drive_work=work,
         drive_impulse_work=sum(event.energy_from_drives for event in events),
@@ -98,7 +102,7 @@ def energy_balance(
         spring_change=_change(system.spring_energy(q1), system.spring_energy(q0)),
         kinetic_change=_change(_kinetic(system, q1, v1), _kinetic(system, q0, v0)),
         impact_losses=sum(event.energy_lost for event in events),
-        kinetic_peak=peak,
+        kinetic_peak=float(peak),
     )
 
 

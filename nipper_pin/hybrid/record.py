@@ -30,8 +30,8 @@ def record(solution: Solution) -> dict[str, Any]:
             "model": solution.mechanism.name,
             **asdict(solution.case),
             **{
-                shortcut: _value(solution.mechanism.description, path)
-                for shortcut, path in solution.mechanism.shortcuts.items()
+                path.rpartition(".")[2]: _value(solution.mechanism.description, path)
+                for path in solution.mechanism.shortcuts.values()
             },
         },
         "outcome": solution.outcome.value,

@@ -15,7 +15,7 @@ from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError, SimulationError
 from ..mechanism import Stop
 from .case import Resolution
-from .collocation import evaluate, nodes
+from .collocation import Arc, evaluate, nodes
 from .panel import Panel, flight_panel, forces_at, kinematic_panel, state_at
 from .roots import first_descent, polish
 
@@ -103,6 +103,7 @@ def advance(
     t: float,
     q: FloatArray,
     v: FloatArray,
+    a: FloatArray,
     t_limit: float,
     resolution: Resolution,
 ) -> Advance:
@@ -114,6 +115,7 @@ def advance(
         t: Start [s].
         q: Closed configuration, shape (nv,); gaps of stops just left are exactly zero.
         v: Closed velocity (right limit), shape (nv,).
+        a: Acceleration there, shape (nv,).
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
 
@@ -129,13 +131,13 @@ def advance(
     kinematic = rows.freedom == 0
     start = t
     longest = system.shaft.period / resolution.panels_per_turn
-    h = longest if kinematic else min(longest, _ballistic_length(system, rows, t, q, v, open_stops))
+    h = longest if kinematic else min(longest, _ballistic_length(q, v, a, open_stops))
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t)
         by_gap = sorted(open_stops, key=lambda stop: abs(q[stop.index]))
         split = partition(jacobian, rows.given, [stop.index for stop in by_gap])
-        panel, forces, advised = _panel(system, rows, split, t, h, q, v, resolution)
+        panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
         panels.append(panel)
         triggers = _triggers(system, rows, panel, forces, open_stops)
         if triggers or t + panel.h >= t_limit:
@@ -150,20 +152,14 @@ def advance(
             return Advance(segment, triggers, q, v, jacobian)
         t = t + panel.h
         q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t])))
+        a = panel.a[-1]
         h = min(longest, advised)
 
 
 def _ballistic_length(
-    system: System,
-    rows: ConstraintSet,
-    t: float,
-    q: FloatArray,
-    v: FloatArray,
-    open_stops: list[Stop],
+    q: FloatArray, v: FloatArray, a: FloatArray, open_stops: list[Stop]
 ) -> float:
     """Time [s] after which a body that leaves a stop at constant acceleration is back, and a bit."""
-    time = np.array([t])
-    a = system.accelerations(system.shaft.driven(time), q[None], v[None], rows)[0]
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops
@@ -180,21 +176,19 @@ def _panel(
     h: float,
     q: FloatArray,
     v: FloatArray,
+    a: FloatArray,
     resolution: Resolution,
 ) -> tuple[Panel, FloatArray, float]:
     """Solve one panel, shortened until it is resolved; with stop forces and the next length."""
     shortest = _SHORTEST_PANEL * system.shaft.period
     kinematic = rows.freedom == 0
-    if kinematic:
-        time = np.array([t])
-        a = system.accelerations(system.shaft.driven(time), q[None], v[None], rows)[0]
     while h > 0.0:
         factor = 0.5
         try:
             if kinematic:
                 attempt = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
             else:
-                attempt = flight_panel(system, rows, split, t, h, q, v, resolution)
+                attempt = flight_panel(system, rows, split, t, h, q, v, a, resolution)
         except ConvergenceError:
             # The guess of a long panel may be too far off; a short one tells the truth.
             if h <= 2.0 * shortest:
@@ -248,7 +242,9 @@ def _gap_root(
     """Time at which a gap falls through zero on a panel, or None."""
     grid = nodes(panel.order)
     h, a = panel.h, panel.a[:, index]
-    gap, rate = panel.q[0, index], panel.v[0, index]
+    gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
+    # With its start the grid also brackets a root before its first inner point.
+    places = np.concatenate([[0.0], grid.samples])
     if not panel.integrated:
 
         def interpolant(sigma: float) -> float:
@@ -258,8 +254,8 @@ def _gap_root(
             q, v, _ = state_at(system, rows, panel, np.array([t]))
             return float(q[0, index]), float(v[0, index])
 
-        bracket = first_descent(grid.samples, grid.sample_value @ panel.q[:, index], interpolant)
-        return _polished(panel, bracket, exact)
+        values = np.concatenate([[gap], grid.sample_value @ panel.q[:, index]])
+        return _polished(panel, first_descent(places, values, interpolant), exact)
     # Dividing out the zero at the start leaves the next one as the only one, to full precision.
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
 
@@ -269,19 +265,17 @@ def _gap_root(
             return np.asarray(gap + h * sigma * rate + terms)
         return np.asarray(h * rate + terms if power == 1 else terms)
 
+    arc = Arc(h**2 * a, gap, h * rate)
+
     def at(sigma: float) -> float:
-        place = np.array([sigma])
-        return float(deflated(place, evaluate(a, place, 2))[0])
+        return arc.value(sigma) / sigma**power
 
     def motion(t: float) -> tuple[float, float]:
-        tau = t - panel.t
-        place = np.array([tau / h])
-        return (
-            float(gap + tau * rate + h**2 * evaluate(a, place, 2)[0]),
-            float(rate + h * evaluate(a, place, 1)[0]),
-        )
+        sigma = (t - panel.t) / h
+        return arc.value(sigma), arc.rate(sigma) / h
 
-    values = deflated(grid.samples, grid.sample_twice @ a)
+    start = (gap, h * rate, 0.5 * h**2 * a[0])[power]
+    values = np.concatenate([[start], deflated(grid.samples, grid.sample_twice @ a)])
     if (values < 0.0).all():
         name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
         message = (
@@ -289,7 +283,7 @@ def _gap_root(
             "contradict the closed stops; this is an error of the package, please report the case"
         )
         raise SimulationError(message, stop=name, gap=gap, rate=rate)
-    return _polished(panel, first_descent(grid.samples, values, at), motion)
+    return _polished(panel, first_descent(places, values, at), motion)
 
 
 def _force_root(
@@ -301,20 +295,21 @@ def _force_root(
 ) -> float | None:
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
     grid = nodes(panel.order)
-    values = grid.sample_value @ force
+    places = np.concatenate([[0.0], grid.samples])
+    values = np.concatenate([force[:1], grid.sample_value @ force])
     if values[0] < 0.0:
         # The force was zero to round-off when the stop was taken to be pressed.
         return panel.t
-    slope = np.gradient(values, grid.samples) / panel.h
+    slope = np.gradient(values, places) / panel.h
 
     def interpolant(sigma: float) -> float:
         return float(evaluate(force, np.array([sigma]), 0)[0])
 
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
-        return float(la_N[0, column]), float(np.interp((t - panel.t) / panel.h, grid.samples, slope))
+        return float(la_N[0, column]), float(np.interp((t - panel.t) / panel.h, places, slope))
 
-    bracket = first_descent(grid.samples, values, interpolant)
+    bracket = first_descent(places, values, interpolant)
     return _polished(panel, bracket, exact)
 
 

@@ -96,6 +96,7 @@ class _Run:
         self.mechanism = system.mechanism
         self.events: list[Event] = []
         self.segments: list[Segment] = []
+        self._known: tuple[State, FloatArray] | None = None
         self.state, self._jacobian = self._start()
 
     def transition(self) -> Outcome:
@@ -152,8 +153,9 @@ class _Run:
     def _step(self, t_limit: float) -> bool:
         state = self.state
         rows = self.system.constraint_set(state.closed)
+        a = self._acceleration(state)
         reached = advance(
-            self.system, rows, state.t, state.q, state.v, t_limit, self.case.resolution
+            self.system, rows, state.t, state.q, state.v, a, t_limit, self.case.resolution
         )
         self.segments.append(reached.segment)
         t, q, v = reached.segment.t_end, reached.q, reached.v
@@ -225,9 +227,7 @@ class _Run:
     def _limit(self, stop: Stop, series: BounceSeries) -> float:
         """Time at which a series comes to rest [s]; infinite while that is not known yet."""
         state, tolerance = self.state, self.case.resolution.tolerance
-        rows = self.system.constraint_set(state.closed)
-        motion = self.system.shaft.driven(np.array([state.t]))
-        a = self.system.accelerations(motion, state.q[None], state.v[None], rows)[0, stop.index]
+        a = float(self._acceleration(state)[stop.index])
         e_N, rate = stop.restitution, series.rates[-1]
         remaining = -2.0 * rate / (a * (1.0 - e_N)) if a < 0.0 and e_N < 1.0 else np.inf
         duration = state.t - series.start + remaining
@@ -238,6 +238,15 @@ class _Run:
         # a relative error of order w, so w^3 has to be below the tolerance.
         small = rate <= tolerance ** (1.0 / 3.0) * series.fastest
         return t_rest if small and error <= tolerance * duration else np.inf
+
+    def _acceleration(self, state: State) -> FloatArray:
+        """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
+        if self._known is None or self._known[0] is not state:
+            rows = self.system.constraint_set(state.closed)
+            motion = self.system.shaft.driven(np.array([state.t]))
+            a = self.system.accelerations(motion, state.q[None], state.v[None], rows)[0]
+            self._known = (state, a)
+        return self._known[1]
 
     def _release(self, state: State, reached: Advance, released: set[str]) -> None:
         """Open the stops whose force has fallen to zero."""
@@ -302,7 +311,7 @@ class _Run:
     def _start(self) -> tuple[State, FloatArray]:
         """The initial phase at time zero, assembled along the drives from the touch configuration."""
         mechanism, shaft = self.mechanism, self.system.shaft
-        closed = next(p.closed for p in mechanism.phases if p.number == mechanism.initial_phase)
+        closed = mechanism.phase(mechanism.initial_phase).closed
         stops = [stop.index for stop in mechanism.stops if stop.name in closed]
         turns = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) * shaft.rate
         back = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) / shaft.rate

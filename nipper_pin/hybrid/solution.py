@@ -32,8 +32,8 @@ class Outcome(StrEnum):
     AT_REST = "The transition ended with the stop at rest."
     STILL_BOUNCING = "The window ended while a stop was still bouncing; it came to no rest."
     NO_REST = (
-        "The stop did not come to rest within one turn of the first collision; lower the speed or "
-        "the restitution, or raise the preload."
+        "The stop did not come to rest within one turn of the first collision: its bounces outlast "
+        "the time in which it is pressed shut; lower the speed or the restitution."
     )
     TOO_MANY_COLLISIONS = (
         "The run was stopped at its largest number of collisions; raise max_collisions, or end the "
@@ -73,7 +73,7 @@ class Checks:
 
 @dataclass(frozen=True)
 class Solution:
-    """A simulated stretch of motion.
+    """A simulated stretch of motion; a transition without rebound is a collision and no motion.
 
     Tables, dense motion, forces and balances are computed when they are first asked for.
 
@@ -117,8 +117,9 @@ class Solution:
     @cached_property
     def phases(self) -> tuple[PhaseInterval, ...]:
         """Phases in order of time."""
-        t_end = self.segments[-1].t_end
-        return phase_intervals(self.system, self.events, self.segments[0].closed, t_end)
+        initial = self.mechanism.phase(self.mechanism.initial_phase).closed
+        t_end = self.segments[-1].t_end if self.segments else 0.0
+        return phase_intervals(self.system, self.events, initial, t_end)
 
     @cached_property
     def transitions(self) -> tuple[Transition, ...]:

@@ -72,7 +72,9 @@ class Trajectory:
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time [s]."""
+        """First and last time [s]; both zero in a run without motion."""
+        if not self.segments:
+            return 0.0, 0.0
         return self.segments[0].t_start, self.segments[-1].t_end
 
     def evaluate(self, t: FloatArray | float, *, left: bool = False) -> Motion:
@@ -138,7 +140,7 @@ class Trajectory:
     ) -> Iterator[tuple[Segment, Panel, list[int]]]:
         """Times grouped by the panel that holds them."""
         first, last = self.span
-        outside = times[(times < first) | (times > last) | ~np.isfinite(times)]
+        outside = times[~((first <= times) & (times <= last))] if self.segments else times
         if outside.size:
             message = (
                 f"time {outside[0]:.9g} s lies outside the solution, which spans "

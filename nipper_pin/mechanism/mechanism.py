@@ -222,6 +222,18 @@ class Mechanism:
             kind="stop", name=name, known=(stop.name for stop in self.stops), where=self.name
         )
 
+    def phase(self, number: int) -> Phase:
+        """Return the phase of that number.
+
+        Raises:
+            UnknownNameError: No phase has this number.
+        """
+        for phase in self.phases:
+            if phase.number == number:
+                return phase
+        known = (str(phase.number) for phase in self.phases)
+        raise UnknownNameError(kind="phase", name=str(number), known=known, where=self.name)
+
     def phase_of(self, closed: frozenset[str]) -> Phase | None:
         """Return the phase with exactly these closed stops, or None if it has no name."""
         for phase in self.phases:

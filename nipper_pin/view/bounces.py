@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -14,7 +16,7 @@ from .sampling import sample_coordinates
 from .style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 
 # A gap on a log axis is cut below this part of its rebound's height, where it falls to zero.
-_DEPTH = 1e-2
+_DEPTH = 4e-3
 
 
 def transition_figure(solution: Solution, transition: Transition) -> Figure:
@@ -52,8 +54,9 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     for item in collisions:
         until_rest = 1e3 * (transition.t_start + transition.duration - item.t)
         log.axvline(until_rest, color="0.7", linewidth=0.8, zorder=0)
-        log.text(until_rest, 0.97, str(item.number), transform=log.get_xaxis_transform(),
-                 fontsize=SMALL, ha="left", va="top", color="0.25")  # fmt: skip
+        log.annotate(str(item.number), (until_rest, 0.97), (3.0, 0.0), fontsize=SMALL, va="top",
+                     xycoords=log.get_xaxis_transform(), textcoords="offset points",
+                     color="0.25")  # fmt: skip
     log.margins(y=0.12)
     log.invert_xaxis()
     tidy(log, "time left until rest [ms], with the numbers of the collisions", label)
@@ -66,7 +69,7 @@ def impulse_figure(solution: Solution) -> Figure:
     figure = new_figure(solution, "Normal impulses of the collisions", 3.8)
     axes = figure.add_subplot()
     shown = [item for item in shown_collisions(solution) if item.impulse > 0.0]
-    base = 10.0 ** np.floor(np.log10(min(item.impulse for item in shown)) - 0.2)
+    base = 10.0 ** np.floor(np.log10(min(item.impulse for item in shown)) - 0.5)
     for stop in mechanism.stops:
         chosen = [item for item in shown if item.stop == stop.name]
         if not chosen:
@@ -76,8 +79,7 @@ def impulse_figure(solution: Solution) -> Figure:
         colour = line_colour(mechanism, stop.name)
         axes.vlines(number, base, impulse, color=colour, linewidth=1.6)
         axes.plot(number, impulse, linestyle="none", marker=marker(mechanism, stop.name),
-                  color=colour, markersize=5.0,
-                  label=f"{stop.name} [{force_unit(mechanism, stop.name)} s]")  # fmt: skip
+                  color=colour, markersize=5.0, label=f"stop {stop.name}")  # fmt: skip
     axes.set_yscale("log")
     top = max(item.impulse for item in shown)
     axes.set_ylim(float(base), 3.0 * top)
@@ -94,7 +96,7 @@ def impulse_figure(solution: Solution) -> Figure:
 def _visible(t: FloatArray, gap: FloatArray, collisions: list[float]) -> FloatArray:
     """Gap with the feet of every bounce left out, which no logarithmic axis can hold."""
     shown = gap.copy()
-    for begin, end in zip(collisions[:-1], collisions[1:], strict=True):
+    for begin, end in pairwise(collisions):
         bounce = (t >= begin) & (t <= end)
         foot = bounce & (gap < _DEPTH * gap[bounce].max())
         shown[foot] = np.nan

@@ -17,8 +17,9 @@ from .timelines import force_figure, motion_figure, phase_figure
 def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
     """Write the figures of a solution as PNG files; each appears only when it is complete.
 
-    Of many turns the first two are drawn. There is no figure of what did not happen: transition
-    and impulses need a completed transition and a collision, forces a whole turn.
+    Of many turns the first two are drawn. There is no figure of what did not happen: motion
+    and phases need motion, transition needs a completed one with a rebound, impulses need a
+    collision and forces the window "cycle".
 
     Args:
         solution: The solution.
@@ -41,7 +42,9 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
 
 
 def _figures(solution: Solution) -> dict[str, Figure]:
-    figures = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
+    figures = {}
+    if solution.segments:
+        figures = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
     bounced = [item for item in solution.transitions if item.collisions > 1]
     if bounced:
         figures["transition"] = transition_figure(solution, bounced[0])

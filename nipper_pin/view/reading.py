@@ -104,8 +104,9 @@ def shown_before(solution: Solution) -> float:
 
 
 def shown_until(solution: Solution) -> float:
-    """End of the motion that is shown [s]."""
-    return min(solution.segments[-1].t_end, shown_before(solution))
+    """End of the motion that is shown [s]; a run that ends as it starts has no motion."""
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    return min(end, shown_before(solution))
 
 
 def shown_collisions(solution: Solution) -> list[Collision]:

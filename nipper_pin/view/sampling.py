@@ -9,11 +9,12 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..hybrid.collisions import PhaseInterval
+from ..hybrid.event import Event
 from ..hybrid.segment import Segment
 from ..hybrid.solution import Solution
 from .reading import shown_phases, shown_until
 
-_FEWEST = 33
+_FEWEST = 49
 _PER_TURN = 720
 
 
@@ -49,6 +50,25 @@ def sample_coordinates(
         times.append(t)
         states += [inner.q, last.q]
     return np.concatenate(times), np.concatenate(states)
+
+
+def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
+    """Largest gap of a released stop until its next event, and the time until then.
+
+    Args:
+        solution: The solution.
+        event: Release of one stop.
+
+    Returns:
+        Gap [rad or m] and time [s]; None if the window ends before the stop closes.
+    """
+    name = event.stops[0]
+    later = (item for item in solution.events[event.number :] if name in item.stops)
+    following = next(later, None)
+    if following is None:
+        return None
+    _, q = sample_coordinates(solution, event.t, following.t)
+    return float(q[:, solution.mechanism.stop(name).index].max()), following.t - event.t
 
 
 def sample_forces(
@@ -108,4 +128,8 @@ def _pieces(
         begin, end = max(segment.t_start, t_start), min(segment.t_end, t_end)
         if end > begin:
             share = (end - begin) / solution.shaft.period
-            yield segment, np.linspace(begin, end, _FEWEST + int(_PER_TURN * share))
+            # Cosines stand closest at the ends, where a gap falls to zero.
+            steps = np.linspace(0.0, np.pi, _FEWEST + int(_PER_TURN * share))
+            times = begin + (end - begin) * 0.5 * (1.0 - np.cos(steps))
+            times[-1] = end
+            yield segment, times

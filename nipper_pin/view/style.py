@@ -5,17 +5,29 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
+from numpy.typing import ArrayLike
 
+from ..arrays import FloatArray
 from ..hybrid.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
-from .reading import case_text, index_at, phase_name, restitution_text, shown_phases, shown_until
+from .reading import (
+    case_text,
+    index_at,
+    phase_name,
+    restitution_text,
+    shown_phases,
+    shown_until,
+    spring_text,
+)
 
 WIDTH_IN = 7.2
 TEXT = 9.0
@@ -38,10 +50,9 @@ def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
     FigureCanvasAgg(figure)
     mechanism = solution.mechanism
     model = textwrap.fill(mechanism.title or mechanism.name, _TITLE_COLUMNS)
-    case = textwrap.fill(
-        f"{case_text(solution)}; restitution: {restitution_text(mechanism.stops)}", _TITLE_COLUMNS
-    )
-    figure.suptitle(f"{subject}\n{model}\n{case}", fontsize=TEXT)
+    restitution = f"restitution: {restitution_text(mechanism.stops)}"
+    values = textwrap.fill(f"{restitution}; springs: {spring_text(mechanism)}", _TITLE_COLUMNS)
+    figure.suptitle(f"{subject}\n{model}\n{case_text(solution)}\n{values}", fontsize=TEXT)
     return figure
 
 
@@ -83,8 +94,14 @@ def phase_patches(solution: Solution) -> list[Artist]:
     ]  # fmt: skip
 
 
-def legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
-    """Put one legend under all panels."""
+def legend_below(figure: Figure, *rows: Sequence[Artist]) -> None:
+    """Put one legend under all panels, row by row."""
+    columns = max(len(row) for row in rows)
+    blank = Line2D([], [], linestyle="none", label=" ")
+    # Matplotlib fills a legend column by column.
+    handles = [
+        row[column] if column < len(row) else blank for column in range(columns) for row in rows
+    ]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
     )
@@ -106,9 +123,14 @@ def index_scale(solution: Solution, axes: Axes) -> None:
     """Add the comber's index above a time axis in ms."""
     start = index_at(solution, 0.0)
     per_ms = 1e-3 * INDEX_PER_TURN / solution.shaft.period
-    above = axes.secondary_xaxis(
-        "top", functions=(lambda t: start + per_ms * t, lambda index: (index - start) / per_ms)
-    )
+
+    def index(t: ArrayLike) -> FloatArray:
+        return start + per_ms * np.asarray(t, dtype=float)
+
+    def time(index: ArrayLike) -> FloatArray:
+        return (np.asarray(index, dtype=float) - start) / per_ms
+
+    above = axes.secondary_xaxis("top", functions=(index, time))
     above.set_xlabel("index of the comb cycle (40 to a turn)", fontsize=TEXT)
     above.tick_params(labelsize=SMALL)
     scale: Axis = above.xaxis

@@ -13,6 +13,7 @@ from ..hybrid.collisions import Collision
 from ..hybrid.event import Event, EventKind
 from ..hybrid.solution import Solution
 from .reading import (
+    Units,
     case_text,
     digits,
     fixed,
@@ -28,7 +29,7 @@ from .reading import (
     spring_text,
     units_of,
 )
-from .sampling import force_ranges
+from .sampling import force_ranges, lift
 
 # Below this width the columns stand one space apart.
 _ROOMY = 100
@@ -74,41 +75,47 @@ def _collisions(solution: Solution, console: Console) -> None:
     origin = solution.collisions[0].t
     printed = 0
     for name in dict.fromkeys(item.stop for item in shown):
-        units = units_of(mechanism, mechanism.stop(name).index)
-        of_stop = [item for item in shown if item.stop == name]
+        of_stop = [item for item in shown if item.stop == name][:_MOST_ROWS]
         place = "along its joint" if mechanism.stop(name).contact is None else "at the contact"
         _headline(
             console, f"Collisions of stop {name} (rates below zero close it; impulse {place})"
         )
+        units = units_of(mechanism, mechanism.stop(name).index)
         table = _table(
             console,
-            ("no.", "index", "time\nms", f"rate\nbefore\n{units.rate}",
-             f"rate\nafter\n{units.rate}", f"impulse\n{force_unit(mechanism, name)} s", "energy\nlost\nmJ",
-             f"rebound\namplitude\n{units.amplitude}", "rebound\ntime\nms"),
-        )  # fmt: skip
-        for item in of_stop[:_MOST_ROWS]:
-            table.add_row(*_collision_cells(item, origin, units.rate_factor, units.amplitude_factor))
+            (
+                "no.",
+                "index",
+                "time\nms",
+                f"rate\nbefore\n{units.rate}",
+                f"rate\nafter\n{units.rate}",
+                f"impulse\n{force_unit(mechanism, name)} s",
+                "energy\nlost\nmJ",
+                f"rebound\namplitude\n{units.amplitude}",
+                "rebound\ntime\nms",
+            ),
+        )
+        for item in of_stop:
+            table.add_row(*_collision_cells(item, origin, units))
         console.print(table)
-        printed += min(len(of_stop), _MOST_ROWS)
-        if any(item.rebound_time is None for item in of_stop[:_MOST_ROWS]):
+        printed += len(of_stop)
+        if any(item.rebound_time is None for item in of_stop):
             _say(console, "-: the window ends before the rebound does.")
     _more(console, len(solution.collisions) - printed, "collision")
     _copies(solution, console)
 
 
-def _collision_cells(
-    item: Collision, origin: float, rate: float, amplitude: float
-) -> tuple[str, ...]:
+def _collision_cells(item: Collision, origin: float, units: Units) -> tuple[str, ...]:
     height, duration = item.rebound_amplitude, item.rebound_time
     return (
         str(item.number),
         fixed(item.index, 4),
         fixed(1e3 * (item.t - origin), 5),
-        digits(rate * item.approach_rate),
-        digits(rate * item.separation_rate),
+        digits(units.rate_factor * item.approach_rate),
+        digits(units.rate_factor * item.separation_rate),
         digits(item.impulse),
         digits(1e3 * item.energy_lost),
-        digits(None if height is None else amplitude * height),
+        digits(None if height is None else units.amplitude_factor * height),
         digits(None if duration is None else 1e3 * duration),
     )
 
@@ -167,7 +174,7 @@ def _how_ended(solution: Solution) -> str:
     if stop.restitution == 0.0:
         return "Without restitution the first collision ends it."
     if threshold is None:
-        return "The bounces go on for ever; the rest is their limit, computed in closed form."
+        return "The bounces go on for ever; the time of rest is their limit, by extrapolation."
     units = units_of(mechanism, stop.index)
     rate = f"{digits(units.rate_factor * threshold)} {units.rate}"
     return f"It was ended by a threshold: the first rebound slower than {rate}."
@@ -191,11 +198,16 @@ def _release_text(solution: Solution, event: Event) -> str:
     who = " and ".join(event.stops)
     leave = "leaves its stop" if len(event.stops) == 1 else "leave their stops"
     text = f"The {who} {leave}{where} at index {index_at(solution, event.t):.4f}"
+    lifted = lift(solution, event) if len(event.stops) == 1 else None
+    if lifted is not None:
+        units = units_of(mechanism, mechanism.stop(event.stops[0]).index)
+        gap, duration = digits(units.amplitude_factor * lifted[0]), f"{1e3 * lifted[1]:.3f}"
+        text += f", opens by up to {gap} {units.amplitude} and collides {duration} ms later"
     if phase is None or phase.number != mechanism.initial_phase:
         return text + "."
     return (
-        f"{text}, before the {mechanism.transition_stop} collides: to hold it closed until then "
-        "would need a force that pulls."
+        f"{text}. This is before the {mechanism.transition_stop} collides: to hold the {who} "
+        "closed until then would need a force that pulls."
     )
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -41,17 +44,19 @@ _EVENTS = {
     EventKind.RELEASE: ("o", "white", 5.0),
 }
 # Boundaries of phases closer than this [index] share one label.
-_CLOSEST_LABELS = 0.75
-_NARROWEST_LABEL = 0.9
+_CLOSEST_LABELS = 0.6
+_NARROWEST_LABEL = 0.55
+_CLOSED = "0.35"
+_UNKNOWN = "0.8"
+# Round-off by which a whole turn may fall short.
+_PART_OF_TURN = 1e-9
 
 
 def motion_figure(solution: Solution) -> Figure:
     """Coordinates of all stops against time and index."""
     mechanism = solution.mechanism
     t, q = sample_coordinates(solution, 0.0, shown_until(solution))
-    figure = new_figure(
-        solution, "Motion at the stops", 1.5 + _PANEL_IN * max(1, len(mechanism.stops))
-    )
+    figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * len(mechanism.stops))
     for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
         units = units_of(mechanism, stop.index)
         y = units.coordinate_factor * q[:, stop.index]
@@ -59,11 +64,11 @@ def motion_figure(solution: Solution) -> Figure:
         tidy(axes, "", f"{stop.name} {units.noun} [{units.coordinate}]")
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
-        axes.set_ylim(low - 0.08 * height, high + 0.16 * height)
+        axes.set_ylim(low - 0.08 * height, high + 0.24 * height)
         _mark_events(solution, axes, stop)
         shade_phases(solution, axes, numbered=True)
     _time_axes(solution, figure)
-    legend_below(figure, [*phase_patches(solution), *_event_handles()], columns=3)
+    legend_below(figure, phase_patches(solution), _event_handles(solution))
     return figure
 
 
@@ -72,17 +77,16 @@ def force_figure(solution: Solution) -> Figure:
     mechanism = solution.mechanism
     figure = new_figure(
         solution, "Forces of closed stops (normal, between collisions)",
-        1.3 + _PANEL_IN * max(1, len(mechanism.stops)),
+        1.3 + _PANEL_IN * len(mechanism.stops),
     )  # fmt: skip
     for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
         t, force = sample_forces(solution, stop.name, 0.0, shown_until(solution))
         axes.plot(1e3 * t, force, color=line_colour(mechanism, stop.name), linewidth=1.4)
         tidy(axes, "", f"{stop.name}:\n{force_name(mechanism, stop.name)}")
-        axes.set_ylim(bottom=0.0)
-        axes.margins(y=0.16)
+        axes.set_ylim(0.0, 1.2 * float(np.nanmax(force, initial=0.0)) or 1.0)
         shade_phases(solution, axes, numbered=True)
     _time_axes(solution, figure)
-    legend_below(figure, phase_patches(solution), columns=3)
+    legend_below(figure, phase_patches(solution))
     return figure
 
 
@@ -90,7 +94,7 @@ def phase_figure(solution: Solution) -> Figure:
     """Phases and closed stops as bands over the index, one group of rows for each turn shown."""
     mechanism = solution.mechanism
     rows = ["phase", *(f"{stop.name} closed" for stop in mechanism.stops)]
-    turns = max(1, round(0.5 - 1e-9 + shown_until(solution) / solution.shaft.period))
+    turns = math.ceil(shown_until(solution) / solution.shaft.period - _PART_OF_TURN)
     figure = new_figure(solution, "Phases over the index", 1.9 + 0.36 * len(rows) * turns)
     axes = figure.add_subplot()
     for turn in range(turns):
@@ -105,8 +109,12 @@ def phase_figure(solution: Solution) -> Figure:
     axes.set_xticks(range(0, int(INDEX_PER_TURN) + 1, 2))
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
-    closed = Patch(facecolor="0.35", label="stop closed")
-    legend_below(figure, [*phase_patches(solution), closed], columns=4)
+    others: list[Artist] = [Patch(facecolor=_CLOSED, label="stop closed")]
+    if shown_until(solution) < (1.0 - _PART_OF_TURN) * turns * solution.shaft.period:
+        others.append(
+            Patch(facecolor="white", edgecolor=_UNKNOWN, hatch="////", label="not simulated")
+        )
+    legend_below(figure, [*phase_patches(solution), *others])
     return figure
 
 
@@ -121,8 +129,6 @@ def _panels(figure: Figure, count: int) -> list[Axes]:
 def _time_axes(solution: Solution, figure: Figure) -> None:
     """Time below the last panel, the index above the first."""
     panels = figure.axes
-    if not panels:
-        return
     for axes in panels[:-1]:
         axes.tick_params(labelbottom=False)
     panels[-1].set_xlabel("time from the start of the run [ms]", fontsize=TEXT)
@@ -134,6 +140,8 @@ def _mark_events(solution: Solution, axes: Axes, stop: Stop) -> None:
     until = shown_until(solution)
     for kind, (shape, face, size) in _EVENTS.items():
         events = [item for item in shown_events(solution, kind) if stop.name in item.stops]
+        if not events:
+            continue
         # A rest may lie just past the last state that was computed.
         t = [1e3 * min(item.t, until) for item in events]
         axes.plot(t, [0.0] * len(t), linestyle="none", marker=shape, markersize=size,
@@ -141,11 +149,12 @@ def _mark_events(solution: Solution, axes: Axes, stop: Stop) -> None:
                   clip_on=False, zorder=4)  # fmt: skip
 
 
-def _event_handles() -> list[Artist]:
+def _event_handles(solution: Solution) -> list[Artist]:
     return [
         Line2D([], [], linestyle="none", marker=shape, markersize=size, markerfacecolor=face,
                markeredgecolor="black", markeredgewidth=0.9, label=kind.value)
         for kind, (shape, face, size) in _EVENTS.items()
+        if shown_events(solution, kind)
     ]  # fmt: skip
 
 
@@ -153,27 +162,38 @@ def _draw_turn(solution: Solution, axes: Axes, turn: int, top: float) -> None:
     """Bands of one turn: phases in the row at ``top``, closed stops below."""
     mechanism, period = solution.mechanism, solution.shaft.period
     begin, end = turn * period, min((turn + 1) * period, shown_until(solution))
-    last_label = -INDEX_PER_TURN
+    if end - begin < (1.0 - _PART_OF_TURN) * period:
+        axes.barh(top, INDEX_PER_TURN, height=0.8, facecolor="white", edgecolor=_UNKNOWN,
+                  hatch="////", linewidth=0.6)  # fmt: skip
+    boundaries = []
     for item in shown_phases(solution):
         t_start, t_end = max(item.t_start, begin), min(item.t_end, end)
         if t_end <= t_start:
             continue
         start = index_at(solution, t_start)
         width = INDEX_PER_TURN * (t_end - t_start) / period
+        boundaries += [start, index_at(solution, t_end)]
         # A band that passes the end of the scale goes on at its beginning.
         for left in (start, start - INDEX_PER_TURN):
-            if left >= INDEX_PER_TURN or left + width <= 0.0:
+            if left + width <= 0.0:
                 continue
-            axes.barh(top, width, left=left, height=0.8, color=tint(mechanism, item.closed),
+            axes.barh(top, width, left=left, height=0.8, facecolor=tint(mechanism, item.closed),
                       edgecolor="0.4", linewidth=0.6)  # fmt: skip
             seen_left, seen_right = max(left, 0.0), min(left + width, INDEX_PER_TURN)
             if item.number is not None and seen_right - seen_left > _NARROWEST_LABEL:
                 axes.text(0.5 * (seen_left + seen_right), top, str(item.number), fontsize=SMALL,
-                          ha="center", va="center", clip_on=True)  # fmt: skip
+                          ha="center", va="center")  # fmt: skip
             for row, stop in enumerate(mechanism.stops, start=1):
                 if stop.name in item.closed:
-                    axes.barh(top - row, width, left=left, height=0.5, color="0.35")
-        if t_start > begin and abs(start - last_label) > _CLOSEST_LABELS:
-            axes.text(start, top + 0.48, f"{start:.2f}", fontsize=SMALL - 1.0, rotation=90.0,
+                    axes.barh(top - row, width, left=left, height=0.5, color=_CLOSED)
+    _label_boundaries(axes, boundaries, top + 0.48)
+
+
+def _label_boundaries(axes: Axes, boundaries: list[float], height: float) -> None:
+    """Write the indices of phase boundaries, in the order of time, where there is room."""
+    labelled: list[float] = []
+    for index in boundaries:
+        if all(abs(index - other) > _CLOSEST_LABELS for other in labelled):
+            axes.text(index, height, f"{index:.2f}", fontsize=SMALL - 1.0, rotation=90.0,
                       ha="center", va="bottom")  # fmt: skip
-            last_label = start
+            labelled.append(index)

@@ -1,0 +1,110 @@
+"""The findings about a model as tables and sentences for a terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from ..study.check import Extreme, ModelReport
+from .reading import spring_text
+
+
+def print_report(report: ModelReport, console: Console) -> None:
+    """Print what a model is and what was found about it.
+
+    Args:
+        report: The report.
+        console: Where to print; 80 columns are enough.
+    """
+    mechanism = report.mechanism
+    _say(console, mechanism.title or mechanism.name, style="bold")
+    _say(
+        console,
+        f"{len(mechanism.joints)} moving links, {len(mechanism.joints)} tree joints, "
+        f"{len(mechanism.closures)} cut joints, mobility {mechanism.degrees_of_freedom}, "
+        f"{len(mechanism.drives)} of it driven",
+    )
+    _joints(report, console)
+    _stops(report, console)
+    _say(console, "Cycle", style="bold")
+    _say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
+    for stop, index in report.releases:
+        _say(console, f"stop {stop} lets go at index {index:.4f}: its force falls to zero there")
+    _say(
+        console,
+        f"condition of the closures: at most {report.condition.value:.3g}, at index "
+        f"{report.condition.index:.2f}",
+    )
+    _clearances(report, console)
+    _say(console, "Provenance", style="bold")
+    for path, text in mechanism.provenance.items():
+        _say(console, f"{path}: {text}")
+
+
+def _joints(report: ModelReport, console: Console) -> None:
+    mechanism = report.mechanism
+    table = Table(box=box.SIMPLE_HEAD, title="Joints", title_justify="left", pad_edge=False)
+    for heading in ("joint", "kind", "parent", "child", "moved by"):
+        table.add_column(heading, overflow="fold")
+    moved = {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
+    for joint in mechanism.joints:
+        by = moved.get(joint.index, "")
+        table.add_row(joint.name, joint.kind, joint.parent, joint.child, by)
+    for closure in mechanism.closures:
+        table.add_row(closure.name, "cut pin", closure.frame_a, closure.frame_b, "")
+    console.print(table)
+    _say(console, f"springs: {spring_text(mechanism)}")
+
+
+def _stops(report: ModelReport, console: Console) -> None:
+    for stop in report.mechanism.stops:
+        force = report.stop_force.get(stop.name)
+        contact = stop.contact
+        where = "along its joint"
+        if contact is not None:
+            x, _, z = 1e3 * contact.point
+            where = (
+                f"at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
+                f"{contact.normal[2]:.3f}), lever {1e3 * contact.lever_m:.2f} mm"
+            )
+        _say(
+            console,
+            f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
+            f"closed {_force(force)}",
+        )
+
+
+def _force(force: Extreme | None) -> str:
+    if force is None:
+        return "not seen: it is never closed"
+    return f"{force.value:.1f} N at index {force.index:.2f}"
+
+
+def _timing(report: ModelReport) -> str:
+    name = report.mechanism.transition_stop
+    if report.closing_index is None:
+        return f"stop {name} does not close. {report.outcome}" if name else report.outcome
+    opening = (
+        "does not open again"
+        if report.opening_index is None
+        else f"opens at index {report.opening_index:.4f}"
+    )
+    return f"stop {name} closes at index {report.closing_index:.4f} and {opening}"
+
+
+def _clearances(report: ModelReport, console: Console) -> None:
+    _say(console, "Clearances below 20 mm", style="bold")
+    for item in report.clearances:
+        verdict = "INTERFERENCE" if item.interferes else "meet" if item.may_touch else "clear"
+        _say(
+            console,
+            f"{verdict}: {item.link_a} ({item.shape_a}) and {item.link_b} ({item.shape_b}), "
+            f"{1e3 * item.distance_m:.3f} mm at index {item.index:.2f}",
+        )
+    if not report.clearances:
+        _say(console, "none: no two links that should not touch come so near")
+
+
+def _say(console: Console, text: str, *, style: str = "") -> None:
+    console.print(text, style=style, markup=False, highlight=False)

@@ -1,0 +1,176 @@
+"""The figures exist, show something in every panel, and leave global state alone."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from nipper_pin.errors import InputError
+from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.event import EventKind
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid.solution import Solution
+from nipper_pin.mechanism import load
+from nipper_pin.view.bounces import impulse_figure, transition_figure
+from nipper_pin.view.plots import plot_solution
+from nipper_pin.view.sampling import force_ranges, lift, sample_coordinates, sample_forces
+from nipper_pin.view.timelines import force_figure, motion_figure, phase_figure
+
+
+def assert_every_panel_shows_something(figure: Figure) -> None:
+    """Cut every panel out of the picture; shading and phase numbers alone are not enough."""
+    figure.canvas.draw()
+    picture = np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(float)
+    height = picture.shape[0]
+    assert figure.axes
+    for axes in figure.axes:
+        box = axes.get_window_extent()
+        panel = picture[
+            height - int(box.y1) + 4 : height - int(box.y0) - 4, int(box.x0) + 4 : int(box.x1) - 4
+        ]
+        assert min(panel.shape[:2]) > 100
+        assert panel.std() > 2.0
+        assert (panel.std(axis=0).max(axis=1) > 1.0).mean() > 0.15
+
+
+def test_a_cycle_has_five_figures(cycle: Solution, tmp_path: Path) -> None:
+    files = plot_solution(cycle, tmp_path / "new" / "folder")
+    names = ["motion.png", "phases.png", "transition.png", "impulses.png", "forces.png"]
+    assert [file.name for file in files] == names
+    assert sorted(item.name for item in files[0].parent.iterdir()) == sorted(names)
+    for file in files:
+        assert imread(file)[..., :3].std() > 0.02
+
+
+def test_a_transition_has_no_forces(transition: Solution, tmp_path: Path) -> None:
+    files = plot_solution(transition, str(tmp_path))
+    assert [file.stem for file in files] == ["motion", "phases", "transition", "impulses"]
+
+
+@pytest.mark.parametrize("draw", [motion_figure, phase_figure, force_figure, impulse_figure])
+@pytest.mark.parametrize("name", ["cycle", "many_turns"])
+def test_no_panel_of_a_cycle_is_blank(
+    draw: Callable[[Solution], Figure], name: str, request: pytest.FixtureRequest
+) -> None:
+    solution: Solution = request.getfixturevalue(name)
+    assert_every_panel_shows_something(draw(solution))
+
+
+@pytest.mark.parametrize("name", ["transition", "cycle"])
+def test_no_panel_of_the_transition_is_blank(name: str, request: pytest.FixtureRequest) -> None:
+    solution: Solution = request.getfixturevalue(name)
+    figure = transition_figure(solution, solution.transitions[0])
+    assert_every_panel_shows_something(figure)
+
+
+def test_axes_carry_units_and_the_title_carries_the_models_own_words(cycle: Solution) -> None:
+    figure = motion_figure(cycle)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels == ["jaw angle [deg]", "steeve stroke [mm]"]
+    assert figure.axes[-1].get_xlabel().endswith("[ms]")
+    title = figure.get_suptitle()
+    assert "estimate" in title
+    assert cycle.mechanism.title in title
+
+
+def test_the_curves_hold_the_numbers_of_the_solution(cycle: Solution) -> None:
+    jaw, steeve = motion_figure(cycle).axes
+    for axes, name, factor in ((jaw, "jaw", 180.0 / np.pi), (steeve, "steeve", 1e3)):
+        t, y = axes.lines[0].get_data()
+        place = cycle.mechanism.stop(name).index
+        some = slice(3, -3, 7)
+        state = cycle.trajectory.evaluate(1e-3 * np.asarray(t)[some])
+        assert np.asarray(y)[some] == pytest.approx(factor * state.q[:, place], abs=1e-9)
+
+
+def test_the_logarithmic_panel_holds_every_rebound(transition: Solution) -> None:
+    _, log = transition_figure(transition, transition.transitions[0]).axes
+    left, gap = (np.asarray(item, dtype=float) for item in log.lines[0].get_data())
+    end = transition.transitions[0].t_start + transition.transitions[0].duration
+    for item, following in zip(transition.collisions[:-1], transition.collisions[1:], strict=True):
+        inside = (left <= 1e3 * (end - item.t)) & (left >= 1e3 * (end - following.t))
+        highest = np.radians(np.nanmax(gap[inside]))
+        assert highest == pytest.approx(item.rebound_amplitude, rel=2e-3)
+
+
+def test_samples_hold_both_limits_at_a_jump_of_force(cycle: Solution) -> None:
+    t, force = sample_forces(cycle, "jaw", *cycle.trajectory.span)
+    closed = next(item for item in cycle.phases if item.number == 2)
+    finite = np.isfinite(force)
+    assert t[finite][-1] == pytest.approx(closed.t_end, abs=1e-15)
+    before = cycle.trajectory.reactions(closed.t_end, left=True).contacts["jaw"][0]
+    assert force[finite][-1] == before
+    assert before > 0.0
+    assert np.isnan(force[-1])
+
+
+def test_samples_contain_every_event(cycle: Solution) -> None:
+    t, q = sample_coordinates(cycle, *cycle.trajectory.span)
+    assert q.shape == (len(t), len(cycle.mechanism.joints))
+    assert (np.diff(t) >= 0.0).all()
+    for item in cycle.collisions:
+        assert item.t in t
+
+
+def test_force_ranges_name_phase_and_stop(cycle: Solution) -> None:
+    found = {(item.closed, item.stop) for item in force_ranges(cycle)}
+    assert found == {(frozenset({"steeve"}), "steeve"), (frozenset({"jaw"}), "jaw")}
+
+
+def test_a_lift_ends_at_the_next_collision(cycle: Solution) -> None:
+    released = next(item for item in cycle.events if item.kind is EventKind.RELEASE)
+    lifted = lift(cycle, released)
+    assert lifted is not None
+    gap, duration = lifted
+    assert duration == cycle.collisions[0].t - released.t
+    grid = np.linspace(released.t, cycle.collisions[0].t, 5000)
+    stroke = cycle.trajectory.evaluate(grid, left=True).q[:, cycle.mechanism.stop("steeve").index]
+    assert gap == pytest.approx(stroke.max(), rel=1e-3)
+
+
+def test_a_run_without_a_rest_has_no_transition_figure(tmp_path: Path) -> None:
+    mechanism = load("e62", {"stops.jaw.restitution": 0.9})
+    files = plot_solution(simulate(mechanism, Case(speed_rpm=650.0)), tmp_path)
+    assert [file.stem for file in files] == ["motion", "phases", "impulses"]
+
+
+def test_a_folder_that_is_a_file_is_refused(transition: Solution, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made a folder"):
+        plot_solution(transition, tmp_path / "file")
+
+
+def test_a_failure_leaves_no_half_file(
+    transition: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_: Figure, target: Path, **__: object) -> None:
+        Path(target).write_bytes(b"half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
+    with pytest.raises(InputError, match="cannot be written"):
+        plot_solution(transition, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def run_python(code: str) -> str:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_importing_the_package_brings_neither_matplotlib_nor_rich() -> None:
+    code = (
+        "import sys, nipper_pin.view; "
+        "print([m for m in ('matplotlib', 'rich') if m in sys.modules])"
+    )
+    assert run_python(code) == "[]"
+
+
+def test_plots_leave_pyplot_alone() -> None:
+    code = "import sys, nipper_pin.view.plots; print('matplotlib.pyplot' in sys.modules)"
+    assert run_python(code) == "False"

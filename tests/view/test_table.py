@@ -1,0 +1,222 @@
+"""The tables say what the solution holds, at every width."""
+
+import dataclasses
+import io
+import math
+import re
+
+import pytest
+from rich.console import Console
+
+from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.collisions import Collision
+from nipper_pin.hybrid.event import EventKind
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.hybrid.solution import Solution
+from nipper_pin.mechanism import load
+from nipper_pin.view.reading import digits, fixed
+from nipper_pin.view.table import print_solution
+
+# Rates, impulses, amplitudes and times are printed with four significant digits.
+FOUR_DIGITS = 5.1e-4
+
+
+def text_of(solution: Solution, width: int = 80, *, forces: bool = False) -> str:
+    stream = io.StringIO()
+    print_solution(solution, Console(file=stream, width=width), forces=forces)
+    return stream.getvalue()
+
+
+def collision_rows(text: str) -> dict[int, list[float]]:
+    """Rows of nine numbers, by the number of the collision."""
+    rows = {}
+    for line in text.splitlines():
+        cells = line.split()
+        if len(cells) == 9 and cells[0].isdigit():
+            rows[int(cells[0])] = [math.nan if cell == "-" else float(cell) for cell in cells[1:]]
+    return rows
+
+
+def expected(solution: Solution, item: Collision) -> list[float]:
+    """The same row, from the solution."""
+    mechanism = solution.mechanism
+    place = mechanism.stop(item.stop).index
+    joint = next(joint for joint in mechanism.joints if joint.index == place)
+    rate, amplitude = (1.0, 180.0 / math.pi) if joint.kind == "revolute" else (1e3, 1e6)
+    return [
+        item.index,
+        1e3 * (item.t - solution.collisions[0].t),
+        rate * item.approach_rate,
+        rate * item.separation_rate,
+        item.impulse,
+        1e3 * item.energy_lost,
+        amplitude * item.rebound_amplitude,
+        1e3 * item.rebound_time,
+    ]
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("name", ["transition", "cycle"])
+def test_collision_rows_hold_the_numbers_of_the_solution(
+    name: str, width: int, request: pytest.FixtureRequest
+) -> None:
+    solution: Solution = request.getfixturevalue(name)
+    rows = collision_rows(text_of(solution, width))
+    assert sorted(rows) == [item.number for item in solution.collisions]
+    for item in solution.collisions:
+        wanted, found = expected(solution, item), rows[item.number]
+        assert found[0] == pytest.approx(wanted[0], abs=5.1e-5)
+        assert found[1] == pytest.approx(wanted[1], abs=5.1e-6)
+        assert found[2:] == pytest.approx(wanted[2:], rel=FOUR_DIGITS)
+
+
+def test_every_stop_has_its_own_table_in_its_own_units(cycle: Solution) -> None:
+    blocks = re.split(r"\nCollisions of stop ", text_of(cycle))[1:]
+    units = {block.split()[0]: block for block in blocks}
+    assert set(units) == {"jaw", "steeve"}
+    assert "rad/s" in units["jaw"]
+    assert "deg" in units["jaw"]
+    steeve = units["steeve"].split("Phases")[0] if "Phases" in units["steeve"] else units["steeve"]
+    assert "mm/s" in steeve
+    assert " um " in steeve
+
+
+@pytest.mark.parametrize("name", ["transition", "cycle", "many_turns"])
+def test_eighty_columns_are_enough(name: str, request: pytest.FixtureRequest) -> None:
+    text = text_of(request.getfixturevalue(name), forces=True)
+    assert max(len(line) for line in text.splitlines()) <= 80
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_nothing_is_cut_short_and_nothing_is_coloured(cycle: Solution, width: int) -> None:
+    text = text_of(cycle, width, forces=True)
+    assert "\N{HORIZONTAL ELLIPSIS}" not in text
+    assert "..." not in text
+    assert "\x1b" not in text
+
+
+def test_a_narrow_terminal_folds_digits_and_loses_none(transition: Solution) -> None:
+    narrow, wide = text_of(transition, 40), text_of(transition, 80)
+    start, end = "Collisions of stop", "\nPhases"
+
+    def count(text: str) -> int:
+        block = text[text.index(start) : text.index(end)]
+        rows = re.split("[\N{BOX DRAWINGS LIGHT HORIZONTAL}]{5,}", block)[-1]
+        return sum(character.isdigit() for character in rows)
+
+    assert count(narrow) == count(wide)
+
+
+def test_header_names_the_case(cycle: Solution) -> None:
+    text = text_of(cycle)
+    assert text.startswith(cycle.mechanism.title)
+    assert "650 r/min, window cycle (1 turn from index 24), held drive" in text
+    assert "jaw 0.2" in text
+    spring = cycle.mechanism.springs[0]
+    assert f"{spring.stiffness / 1e3:g} N/mm" in text
+    assert f"{spring.preload * 1e3:g} mm" in text
+
+
+def test_phase_rows_hold_the_intervals_of_the_solution(cycle: Solution) -> None:
+    block = text_of(cycle).split("\nPhases")[1].split("\nTransition")[0]
+    rows = [line.split() for line in block.splitlines() if re.match(r"\d ", line)]
+    assert [int(row[0]) for row in rows] == [item.number for item in cycle.phases]
+    for row, item in zip(rows, cycle.phases, strict=True):
+        assert float(row[-1]) == pytest.approx(1e3 * (item.t_end - item.t_start), abs=5.1e-6)
+
+
+def test_transition_line_agrees_and_says_that_the_series_has_a_limit(transition: Solution) -> None:
+    found = transition.transitions[0]
+    text = " ".join(text_of(transition).split())
+    match = re.search(r"([\d.]+) ms from the first collision to rest, (\d+) collisions", text)
+    assert match is not None
+    assert float(match[1]) == pytest.approx(1e3 * found.duration, abs=5.1e-6)
+    assert int(match[2]) == found.collisions
+    share = re.search(r"rebounds take ([\d.]+) %", text)
+    assert share is not None
+    assert float(share[1]) == pytest.approx(100.0 * found.first_two_share, abs=5.1e-3)
+    assert "the rest is their limit" in text
+
+
+def test_a_threshold_is_named() -> None:
+    solution = simulate(load("e62"), Case(speed_rpm=650.0, rest_rate=0.02))
+    assert "the first rebound slower than 0.02000 rad/s" in text_of(solution, 120)
+
+
+def test_a_release_in_the_first_phase_gets_a_line(cycle: Solution) -> None:
+    released = next(event for event in cycle.events if event.kind is EventKind.RELEASE)
+    psi = float(cycle.shaft.angle(released.t))
+    index = cycle.mechanism.cylinder.index_from_angle(psi)
+    text = " ".join(text_of(cycle).split())
+    assert f"The steeve leaves its stop in phase 1 at index {index:.4f}, opens by up to" in text
+    assert "before the jaw collides" in text
+
+
+def test_no_release_no_line() -> None:
+    solution = simulate(load("e62"), Case(speed_rpm=450.0, window="cycle"))
+    assert "Releases" not in text_of(solution)
+
+
+def test_forces_are_printed_if_asked_and_lie_in_their_range(cycle: Solution) -> None:
+    assert "clamping force" not in text_of(cycle)
+    block = text_of(cycle, forces=True).split("\nForces of closed stops")[1]
+    row = next(line for line in block.splitlines() if "clamping force [N]" in line).split()
+    lowest, highest = float(row[-4]), float(row[-2])
+    closed = next(item for item in cycle.phases if item.number == 2)
+    middle = 0.5 * (closed.t_start + closed.t_end)
+    force = float(cycle.trajectory.reactions(middle).contacts["jaw"][0])
+    assert 0.0 < lowest < force < highest
+    # The stop force of the open jaw falls to zero where the steeve leaves its stop.
+    stop_row = next(line for line in block.splitlines() if "stop force [N]" in line).split()
+    assert float(stop_row[-4]) == pytest.approx(0.0, abs=5.1e-3)
+
+
+def test_of_many_turns_two_are_printed_and_the_rest_is_counted(many_turns: Solution) -> None:
+    text = text_of(many_turns)
+    per_turn = len(many_turns.collisions) // 20
+    assert len(collision_rows(text)) == 2 * per_turn
+    assert f"{18 * per_turn} more collisions are not shown." in text
+    assert many_turns.repeated_from is not None
+    first = many_turns.repeated_from
+    assert f"Turns {first + 1} to 20 are equal to turn {first}" in text
+
+
+def test_checks_work_and_outcome_close_the_text(cycle: Solution) -> None:
+    text = text_of(cycle, 120)
+    assert f"closure {cycle.checks.closure_m:.1e} m" in text
+    assert f"{cycle.evaluations} evaluations" in text
+    assert text.rstrip().endswith(cycle.outcome.value)
+
+
+def test_square_brackets_in_names_are_no_markup(transition: Solution) -> None:
+    titled = dataclasses.replace(transition.mechanism, title="[bold]nipper[/bold] [A]")
+    text = text_of(dataclasses.replace(transition, mechanism=titled))
+    assert text.startswith("[bold]nipper[/bold] [A]")
+
+
+def test_a_run_that_ends_in_mid_rebound_says_so() -> None:
+    mechanism = load("e62", {"stops.jaw.restitution": 0.9})
+    text = text_of(simulate(mechanism, Case(speed_rpm=650.0)))
+    assert "-: the window ends before the rebound does." in text
+    assert "No transition of the jaw was completed." in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "-"),
+        (0.0, "0"),
+        (-16.8265, "-16.83"),
+        (0.0012344, "0.001234"),
+        (2.8639e-8, "2.864e-8"),
+        (-9.9999e-5, "-1.000e-4"),
+        (123456.7, "123457"),
+        (1.5e7, "1.500e7"),
+    ],
+)
+def test_digits(value: float | None, text: str) -> None:
+    assert digits(value) == text
+
+
+def test_round_off_below_zero_is_no_minus_zero() -> None:
+    assert fixed(-1e-9, 2) == "0.00"
