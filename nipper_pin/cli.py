@@ -63,43 +63,84 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_model(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("model", nargs="?", default="e62", metavar="MODEL",
-                        help="name of a model that comes with the package, or a folder")  # fmt: skip
-    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE",
-                        help="change a number of the model, for example "
-                        "stops.steeve.restitution=0.1; may be repeated")  # fmt: skip
+    parser.add_argument(
+        "model",
+        nargs="?",
+        default="e62",
+        metavar="MODEL",
+        help="name of a model that comes with the package, or a folder",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="change a number of the model, for example "
+        "stops.steeve.restitution=0.1; may be repeated",
+    )
     parser.add_argument("--restitution", type=float, metavar="E", help="restitution of the jaw")
-    parser.add_argument("--stiffness", type=float, metavar="N_PER_M",
-                        help="spring rate; the preload length is kept")  # fmt: skip
-    parser.add_argument("--speed", type=float, metavar="RPM",
-                        help="cylinder speed (default: the model's rated speed)")  # fmt: skip
+    parser.add_argument(
+        "--stiffness", type=float, metavar="N_PER_M", help="spring rate; the preload length is kept"
+    )
+    parser.add_argument(
+        "--speed",
+        type=float,
+        metavar="RPM",
+        help="cylinder speed (default: the model's rated speed)",
+    )
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
 
 
 def _add_simulate(parser: argparse.ArgumentParser) -> None:
     _add_model(parser)
-    parser.add_argument("--window", choices=[item.value for item in Window],
-                        default=Window.TRANSITION.value,
-                        help="transition: first collision to rest; cycle: whole turns")  # fmt: skip
+    parser.add_argument(
+        "--window",
+        choices=[item.value for item in Window],
+        default=Window.TRANSITION.value,
+        help="transition: first collision to rest; cycle: whole turns",
+    )
     parser.add_argument("--cycles", type=int, default=1, metavar="N", help="number of turns")
-    parser.add_argument("--start-index", type=float, default=24.0, metavar="INDEX",
-                        help="index at which the turns start (default 24, foremost)")  # fmt: skip
-    parser.add_argument("--drive", choices=[item.value for item in DriveMode],
-                        default=DriveMode.HELD.value,
-                        help="held: impacts cannot change the shafts' speed; inertial: they can")  # fmt: skip
-    parser.add_argument("--rest-rate", type=float, metavar="RATE",
-                        help="end a series of bounces at this separation rate (rad/s or m/s) "
-                        "instead of at its limit")  # fmt: skip
-    parser.add_argument("--tolerance", type=float, default=1e-12, metavar="TOL",
-                        help="relative accuracy (default 1e-12)")  # fmt: skip
-    parser.add_argument("--no-reuse", action="store_true",
-                        help="compute turns that repeat exactly again")  # fmt: skip
-    parser.add_argument("--forces", action="store_true",
-                        help="add clamping and stop forces to the table")  # fmt: skip
-    parser.add_argument("--out", metavar="DIR",
-                        help="write CSV tables, the solution, the case and plots into a folder")  # fmt: skip
-    parser.add_argument("--case", metavar="FILE",
-                        help="repeat the run of a case.json that --out wrote")  # fmt: skip
+    parser.add_argument(
+        "--start-index",
+        type=float,
+        default=24.0,
+        metavar="INDEX",
+        help="index at which the turns start (default 24, foremost)",
+    )
+    parser.add_argument(
+        "--drive",
+        choices=[item.value for item in DriveMode],
+        default=DriveMode.HELD.value,
+        help="held: impacts cannot change the shafts' speed; inertial: they can",
+    )
+    parser.add_argument(
+        "--rest-rate",
+        type=float,
+        metavar="RATE",
+        help="end a series of bounces at this separation rate (rad/s or m/s) "
+        "instead of at its limit",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=1e-12,
+        metavar="TOL",
+        help="relative accuracy (default 1e-12)",
+    )
+    parser.add_argument(
+        "--no-reuse", action="store_true", help="compute turns that repeat exactly again"
+    )
+    parser.add_argument(
+        "--forces", action="store_true", help="add clamping and stop forces to the table"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="write CSV tables, the solution, the case and plots into a folder",
+    )
+    parser.add_argument(
+        "--case", metavar="FILE", help="repeat the run of a case.json that --out wrote"
+    )
     parser.set_defaults(run=_simulate)
 
 
@@ -168,7 +209,9 @@ def _mechanism(options: argparse.Namespace) -> Mechanism:
         return mechanism
     for name in short:
         if name not in mechanism.shortcuts:
-            raise UnknownNameError("shortcut", name, mechanism.shortcuts, options.model)
+            raise UnknownNameError(
+                kind="shortcut", name=name, known=mechanism.shortcuts, where=options.model
+            )
     return load(
         options.model,
         {**overrides, **{mechanism.shortcuts[name]: value for name, value in short.items()}},

@@ -25,7 +25,6 @@ class NipperError(Exception):
         self.message = message
         self.evidence = evidence
 
-
     def __reduce__(self) -> tuple[Any, ...]:
         """Rebuild from message and evidence, so that errors cross from worker processes."""
         return _rebuild, (type(self), self.message, self.evidence)

@@ -37,7 +37,9 @@ def main() -> nip.Solution:
     middle = 0.5 * (closed.t_start + closed.t_end)
     force = cycle.trajectory.reactions(middle).contacts["jaw"][0]
     print(f"clamping force in the middle of phase 2: {force:.2f} N")
-    print(f"energy balance {cycle.checks.energy_balance:.1e}, closure {cycle.checks.closure_m:.1e} m")
+    print(
+        f"energy balance {cycle.checks.energy_balance:.1e}, closure {cycle.checks.closure_m:.1e} m"
+    )
     return solution
 
 

@@ -135,9 +135,7 @@ def close_positions(
         f"the loops do not close: {best * 1e3:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"
     )
-    raise ConvergenceError(
-        message, residual=best, tolerance=tolerance, iterations=_MAX_ITERATIONS
-    )
+    raise ConvergenceError(message, residual=best, tolerance=tolerance, iterations=_MAX_ITERATIONS)
 
 
 def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
@@ -160,7 +158,7 @@ def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> F
 
 def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
     try:
-        return np.linalg.solve(matrices, right[:, :, None])[:, :, 0]
+        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError as error:
         message = (
             "the closures are singular here: the mechanism stands exactly in a dead centre; "

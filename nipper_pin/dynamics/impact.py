@@ -77,7 +77,7 @@ def collide(
                                (wanted - before)[chosen])  # fmt: skip
             if solved is None:
                 continue
-            delta, closure_impulses, stop_impulses = solved
+            delta, _, stop_impulses = solved
             xi = before + delta[indices] - wanted
             # Zero by construction; what is left there is the round-off of large impulses.
             xi[chosen] = 0.0

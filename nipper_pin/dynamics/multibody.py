@@ -138,10 +138,7 @@ class Multibody:
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Generalised forces M a + h of the bare links (no armature), shape (N, nv)."""
         return np.array(
-            [
-                pin.rnea(self._plain, self._plain_data, *state)
-                for state in zip(q, v, a, strict=True)
-            ]
+            [pin.rnea(self._plain, self._plain_data, *state) for state in zip(q, v, a, strict=True)]
         ).reshape(q.shape)
 
     def impulse_response(
@@ -167,7 +164,7 @@ class Multibody:
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Mass matrix M of the bare links at one configuration, shape (nv, nv)."""
         upper = np.triu(pin.crba(self._plain, self._plain_data, q))
-        return upper + np.triu(upper, 1).T
+        return np.asarray(upper + np.triu(upper, 1).T)
 
     def kinetic_energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Kinetic energy of the links [J], shape (N,)."""

@@ -55,7 +55,9 @@ def multipliers(
     missing = system.body.inverse_dynamics(q, v, a) - system.spring_forces(q)
     dependent = list(split.dependent)
     transposed = np.swapaxes(jacobian[:, :, dependent], 1, 2)
-    la_g = np.linalg.solve(transposed, missing[:, dependent, None])[:, :, 0]
+    la_g: FloatArray = np.asarray(
+        np.linalg.solve(transposed, missing[:, dependent, None])[:, :, 0], dtype=np.float64
+    )
     rest = missing - np.einsum("nij,ni->nj", jacobian, la_g)
     drive = rest[:, system.driven]
     if not system.held:

@@ -19,7 +19,7 @@ class DriveMode(StrEnum):
     HELD = "held"
     """Position, rate and acceleration are prescribed; an impact cannot change them."""
     INERTIAL = "inertial"
-    """Each shaft has a finite reflected inertia on an elastic drive train; impacts change its speed."""
+    """Each shaft has a finite inertia on an elastic drive train; impacts change its speed."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +85,7 @@ class System:
             self._sets[closed] = ConstraintSet(closed, stops, given, armature, freedom)
         return self._sets[closed]
 
-    def prescribe(
-        self, t: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet
-    ) -> None:
+    def prescribe(self, t: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
         """Write the prescribed coordinates and rates at times t into q and v, in place.
 
         Args:

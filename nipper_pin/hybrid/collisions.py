@@ -11,10 +11,10 @@ from ..arrays import FloatArray
 from ..dynamics.system import System
 from .collocation import evaluate, nodes
 from .energy import pieces
+from .event import Event, EventKind
 from .panel import Panel
 from .roots import first_descent, polish
 from .segment import Segment
-from .event import Event, EventKind
 
 
 @dataclass(frozen=True)
@@ -153,9 +153,7 @@ def transitions(
     return tuple(found)
 
 
-def _interval(
-    system: System, closed: frozenset[str], start: float, end: float
-) -> PhaseInterval:
+def _interval(system: System, closed: frozenset[str], start: float, end: float) -> PhaseInterval:
     phase = system.mechanism.phase_of(closed)
     return PhaseInterval(None if phase is None else phase.number, closed, start, end)
 
@@ -206,9 +204,7 @@ def _highest(panel: Panel, begin: float, end: float, index: int) -> float:
 
     candidates = [begin, end]
     rates = grid.sample_value @ v
-    bracket = first_descent(
-        grid.samples, rates, lambda sigma: rate(panel.t + panel.h * sigma)[0]
-    )
+    bracket = first_descent(grid.samples, rates, lambda sigma: rate(panel.t + panel.h * sigma)[0])
     if bracket is not None:
         left, right = (panel.t + panel.h * sigma for sigma in bracket)
         peak = polish(rate, left, right)

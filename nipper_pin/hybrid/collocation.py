@@ -11,7 +11,7 @@ Chebyshev series); L. N. Trefethen, Approximation Theory and Approximation Pract
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -45,7 +45,7 @@ class Nodes:
     sample_twice: FloatArray
 
 
-@lru_cache(maxsize=None)
+@cache
 def nodes(order: int) -> Nodes:
     """Return the nodes and operators with this many nodes."""
     x = -np.cos(np.pi * np.arange(order) / (order - 1))
@@ -53,7 +53,7 @@ def nodes(order: int) -> Nodes:
     coefficients = np.linalg.inv(chebyshev.chebvander(x, order - 1))
     # lbnd = -1 makes every integral vanish at sigma = 0; 1/2 is dx -> dsigma.
     integrals = (
-        coefficients,
+        np.asarray(coefficients, dtype=np.float64),
         chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5),
         chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5),
     )

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.system import System
+from .event import Event
 from .panel import Panel, forces_at
 from .segment import Segment
-from .event import Event
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
@@ -87,13 +87,13 @@ def energy_balance(
     if events and events[0].t == first:
         q0, v0 = events[0].q[None], events[0].v_before[None]
     else:
-        start = trajectory.evaluate(first)
-        q0, v0 = start.q, start.v
+        motion = trajectory.evaluate(first)
+        q0, v0 = motion.q, motion.v
     if events and events[-1].t >= last:
         q1, v1 = events[-1].q[None], events[-1].v_after[None]
     else:
-        end = trajectory.evaluate(last, left=True)
-        q1, v1 = end.q, end.v
+        motion = trajectory.evaluate(last, left=True)
+        q1, v1 = motion.q, motion.v
     peak = max(peak, *_kinetic(system, np.vstack([q0, q1]), np.vstack([v0, v1])))
     return EnergyBalance(
         drive_work=work,

@@ -10,7 +10,7 @@ from enum import StrEnum
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, close_positions, partition
+from ..dynamics.assembly import Partition, partition
 from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError, SimulationError
 from ..mechanism import Stop
@@ -142,9 +142,7 @@ def advance(
         triggers = _triggers(system, rows, panel, forces, open_stops)
         if triggers or t + panel.h >= t_limit:
             t_end = triggers[0].t if triggers else t_limit
-            q, v, jacobian = (
-                item[0] for item in state_at(system, rows, panel, np.array([t_end]))
-            )
+            q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t_end])))
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             for trigger in triggers:
                 if trigger.kind is TriggerKind.GAP:
@@ -156,9 +154,7 @@ def advance(
         h = min(longest, advised)
 
 
-def _ballistic_length(
-    q: FloatArray, v: FloatArray, a: FloatArray, open_stops: list[Stop]
-) -> float:
+def _ballistic_length(q: FloatArray, v: FloatArray, a: FloatArray, open_stops: list[Stop]) -> float:
     """Time [s] after which a body that leaves a stop at constant acceleration is back, and a bit."""
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
@@ -236,9 +232,7 @@ def _triggers(
     )
 
 
-def _gap_root(
-    system: System, rows: ConstraintSet, panel: Panel, index: int
-) -> float | None:
+def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
     grid = nodes(panel.order)
     h, a = panel.h, panel.a[:, index]

@@ -17,10 +17,10 @@ from ..errors import InputError, SimulationError
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
+from .event import Event, EventKind
 from .phases import Closed, after_collision, after_release, pressed
 from .segment import Advance, Segment, TriggerKind, advance
 from .series import BounceSeries
-from .event import Event, EventKind
 from .solution import Outcome, Solution
 
 _ASSEMBLY_STEPS = 24
@@ -216,9 +216,7 @@ class _Run:
             if not np.isfinite(t_rest):
                 return
         impact = arrest(self.system, state.q, state.v, jacobian, stop)
-        closed = self._pressed(
-            state, impact.v_after, jacobian, state.closed | {stop.name}
-        )
+        closed = self._pressed(state, impact.v_after, jacobian, state.closed | {stop.name})
         if stop.name not in closed:
             return
         self._record(EventKind.REST, state, t_rest, (stop.name,), impact, closed)
@@ -324,9 +322,16 @@ class _Run:
             path[:] = 0.0
         end_rates = np.concatenate([rates[-1], np.zeros(len(stops))])
         q, v, jacobian = assemble(self.system.body, path, given, end_rates)
-        if turns == 0.0:
-            for stop in mechanism.stops:
+        for stop in mechanism.stops:
+            if turns == 0.0:
                 q[stop.index] = 0.0
+            elif stop.name not in closed and q[stop.index] < 0.0:
+                message = (
+                    f"stop {stop.name!r} would be {-q[stop.index]:.3g} beyond its contact at the "
+                    f"start, index {self.case.start_index:g}; start_index has to lie in phase "
+                    f"{mechanism.initial_phase}"
+                )
+                raise InputError(message, stop=stop.name, gap=float(q[stop.index]))
         return State(0.0, q, v, closed, None), jacobian
 
     def _repeats(self, previous: list[Segment], current: list[Segment]) -> bool:
@@ -358,9 +363,7 @@ class _Run:
             delay = turn * period
             self.segments.extend(segment.shifted(delay) for segment in segments)
             for event in events:
-                self.events.append(
-                    replace(event, t=event.t + delay, number=len(self.events) + 1)
-                )
+                self.events.append(replace(event, t=event.t + delay, number=len(self.events) + 1))
         self.state = replace(self.state, t=self.state.t + times * period)
 
     def _outcome(self) -> Outcome:

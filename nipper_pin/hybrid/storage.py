@@ -87,7 +87,9 @@ def load_solution(path: str | Path) -> Solution:
             _check_format(document, path)
             return _solution(document, stored)
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        message = f"{path}: not a saved solution, or a damaged one ({error}); simulate the case again"
+        message = (
+            f"{path}: not a saved solution, or a damaged one ({error}); simulate the case again"
+        )
         raise InputError(message, file=str(path)) from error
 
 
@@ -198,22 +200,21 @@ def _event_record(event: Event) -> dict[str, Any]:
 
 def _solution(document: dict[str, Any], stored: Any) -> Solution:
     mechanism = _mechanism(document)
-    panels: dict[int, tuple[FloatArray, ...]] = {}
+    panels: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
+    size = len(mechanism.joints)
     segments = []
     for record in document["segments"]:
         for *_, place in record["panels"]:
             if place not in panels:
-                panels[place] = tuple(stored[f"panel{place}"])
+                q, v, a = stored[f"panel{place}"]
+                panels[place] = (q, v, a)
         segments.append(
             Segment(
                 t_start=record["t_start"],
                 t_end=record["t_end"],
                 closed=frozenset(record["closed"]),
                 panels=tuple(
-                    Panel(
-                        t, h, *panels[place],
-                        split=Partition.of(dependent, len(mechanism.joints)), integrated=integrated,
-                    )
+                    Panel(t, h, *panels[place], Partition.of(dependent, size), integrated)
                     for t, h, dependent, integrated, place in record["panels"]
                 ),
                 kinematic=record["kinematic"],

@@ -95,9 +95,7 @@ class Trajectory:
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
             rows = self.system.constraint_set(segment.closed)
-            q[chosen], v[chosen], _ = state_at(
-                self.system, rows, panel, times[chosen]
-            )
+            q[chosen], v[chosen], _ = state_at(self.system, rows, panel, times[chosen])
         return Motion(times, self.system.shaft.angle(times), q, v)
 
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
@@ -112,9 +110,7 @@ class Trajectory:
         stops = np.zeros((count, len(mechanism.stops)))
         for segment, panel, chosen in self._groups(times, left):
             rows = self.system.constraint_set(segment.closed)
-            q, v, a_chosen, forces = forces_at(
-                self.system, rows, panel, times[chosen]
-            )
+            q, v, a_chosen, forces = forces_at(self.system, rows, panel, times[chosen])
             a[chosen] = a_chosen
             torques[chosen] = forces.drive
             closed = [i for i, stop in enumerate(mechanism.stops) if stop.name in segment.closed]
@@ -135,9 +131,7 @@ class Trajectory:
             },
         )
 
-    def _groups(
-        self, times: FloatArray, left: bool
-    ) -> Iterator[tuple[Segment, Panel, list[int]]]:
+    def _groups(self, times: FloatArray, left: bool) -> Iterator[tuple[Segment, Panel, list[int]]]:
         """Times grouped by the panel that holds them."""
         first, last = self.span
         outside = times[~((first <= times) & (times <= last))] if self.segments else times

@@ -79,6 +79,8 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
         if shapes[a].link != shapes[b].link
         and frozenset((shapes[a].link, shapes[b].link)) not in _adjacent(mechanism)
     ]
+    if not pairs:
+        return ()
     lips = _lips(mechanism)
     start, end = solution.trajectory.span
     events = [event.t for event in solution.events if start <= event.t <= end]
@@ -86,7 +88,7 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
     motion = solution.trajectory.evaluate(times)
     smallest: dict[tuple[str, str], Clearance] = {}
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    first, second = np.array(pairs, dtype=int).reshape(-1, 2).T
+    first, second = np.array(pairs, dtype=int).T
     radii = np.array([shape.radius for shape in shapes])
     for row, psi in enumerate(motion.cylinder_angle):
         links = [pin.SE3.Identity(), *solution.system.body.placements(motion.q[row])]
@@ -106,9 +108,7 @@ def clearances(solution: Solution, samples: int = 240) -> tuple[Clearance, ...]:
                 request, result,
             )  # fmt: skip
             key = (a.link, b.link)
-            if distance < _FAR_M and (
-                key not in smallest or distance < smallest[key].distance_m
-            ):
+            if distance < _FAR_M and (key not in smallest or distance < smallest[key].distance_m):
                 touching = frozenset((a.link, b.link)) in lips
                 smallest[key] = Clearance(
                     a.link, a.name, b.link, b.name, float(distance), index, touching
