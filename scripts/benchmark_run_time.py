@@ -44,7 +44,7 @@ def main(repeats: int = 30) -> None:
         work = nip.simulate(mechanism, case).evaluations
         line = timed(lambda case=case: nip.simulate(mechanism, case), repeats)  # type: ignore[misc]
         print(f"transition {speed:.0f} r/min     {line}   {work} evaluations")
-        case = nip.Case(speed_rpm=speed, window="cycle")
+        case = nip.Case(speed_rpm=speed, window=nip.Window.CYCLE)
         work = nip.simulate(mechanism, case).evaluations
         line = timed(lambda case=case: nip.simulate(mechanism, case), repeats)  # type: ignore[misc]
         print(f"cycle      {speed:.0f} r/min     {line}   {work} evaluations")

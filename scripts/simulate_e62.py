@@ -26,7 +26,7 @@ def main() -> nip.Solution:
     print(f"at rest after {1e3 * transition.duration:.6f} ms: {solution.outcome.value}")
 
     # What happens in a whole turn?
-    cycle = nip.simulate(mechanism, nip.Case(speed_rpm=650.0, window="cycle"))
+    cycle = nip.simulate(mechanism, nip.Case(speed_rpm=650.0, window=nip.Window.CYCLE))
     index = mechanism.cylinder.index_from_angle
     for phase in cycle.phases:
         begin, end = (float(cycle.shaft.angle(t)) for t in (phase.t_start, phase.t_end))

@@ -184,9 +184,9 @@ def _judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Atte
     """Accept a panel whose unresolved part is at most 1 in units of the tolerance."""
     factor = 0.9 * max(excess, _SMALLEST) ** (-1.0 / order)
     factor = min(max(factor, 0.2), 2.0)
-    return Attempt(
-        panel if excess <= 1.0 else None, forces, factor if excess <= 1.0 else min(factor, 0.7)
-    )
+    if excess <= 1.0:
+        return Attempt(panel, forces, factor)
+    return Attempt(None, forces, min(factor, 0.7))
 
 
 def flight_panel(

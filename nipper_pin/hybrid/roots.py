@@ -90,7 +90,5 @@ def polish(function: Callable[[float], tuple[float, float]], left: float, right:
             return high
         previous = step if inside else np.inf
         x = new if inside else 0.5 * (low + high)
-    message = (
-        f"no event time to round-off in [{left!r}, {right!r}]: the function is not smooth there"
-    )
+    message = f"no event time to round-off in [{left!r}, {right!r}]: the motion is not smooth there"
     raise ConvergenceError(message, residual=value, tolerance=resolution, iterations=_MAX_STEPS)

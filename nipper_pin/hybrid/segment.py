@@ -155,7 +155,7 @@ def advance(
 
 
 def _ballistic_length(q: FloatArray, v: FloatArray, a: FloatArray, open_stops: list[Stop]) -> float:
-    """Time [s] after which a body that leaves a stop at constant acceleration is back, and a bit."""
+    """Time [s] in which a body that leaves a stop at constant acceleration is back, and a bit."""
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops

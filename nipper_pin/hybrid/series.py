@@ -1,10 +1,11 @@
 """The end of an infinite series of bounces.
 
-At a stop with restitution e < 1 that is pressed on, rebound rates w_0, w_1, ... fall like e^n and the
-collision times t_0, t_1, ... converge. Near the limit the motion is smooth in time, gap and rate, so the
-time of a collision is a smooth function of its rebound rate, t = t_rest + c_1 w + c_2 w^2 + ...; each
-collision is a point on it and t_rest is its value at w = 0. Neville's scheme extrapolates there; the error
-of m points shrinks like the product of their rates, e^(m (m - 1) / 2), so a few bounces are enough.
+At a stop with restitution e < 1 that is pressed on, rebound rates w_0, w_1, ... fall like e^n and
+the collision times t_0, t_1, ... converge. Near the limit the motion is smooth in time, gap and
+rate, so the time of a collision is a smooth function of its rebound rate,
+t = t_rest + c_1 w + c_2 w^2 + ...; each collision is a point on it, t_rest its value at w = 0.
+Neville's scheme extrapolates there; the error of m points shrinks like the product of their rates,
+e^(m (m - 1) / 2), so a few bounces are enough.
 """
 
 from __future__ import annotations

@@ -307,7 +307,7 @@ class _Run:
         return pressed(self.system, state.t, state.q, v, jacobian, at_rest)
 
     def _start(self) -> tuple[State, FloatArray]:
-        """The initial phase at time zero, assembled along the drives from the touch configuration."""
+        """The initial phase at time zero, assembled along the drives from the touch position."""
         mechanism, shaft = self.mechanism, self.system.shaft
         closed = mechanism.phase(mechanism.initial_phase).closed
         stops = [stop.index for stop in mechanism.stops if stop.name in closed]

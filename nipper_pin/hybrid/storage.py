@@ -1,7 +1,7 @@
-"""Solutions on disk: one ``.npz`` file that holds the model, the case and every number, without loss.
+"""Solutions on disk: one ``.npz`` file with the model, the case and every number, without loss.
 
-The file holds arrays and one JSON text; nothing in it is executed when it is read. Python writes and
-reads floats in JSON so that every bit comes back.
+The file holds arrays and one JSON text; nothing in it is executed when it is read. Python writes
+and reads floats in JSON so that every bit comes back.
 """
 
 from __future__ import annotations
@@ -87,9 +87,7 @@ def load_solution(path: str | Path) -> Solution:
             _check_format(document, path)
             return _solution(document, stored)
     except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        message = (
-            f"{path}: not a saved solution, or a damaged one ({error}); simulate the case again"
-        )
+        message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
 
 

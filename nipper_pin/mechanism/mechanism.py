@@ -64,8 +64,8 @@ class Drive:
         name: Name of the drive.
         index: Place of the driven coordinate in q and v.
         law: Coordinate as a function of the cylinder angle.
-        law_at_touch: Value of the law at the touch configuration [rad or m]; the joint coordinate is
-            ``law(psi) - law_at_touch``.
+        law_at_touch: Value of the law at the touch configuration [rad or m]; the joint coordinate
+            is ``law(psi) - law_at_touch``.
         reflected_inertia: Inertia of shaft and drive train seen at the joint, used when the
             shafts are free to change speed in an impact [kg m^2 or kg].
         shaft_frequency_hz: Natural frequency of that inertia on the elastic drive train [Hz].
