@@ -68,9 +68,6 @@ class System:
         self._drive_armature = np.zeros(nv)
         self._drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
         self.body = Multibody(mechanism, self._drive_armature)
-        self._spring_index = np.array([item.index for item in mechanism.springs], dtype=int)
-        self._stiffness = np.array([item.stiffness for item in mechanism.springs])
-        self._preload = np.array([item.preload for item in mechanism.springs])
         self._sets: dict[frozenset[str], ConstraintSet] = {}
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
@@ -102,14 +99,17 @@ class System:
 
     def spring_forces(self, q: FloatArray) -> FloatArray:
         """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
-        tau = np.zeros_like(q)
-        tau[:, self._spring_index] = -self._stiffness * (self._preload + q[:, self._spring_index])
+        tau = np.zeros(q.shape)
+        for spring in self.mechanism.springs:
+            tau[:, spring.index] -= spring.stiffness * (spring.preload + q[:, spring.index])
         return tau
 
     def spring_energy(self, q: FloatArray) -> FloatArray:
         """Energy stored in the springs [J], shape (N,)."""
-        deflection = self._preload + q[:, self._spring_index]
-        return np.asarray(0.5 * (deflection**2) @ self._stiffness)
+        energy = np.zeros(len(q))
+        for spring in self.mechanism.springs:
+            energy += 0.5 * spring.stiffness * (spring.preload + q[:, spring.index]) ** 2
+        return energy
 
     def shaft_torques(
         self, motion: tuple[FloatArray, FloatArray, FloatArray], q: FloatArray, v: FloatArray
@@ -142,8 +142,9 @@ class System:
             rows: The phase.
         """
         tau = self.spring_forces(q)
-        tau[:, self.driven] += (
-            INFINITE_INERTIA * motion[2] if self.held else self.shaft_torques(motion, q, v)
-        )
-        tau[:, list(rows.stops)] = 0.0
+        torques = INFINITE_INERTIA * motion[2] if self.held else self.shaft_torques(motion, q, v)
+        for column, index in enumerate(self.driven):
+            tau[:, index] += torques[:, column]
+        for index in rows.stops:
+            tau[:, index] = 0.0
         return self.body.accelerations(q, v, tau, rows.armature)

@@ -25,7 +25,8 @@ class Resolution:
 
     Attributes:
         tolerance: Relative accuracy of positions and event times.
-        flight_nodes: Collocation nodes of a panel with freedom.
+        flight_nodes: Collocation nodes of a panel with freedom; with 4 n + 1 of them, iteration
+            starts on coarser grids that are nested in this one.
         kinematic_nodes: Collocation nodes of a panel without freedom.
         panels_per_turn: Longest panel, as a fraction of a turn.
         adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
@@ -36,7 +37,7 @@ class Resolution:
     """
 
     tolerance: float = 1e-12
-    flight_nodes: int = 12
+    flight_nodes: int = 13
     kinematic_nodes: int = 16
     panels_per_turn: int = 16
     adaptive: bool = True

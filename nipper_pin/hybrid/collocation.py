@@ -91,6 +91,32 @@ def evaluate(values: FloatArray, sigma: FloatArray, integrations: int) -> FloatA
     return np.asarray(_basis(sigma, len(operator)) @ (operator @ values))
 
 
+def prolonged(values: FloatArray, count: int) -> FloatArray:
+    """Interpolate node values to another number of nodes; one value stands for a constant.
+
+    Args:
+        values: Node values, shape (N, columns).
+        count: Number of nodes wanted.
+
+    Returns:
+        Node values, shape (count, columns), in an array of their own.
+    """
+    if len(values) == count:
+        return values.copy()
+    if len(values) == 1:
+        return np.repeat(values, count, axis=0)
+    fine = np.asarray(_prolongation(len(values), count) @ values)
+    if (count - 1) % (len(values) - 1) == 0:
+        # Nodes of nested grids keep their values to the last bit.
+        fine[:: (count - 1) // (len(values) - 1)] = values
+    return fine
+
+
+@cache
+def _prolongation(coarse: int, fine: int) -> FloatArray:
+    return np.asarray(_basis(nodes(fine).sigma, coarse) @ nodes(coarse).integrals[0])
+
+
 class Arc:
     """One coordinate on a panel as polynomials of sigma, for scalar evaluation in root searches.
 

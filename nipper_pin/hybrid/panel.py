@@ -11,12 +11,16 @@ from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multipliers import Multipliers, multipliers
 from ..dynamics.system import ConstraintSet, System
 from .case import Resolution
-from .collocation import evaluate, nodes, tail
+from .collocation import evaluate, nodes, prolonged, tail
 
 _MAX_SWEEPS = 24
 # The error of sweep k behaves like (L h)^k / k!, so the first sweeps may gain little.
 _FREE_SWEEPS = 4
 _EASY_SWEEPS = 14
+# Sweeps start on coarse grids and move on when what is left to gain is below their resolution; a
+# short flight never needs the finest one.
+_STRIDES = (4, 2, 1)
+_COARSE = 0.1
 # A sweep of Picard's iteration that gains less than this shows a panel too long for it.
 _WORST_CONTRACTION = 0.5
 _ROUND_OFF = 1e-15
@@ -216,43 +220,50 @@ def flight_panel(
     Returns:
         The panel, or the advice to try a shorter one.
     """
-    count, tolerance = resolution.flight_nodes, resolution.tolerance
-    if not resolution.adaptive:
-        tolerance = _ITERATION_FLOOR
-    grid = nodes(count)
-    tau = (h * grid.sigma)[:, None]
-    times = t + h * grid.sigma
-    motion = system.shaft.driven(times)
-    rest = (motion[0][1:], motion[1][1:], motion[2][1:])
-    a = np.repeat(start[None], count, axis=0)
-    straight = q + tau * v
-    reach = np.abs(h * v)
-    forces = np.empty((count, len(rows.stops)))
-    change = np.inf
-    for sweep in range(1, _MAX_SWEEPS + 1):
-        q_nodes, v_nodes = _integrated(system, motion, straight, v, h, a)
-        new = system.accelerations(rest, q_nodes[1:], v_nodes[1:], rows)
-        scale = reach + h**2 * np.abs(new).max(axis=0) + _SMALLEST
-        previous, change = change, float((h**2 * np.abs(new - a[1:]) / scale).max())
-        a[1:] = new
-        if change <= tolerance:
-            break
-        if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-            if change <= _ITERATION_FLOOR:
+    finest = resolution.flight_nodes
+    nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
+    tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
+    none = np.empty((0, len(rows.stops)))
+    all_times = t + h * nodes(finest).sigma
+    all_motion = system.shaft.driven(all_times)
+    a = start[None]
+    sweeps = 0
+    for stride in _STRIDES if nested else (1,):
+        last = stride == 1
+        times = all_times[::stride]
+        count = len(times)
+        motion = (all_motion[0][::stride], all_motion[1][::stride], all_motion[2][::stride])
+        rest = (motion[0][1:], motion[1][1:], motion[2][1:])
+        straight = q + (times - t)[:, None] * v
+        a = prolonged(a, count)
+        change = np.inf
+        while True:
+            q_nodes, v_nodes = _integrated(system, motion, straight, v, h, a)
+            new = system.accelerations(rest, q_nodes[1:], v_nodes[1:], rows)
+            scale = np.abs(h * v) + h**2 * np.abs(new).max(axis=0) + _SMALLEST
+            previous, change = change, float((h**2 * np.abs(new - a[1:]) / scale).max())
+            a[1:] = new
+            sweeps += 1
+            # Two integrations divide the coefficient of degree k by about (2 k)^2.
+            left_over = h**2 * tail(a) / (2.0 * count) ** 2
+            excess = float((left_over / (tolerance * scale)).max())
+            if change <= tolerance or (not last and change <= _COARSE * tolerance * excess):
                 break
-            return Attempt(None, forces, 0.5)
-    else:
-        return Attempt(None, forces, 0.5)
+            if sweeps > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
+                if change <= _ITERATION_FLOOR:
+                    break
+                return Attempt(None, none, 0.5)
+            if sweeps >= _MAX_SWEEPS:
+                return Attempt(None, none, 0.5)
+        if excess <= 1.0 and change <= max(tolerance, _ITERATION_FLOOR):
+            break
     q_nodes, v_nodes = _integrated(system, motion, straight, v, h, a)
     panel = Panel(t, h, q_nodes, v_nodes, a, split, integrated=True)
-    if rows.stops:
-        forces = forces_at(system, rows, panel, times)[3].la_N
+    forces = forces_at(system, rows, panel, times)[3].la_N if rows.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    # Two integrations divide the coefficient of degree k by about (2 k)^2.
-    left_over = h**2 * tail(a) / (2.0 * count) ** 2
-    attempt = _judged(panel, forces, float((left_over / (tolerance * scale)).max()), count)
-    return attempt if sweep <= _EASY_SWEEPS else replace(attempt, factor=min(attempt.factor, 1.0))
+    attempt = _judged(panel, forces, excess, count)
+    return attempt if sweeps <= _EASY_SWEEPS else replace(attempt, factor=min(attempt.factor, 1.0))
 
 
 def _integrated(
