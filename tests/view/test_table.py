@@ -135,7 +135,7 @@ def test_transition_line_agrees_and_says_that_the_series_has_a_limit(transition:
     share = re.search(r"rebounds take ([\d.]+) %", text)
     assert share is not None
     assert float(share[1]) == pytest.approx(100.0 * found.first_two_share, abs=5.1e-3)
-    assert "the rest is their limit" in text
+    assert "the time of rest is their limit" in text
 
 
 def test_a_threshold_is_named() -> None:
