@@ -1,0 +1,14 @@
+import os
+
+# The matrices are 7 by 7: threads of BLAS only cost time, and with several test workers they
+# fight for the processors. Read by BLAS when numpy is imported, so it has to stand first.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+import pytest
+
+from nipper_pin.mechanism import Mechanism, load
+
+
+@pytest.fixture(scope="session")
+def e62() -> Mechanism:
+    return load("e62")

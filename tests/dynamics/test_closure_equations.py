@@ -1,0 +1,169 @@
+"""Closure gaps, their Jacobian and the acceleration-level closures."""
+
+from collections.abc import Callable
+
+import numpy as np
+from planar_tree import PlanarTree
+
+from nipper_pin.dynamics.system import DriveMode, System
+from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.mechanism import Mechanism
+
+MakeSystem = Callable[..., System]
+
+
+def test_gaps_and_jacobian_equal_planar_geometry(
+    tree: PlanarTree, states, make_system: MakeSystem
+) -> None:
+    """On closed configurations g is zero and G is the Jacobian of the planar geometry.
+
+    Both are sums of at most six products of lengths below 0.3 m, so 1e-15 is a few roundings; the
+    axes of frame a turn by up to 0.5 rad in these states, so rows in other axes would show.
+    """
+    body = make_system().body
+    q = np.array([state.q for state in states])
+    g, G = body.closures(q)
+    assert np.abs(g).max() <= 1e-15
+    for row, state in enumerate(states):
+        assert np.abs(G[row] - tree.closure_jacobian(state.q)).max() <= 2e-15
+
+
+def test_gaps_of_open_configurations_equal_planar_geometry(
+    tree: PlanarTree, make_system: MakeSystem
+) -> None:
+    """Away from the closed manifold too, g is the vector between the pins in the axes of frame a.
+
+    Random coordinates leave gaps of centimetres, so no term can vanish by itself.
+    """
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-0.4, 0.4, (20, tree.nv))
+    g, _ = make_system().body.closures(q)
+    zero = np.zeros(tree.nv)
+    expected = np.array([tree.closure(row, zero, zero)[0] for row in q])
+    assert np.abs(expected).max() > 0.05
+    assert np.abs(g - expected).max() <= 1e-15
+
+
+def test_jacobian_equals_differences_of_the_gaps(states, make_system: MakeSystem) -> None:
+    """At closed configurations G is the derivative of g.
+
+    Central differences with step d, extrapolated once, err by O(d^4) + eps / d. With d = 1e-3 and
+    derivatives of at most 0.3 m/rad that is below 1e-12 + 1e-13; 3e-12 is asked for.
+    """
+    body = make_system().body
+    d = 1e-3
+    for state in states:
+        _, G = body.closures(state.q[None])
+        steps = d * np.eye(body.nv)
+
+        def slope(k: float, q: np.ndarray = state.q, steps: np.ndarray = steps) -> np.ndarray:
+            ahead, behind = body.closures(q + k * steps)[0], body.closures(q - k * steps)[0]
+            return (ahead - behind).T / (2.0 * k * d)
+
+        assert np.abs((4.0 * slope(0.5) - slope(1.0)) / 3.0 - G[0]).max() <= 3e-12
+
+
+def test_accelerations_keep_the_closures(tree: PlanarTree, states, make_system: MakeSystem) -> None:
+    """G a + G_dot v = 0, with G_dot v from the planar geometry in closed form.
+
+    Terms are lengths times accelerations of up to some 1e4 rad/s^2, so round-off is some 1e-13 of
+    them; G_dot v alone is of the size of the terms, so leaving it out cannot pass.
+    """
+    system = make_system(DriveMode.HELD)
+    zero = np.zeros(tree.nv)
+    for state in states:
+        rows = system.constraint_set(state.closed)
+        a = system.accelerations(state.motion, state.q[None], state.v[None], rows)[0]
+        _, _, drift = tree.closure(state.q, state.v, a)
+        bias = np.abs(tree.closure(state.q, state.v, zero)[2]).max()
+        scale = np.abs(tree.closure_jacobian(state.q)).max() * np.abs(a).max() + bias
+        assert bias > 1e-2
+        assert np.abs(drift).max() <= 1e-13 * scale
+
+
+def test_jacobian_drift_along_the_motion_balances_the_accelerations(mechanism: Mechanism) -> None:
+    """Along a computed motion G a + G_dot v = 0 with G_dot by differences of G in time.
+
+    Central differences over +-d, extrapolated once, err by O(d^4): with d = 1 / 2000 of a turn and
+    harmonics of up to about the sixth in the motion (2 pi 6 / 2000)^4 / 30 = 4e-9 of G_dot v. The
+    drift must also be far from zero, or the claim would be empty.
+    """
+    run = simulate(mechanism, Case(speed_rpm=450.0, window="cycle"))
+    body, trajectory = run.system.body, run.trajectory
+    d = run.shaft.period / 2000.0
+    ends = np.array([[p.t_start, p.t_end] for p in run.phases])
+    rng = np.random.default_rng(4)
+    times = np.concatenate(
+        [rng.uniform(a + 2 * d, b - 2 * d, 6) for a, b in ends if b - a > 50 * d]
+    )
+    # Within a phase of bounces there are events; the differences must not straddle one.
+    events = np.array([event.t for event in run.events])
+    times = times[np.abs(times[:, None] - events).min(axis=1) > 2 * d]
+    assert len(times) >= 18
+    motion, forces = trajectory.evaluate(times), trajectory.reactions(times)
+    _, G = body.closures(motion.q)
+
+    def rate(k: float) -> np.ndarray:
+        ahead, behind = (body.closures(trajectory.evaluate(times + s * d).q)[1] for s in (k, -k))
+        return (ahead - behind) / (2.0 * k * d)
+
+    G_dot = (4.0 * rate(0.5) - rate(1.0)) / 3.0
+    drift = np.einsum("nij,nj->ni", G_dot, motion.v)
+    total = np.einsum("nij,nj->ni", G, forces.a) + drift
+    assert np.abs(drift).max() > 1.0
+    assert np.abs(total).max() <= 1e-8 * np.abs(drift).max()
+
+
+def test_placement_caches_never_go_stale(states, make_system: MakeSystem) -> None:
+    """Closures and accelerations do not depend on what was evaluated before them, to the bit.
+
+    Pinocchio keeps placements in its data; each answer is compared with the one of a fresh system
+    that was asked nothing else, so a stale placement of another configuration shows at once.
+    """
+    first, second = states[0], states[-1]
+    for drive in DriveMode:
+        used = make_system(drive)
+
+        def closures(system: System) -> tuple[np.ndarray, ...]:
+            return system.body.closures(first.q[None])
+
+        def accelerations(system: System) -> tuple[np.ndarray, ...]:
+            rows = system.constraint_set(first.closed)
+            return (system.accelerations(first.motion, first.q[None], first.v[None], rows),)
+
+        def disturb(system: System = used) -> None:
+            rows = system.constraint_set(second.closed)
+            q, v = second.q[None], second.v[None]
+            system.accelerations(second.motion, q, v, rows)
+            _, G = system.body.closures(q)
+            system.body.impulse_response(second.q, G[0], second.v)
+            system.body.mass_matrix(second.q)
+            system.body.inverse_dynamics(q, v, v)
+            system.body.kinetic_energy(q, v)
+            system.body.link_velocities(second.q, second.v)
+            system.body.joint_wrenches(second.q, second.v, second.v, np.ones(len(G[0])))
+
+        for question in (closures, accelerations, closures):
+            fresh = question(make_system(drive))
+            disturb()
+            for one, other in zip(question(used), fresh, strict=True):
+                assert np.array_equal(one, other)
+
+
+def test_impulses_do_not_disturb_flight(states, make_system: MakeSystem) -> None:
+    """An impulse between two evaluations at one state leaves the second bitwise as the first."""
+    system = make_system(DriveMode.HELD)
+    state, other = states[-1], states[2]
+    rows = system.constraint_set(state.closed)
+    ask = (state.motion, state.q[None], state.v[None], rows)
+    first = system.accelerations(*ask)
+    gaps = system.body.closures(state.q[None])
+    for q in (state.q, other.q):
+        G = system.body.closures(q[None])[1][0]
+        z = np.linalg.lstsq(G, np.ones(len(G)), rcond=None)[0]
+        system.body.impulse_response(q, G, z)
+        assert np.array_equal(system.accelerations(*ask), first)
+    again = system.body.closures(state.q[None])
+    assert np.array_equal(again[0], gaps[0])
+    assert np.array_equal(again[1], gaps[1])

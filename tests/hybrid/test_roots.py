@@ -1,0 +1,126 @@
+"""First downward zeros: half-open triggers, close zeros, touches and ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from nipper_pin.hybrid.roots import first_descent, polish
+
+GRID = np.linspace(0.0, 1.0, 12)
+EPS = float(np.finfo(float).eps)
+
+
+def _first(function: Callable[[float], float]) -> tuple[float, float] | None:
+    return first_descent(GRID, np.array([function(x) for x in GRID]), function)
+
+
+def test_a_gap_that_starts_at_zero_fires_only_when_it_is_back() -> None:
+    """x (0.7 - x) is zero at both 0 and 0.7; only 0.7 is a passage from positive."""
+    bracket = _first(lambda x: x * (0.7 - x))
+    assert bracket is not None
+    assert bracket[0] > 0.0
+    root = polish(lambda x: (x * (0.7 - x), 0.7 - 2.0 * x), *bracket)
+    assert root == pytest.approx(0.7, abs=4.0 * EPS)
+
+
+def test_negative_values_before_the_first_positive_one_are_passed_over() -> None:
+    """(x - 0.2)(0.8 - x) rises through 0.2 and falls through 0.8: only the fall counts."""
+    bracket = _first(lambda x: (x - 0.2) * (0.8 - x))
+    assert bracket is not None
+    assert bracket[0] < 0.8 <= bracket[1]
+
+
+@pytest.mark.parametrize("half_width", [3e-2, 1e-3, 1e-6])
+def test_two_close_zeros_between_two_samples_are_found(half_width: float) -> None:
+    """A dip below zero that no sample sees is found, and its first zero is the answer.
+
+    Samples are 1/11 apart and all positive, so a search by sign changes alone finds nothing.
+    """
+    centre = 0.41
+
+    def function(x: float) -> float:
+        return (x - centre) ** 2 - half_width**2
+
+    assert all(function(x) > 0.0 for x in GRID)
+    bracket = _first(function)
+    assert bracket is not None
+    root = polish(lambda x: (function(x), 2.0 * (x - centre)), *bracket)
+    # The function's round-off is one eps of the two squares; its slope is 2 half_width.
+    assert root == pytest.approx(centre - half_width, abs=4.0 * EPS / half_width)
+
+
+def test_a_dip_that_stays_positive_is_no_zero() -> None:
+    """The same dip, lifted by 1e-6, fires nothing."""
+    assert _first(lambda x: (x - 0.41) ** 2 + 1e-6) is None
+
+
+def test_a_tangential_touch_fires_at_the_place_of_touch_or_not_at_all() -> None:
+    """(x - c)^2 touches zero: if anything fires it does so at c, to the root of round-off.
+
+    With c on a sample the value is exactly zero there, which is not positive, and must fire.
+    """
+    on_sample = float(GRID[5])
+    bracket = _first(lambda x: (x - on_sample) ** 2)
+    assert bracket is not None
+    root = polish(lambda x: ((x - on_sample) ** 2, 2.0 * (x - on_sample)), *bracket)
+    assert root == on_sample
+    between = 0.47
+    bracket = _first(lambda x: (x - between) ** 2)
+    if bracket is not None:
+        assert bracket[1] == pytest.approx(between, abs=2.0 * np.sqrt(EPS))
+
+
+def test_a_zero_at_the_end_of_the_grid_fires_there() -> None:
+    """1 - x reaches zero at the last sample: not positive there, so the step ends with it."""
+    bracket = _first(lambda x: 1.0 - x)
+    assert bracket is not None
+    assert bracket[1] == 1.0
+    assert polish(lambda x: (1.0 - x, -1.0), *bracket) == 1.0
+
+
+def test_a_zero_just_after_the_start_is_bracketed_by_the_start() -> None:
+    """1e-9 - x is positive at the start only; the bracket begins there."""
+    bracket = _first(lambda x: 1e-9 - x)
+    assert bracket is not None
+    assert bracket[0] == 0.0
+    assert polish(lambda x: (1e-9 - x, -1.0), *bracket) == pytest.approx(1e-9, rel=4.0 * EPS)
+
+
+@pytest.mark.parametrize(
+    "function", [lambda x: 1.0 + x, lambda x: -1.0 - x, lambda x: x, lambda x: 0.0 * x]
+)
+def test_without_a_fall_through_zero_there_is_none(function: Callable[[float], float]) -> None:
+    """Always positive, always negative, leaving zero upward, or resting at zero: no trigger."""
+    assert _first(function) is None
+
+
+def test_the_first_of_several_falls_is_taken() -> None:
+    """cos(3 pi x) falls through zero at 1/6 and 5/6."""
+    bracket = _first(lambda x: float(np.cos(3.0 * np.pi * x)))
+    assert bracket is not None
+    assert bracket[0] < 1.0 / 6.0 <= bracket[1]
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.7, 3.0])
+def test_polish_reaches_round_off_where_newton_steps_leave_the_bracket(factor: float) -> None:
+    """arctan(200 (0.3 - x)) throws Newton's method out of [0, 1]; bisection brings it back.
+
+    A slope that is wrong by a factor (above one half, so that steps still shrink) costs steps,
+    not accuracy.
+    """
+
+    def function(x: float) -> tuple[float, float]:
+        slope = -200.0 / (1.0 + (200.0 * (0.3 - x)) ** 2)
+        return float(np.arctan(200.0 * (0.3 - x))), factor * slope
+
+    # 0.3 - x is exact near 0.3, so the root is a double next to 0.3.
+    assert polish(function, 0.0, 1.0) == pytest.approx(0.3, abs=16.0 * EPS)
+
+
+def test_polish_closes_in_on_a_jump() -> None:
+    """A function that jumps has no zero; the place of the jump comes out to round-off."""
+    root = polish(lambda x: (1.0 if x < 0.6 else -1.0, 0.0), 0.0, 1.0)
+    assert root == pytest.approx(0.6, abs=8.0 * EPS)

@@ -1,0 +1,232 @@
+"""The phase manager: how series end, how runs end, and turns that repeat."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nipper_pin import (
+    Case,
+    DriveMode,
+    EventKind,
+    InputError,
+    Mechanism,
+    Outcome,
+    Window,
+    load,
+    simulate,
+)
+
+
+@pytest.fixture(scope="module")
+def nipper() -> Mechanism:
+    """The E62."""
+    return load("e62")
+
+
+@pytest.mark.parametrize("rest_rate", [1.0, 0.02, 1e-4])
+def test_a_threshold_ends_the_series_at_the_first_slower_rebound(
+    nipper: Mechanism, rest_rate: float
+) -> None:
+    """The last rebound is slower than the threshold and the one before is not.
+
+    The rest comes with that collision, not at the limit; its state is at rest.
+    """
+    solution = simulate(nipper, Case(speed_rpm=650.0, rest_rate=rest_rate))
+    rebounds = [item.separation_rate for item in solution.collisions]
+    assert rebounds[-1] < rest_rate <= rebounds[-2]
+    rest = solution.events[-1]
+    assert rest.kind is EventKind.REST
+    assert rest.t == solution.collisions[-1].t
+    assert rest.v_after[nipper.stop("jaw").index] == 0.0
+    assert solution.outcome is Outcome.AT_REST
+
+
+def test_threshold_and_limit_agree_up_to_the_threshold(nipper: Mechanism) -> None:
+    """Until the threshold acts both runs are the same bits; then the limit lies later.
+
+    What the threshold cuts off is the rest of the series, 2 w / (a (1 - e)) with w the last
+    rebound rate.
+    """
+    limit = simulate(nipper, Case(speed_rpm=650.0))
+    threshold = simulate(nipper, Case(speed_rpm=650.0, rest_rate=0.02))
+    count = len(threshold.collisions)
+    assert [c.t for c in threshold.collisions] == [c.t for c in limit.collisions[:count]]
+    cut = limit.events[-1].t - threshold.events[-1].t
+    last = limit.collisions[count - 1]
+    # First rebound left out and its geometric series: the ratio of flights is e to 1 % here.
+    assert last.rebound_time is not None
+    assert cut == pytest.approx(last.rebound_time / (1.0 - 0.2), rel=0.01)
+
+
+def test_without_restitution_the_first_collision_is_the_rest() -> None:
+    """With e = 0 the jaw stays closed: one collision, rest at the same time, phase 2."""
+    mechanism = load("e62", {"stops.jaw.restitution": 0.0})
+    solution = simulate(mechanism, Case(speed_rpm=650.0))
+    assert [event.kind for event in solution.events] == [EventKind.COLLISION, EventKind.REST]
+    collision = solution.collisions[0]
+    assert collision.separation_rate == 0.0
+    assert (collision.rebound_amplitude, collision.rebound_time) == (0.0, 0.0)
+    assert solution.transitions[0].duration == 0.0
+    assert solution.events[-1].closed_after == frozenset({"jaw"})
+    # All of the jaw's energy is lost: M_eff w^2 / 2 = P w / 2.
+    impulse = collision.event.P_N["jaw"]
+    assert collision.energy_lost == pytest.approx(
+        -0.5 * impulse * collision.approach_rate, rel=1e-14
+    )
+
+
+def test_a_vanishing_restitution_rests_at_once() -> None:
+    """With e = 1e-12 the rest comes within e times the time scale of the transition.
+
+    The time is 2 e w / a to first order: w = 16.8 rad/s and a near 1200 rad/s^2 at e = 0.2 make
+    3e-14 s; no flight can be resolved there and none is needed.
+    """
+    mechanism = load("e62", {"stops.jaw.restitution": 1e-12})
+    solution = simulate(mechanism, Case(speed_rpm=650.0))
+    assert solution.outcome is Outcome.AT_REST
+    assert len(solution.collisions) <= 2
+    assert 0.0 < solution.events[-1].t < 1e-13
+    assert solution.events[-1].closed_after == frozenset({"jaw"})
+
+
+def test_without_losses_there_is_no_rest_and_the_run_says_so() -> None:
+    """With e = 1 at both stops the run ends after a turn; its outcome is a sentence about rest.
+
+    Every collision reflects the rate exactly and loses nothing.
+    """
+    mechanism = load("e62", {"stops.jaw.restitution": 1.0, "stops.steeve.restitution": 1.0})
+    solution = simulate(mechanism, Case(speed_rpm=450.0))
+    assert solution.outcome is Outcome.NO_REST
+    assert "did not come to rest" in solution.outcome.value
+    assert solution.transitions == ()
+    for item in solution.collisions:
+        assert item.separation_rate == -item.approach_rate
+        assert item.energy_lost == pytest.approx(0.0, abs=1e-15)
+    assert solution.checks.energy_balance <= 1e-9
+
+
+@pytest.mark.parametrize("most", [1, 2, 5])
+def test_the_largest_number_of_collisions_is_kept(nipper: Mechanism, most: int) -> None:
+    """The run stops after exactly that many collisions and says why."""
+    solution = simulate(nipper, Case(speed_rpm=650.0, max_collisions=most))
+    assert len(solution.collisions) == most
+    assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
+    assert "max_collisions" in solution.outcome.value
+
+
+def test_the_largest_number_of_collisions_counts_in_every_turn(nipper: Mechanism) -> None:
+    """A turn at 650 r/min has 21 collisions: 21 are enough for three turns, 20 are not for one."""
+    case = {"speed_rpm": 650.0, "window": Window.CYCLE, "cycles": 3, "reuse_cycles": False}
+    whole = simulate(nipper, Case(**case))
+    a_turn = len(whole.collisions) // 3
+    assert simulate(nipper, Case(**case, max_collisions=a_turn + 1)).outcome is Outcome.COMPLETED
+    short = simulate(nipper, Case(**case, max_collisions=a_turn - 1))
+    assert short.outcome is Outcome.TOO_MANY_COLLISIONS
+    assert len(short.collisions) == a_turn - 1
+
+
+@pytest.mark.parametrize("speed", [450.0, 650.0])
+def test_copied_turns_equal_computed_ones(nipper: Mechanism, speed: float) -> None:
+    """Three turns with copies and three computed ones have the same events to 1e-11 s.
+
+    Both start from exact kinematics; the bound is the round-off of the times, some 1e-16 s, and of
+    a series of bounces, which amplifies it little.
+    """
+    case = {"speed_rpm": speed, "window": Window.CYCLE, "cycles": 3}
+    copied = simulate(nipper, Case(**case, reuse_cycles=True))
+    computed = simulate(nipper, Case(**case, reuse_cycles=False))
+    assert copied.repeated_from is not None
+    assert computed.repeated_from is None
+    assert copied.evaluations < 0.7 * computed.evaluations
+    assert len(copied.events) == len(computed.events)
+    for ours, theirs in zip(copied.events, computed.events, strict=True):
+        assert (ours.number, ours.kind, ours.stops) == (theirs.number, theirs.kind, theirs.stops)
+        assert ours.closed_after == theirs.closed_after
+        assert ours.t == pytest.approx(theirs.t, abs=1e-11)
+        np.testing.assert_allclose(ours.q, theirs.q, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(ours.v_after, theirs.v_after, rtol=0.0, atol=1e-8)
+    for ours, theirs in zip(copied.collisions, computed.collisions, strict=True):
+        assert ours.index == pytest.approx(theirs.index, abs=1e-9)
+    times = np.linspace(0.0, copied.trajectory.span[1], 100)
+    np.testing.assert_allclose(
+        copied.trajectory.evaluate(times).q,
+        computed.trajectory.evaluate(times).q,
+        rtol=0.0,
+        atol=1e-10,
+    )
+
+
+@pytest.mark.parametrize("speed", [450.0, 650.0])
+def test_the_jaw_opens_by_the_steeve(nipper: Mechanism, speed: float) -> None:
+    """When the steeve comes back on its stop the closed jaw is torn open by the same impact.
+
+    The steeve rebounds by its restitution, the jaw leaves without an impulse of its own.
+    """
+    solution = simulate(nipper, Case(speed_rpm=speed, window=Window.CYCLE))
+    opening = next(item for item in solution.collisions if "jaw" in item.event.closed_before)
+    assert opening.stop == "steeve"
+    assert opening.separation_rate == pytest.approx(-0.2 * opening.approach_rate, rel=1e-14)
+    event = opening.event
+    jaw = nipper.stop("jaw").index
+    assert event.P_N["jaw"] == 0.0
+    assert event.v_before[jaw] == 0.0
+    assert event.v_after[jaw] > 0.0
+    assert event.closed_after == frozenset()
+    # It stays open to the end of the turn: the steeve rests with the jaw open.
+    assert solution.phases[-1].number == 1
+
+
+def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(nipper: Mechanism) -> None:
+    """With free shafts the whole turn runs; collisions change the shafts' rates and need no drive.
+
+    Held drives keep their rates to the last bit and take the impulse; free ones are the reverse.
+    """
+    free = simulate(nipper, Case(speed_rpm=650.0, window=Window.CYCLE, drive=DriveMode.INERTIAL))
+    held = simulate(nipper, Case(speed_rpm=650.0, window=Window.CYCLE))
+    assert free.outcome is Outcome.COMPLETED
+    driven = [drive.index for drive in nipper.drives]
+    for solution, is_free in ((free, True), (held, False)):
+        event = max(solution.collisions, key=lambda item: item.impulse).event
+        jumped = np.abs(event.v_after[driven] - event.v_before[driven])
+        assert (jumped > 1e-6).all() if is_free else (jumped == 0.0).all()
+        assert (event.P_drive == 0.0).all() if is_free else (event.P_drive != 0.0).all()
+    stops = [item.stop for item in free.collisions]
+    assert {"jaw", "steeve"} <= set(stops)
+    # The shafts give a little: the first collision of the jaw comes at nearly the same index.
+    first = [next(c for c in s.collisions if c.stop == "jaw") for s in (free, held)]
+    assert first[0].index == pytest.approx(first[1].index, abs=0.2)
+    assert first[0].index != first[1].index
+
+
+def test_progress_is_reported_after_every_turn(nipper: Mechanism) -> None:
+    """The callback counts the turns done, and ends with all of them."""
+    seen: list[tuple[int, int]] = []
+    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=3, reuse_cycles=False)
+    simulate(nipper, case, progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    seen.clear()
+    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=50)
+    simulate(nipper, case, progress=lambda done, total: seen.append((done, total)))
+    assert seen[-1] == (50, 50)
+    assert len(seen) < 50
+
+
+def test_a_cylinder_that_turns_the_wrong_way_is_an_input_error() -> None:
+    """Backwards the jaw opens in the touch configuration: no transition, and the reason is said."""
+    mechanism = load("e62", {"cylinder.direction": "counter-clockwise"})
+    with pytest.raises(InputError, match="not closing in the touch configuration"):
+        simulate(mechanism, Case(speed_rpm=450.0))
+
+
+def test_start_index_shifts_the_window_only(nipper: Mechanism) -> None:
+    """A turn that starts at another index of phase 1 has its collisions at the same indices.
+
+    Phase 1 is kinematic, so nothing remembers the start.
+    """
+    indices = []
+    for start in (20.0, 24.0, 26.5):
+        case = Case(speed_rpm=450.0, window=Window.CYCLE, start_index=start)
+        indices.append([item.index for item in simulate(nipper, case).collisions])
+    for other in indices[1:]:
+        assert other == pytest.approx(indices[0], abs=1e-10)

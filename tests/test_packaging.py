@@ -1,0 +1,132 @@
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import tomllib
+import venv
+import zipfile
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).resolve().parent.parent
+LOCK = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+PINNED = {
+    canonicalize_name(line.partition("==")[0]) for line in LOCK if line and not line.startswith("#")
+}
+
+
+def run(*command, cwd, **environment):
+    done = subprocess.run(
+        [str(part) for part in command],
+        cwd=cwd,
+        env=os.environ | environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def build(kind, source, folder):
+    run(sys.executable, "-m", "hatchling", "build", "-t", kind, "-d", folder, cwd=source)
+    (built,) = folder.glob("*.whl" if kind == "wheel" else "*.tar.gz")
+    return built
+
+
+def names(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+def under(folder):
+    return {
+        path.relative_to(ROOT / folder).as_posix()
+        for path in (ROOT / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    return build("wheel", ROOT, tmp_path_factory.mktemp("wheel"))
+
+
+def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
+    code = {f"nipper_pin/{name}" for name in under("nipper_pin")}
+    models = {f"nipper_pin/models/{name}" for name in under("models")}
+    assert {"nipper_pin/py.typed", "nipper_pin/cli.py"} <= code
+    assert {"nipper_pin/models/e62/e62.urdf", "nipper_pin/models/e62/e62.toml"} <= models
+    found = names(wheel)
+    assert {name for name in found if ".dist-info/" not in name} == code | models
+    assert any(name.endswith(".dist-info/licenses/LICENSE") for name in found)
+
+
+def test_wheel_built_from_the_sdist_is_the_same(wheel, tmp_path):
+    sdist = build("sdist", ROOT, tmp_path)
+    with tarfile.open(sdist) as archive:
+        archive.extractall(tmp_path, filter="data")
+    source = tmp_path / sdist.name.removesuffix(".tar.gz")
+    with zipfile.ZipFile(wheel) as one, zipfile.ZipFile(build("wheel", source, tmp_path)) as two:
+        assert {name: one.read(name) for name in one.namelist()} == {
+            name: two.read(name) for name in two.namelist()
+        }
+
+
+def test_lock_is_plain_versions():
+    for line in LOCK:
+        if not line.startswith("#"):
+            assert re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line), line
+        assert "://" not in line
+        assert "index" not in line
+
+
+def test_lock_covers_everything_that_is_installed_for_the_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    todo = project["dependencies"] + project["optional-dependencies"]["dev"]
+    todo = [(Requirement(text), "") for text in todo]
+    needed, seen = set(), set()
+    while todo:
+        requirement, extra = todo.pop()
+        if requirement.marker and not requirement.marker.evaluate({"extra": extra}):
+            continue
+        name = canonicalize_name(requirement.name)
+        needed.add(name)
+        for wanted in {"", *requirement.extras}:
+            if (name, wanted) not in seen:
+                seen.add((name, wanted))
+                todo += [(Requirement(text), wanted) for text in metadata.requires(name) or []]
+    # These live on the far side of several requirements: proof that the walk reaches them.
+    assert {"cmeel", "cmeel-boost", "libpinocchio", "libcoal", "eigenpy"} <= needed
+    # Environments bring their own setuptools.
+    assert needed - PINNED <= {"setuptools"}
+
+
+@pytest.mark.slow
+def test_installed_wheel_knows_its_models_in_any_directory(wheel, tmp_path):
+    home = tmp_path / "environment"
+    venv.create(home, with_pip=False, symlinks=True)
+    (site,) = home.glob("lib/python*/site-packages")
+    # The dependencies are lent by this environment. Not the whole of it: its own record of an
+    # editable install would bring the checkout in.
+    lent = [path for path in sys.path if "site-packages" in Path(path).parts]
+    (site / "lent.pth").write_text("\n".join(lent), encoding="utf-8")
+    python = home / "bin" / "python"
+    pip = (sys.executable, "-m", "pip", "--python", python, "--isolated", "install")
+    run(*pip, "-q", "--disable-pip-version-check", "--no-index", "--no-deps", wheel, cwd=tmp_path)
+
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    plain = {"PYTHONPATH": "", "PYTHONSAFEPATH": "1"}
+    where = "import nipper_pin; print(nipper_pin.__file__)"
+    assert str(site) in run(python, "-c", where, cwd=elsewhere, **plain)
+    said = run(home / "bin" / "nipper-pin", "check", "e62", cwd=elsewhere, **plain)
+    assert "jaw" in said
+    assert list(elsewhere.iterdir()) == []
