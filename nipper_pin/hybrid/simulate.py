@@ -96,6 +96,7 @@ class _Run:
         self.mechanism = system.mechanism
         self.events: list[Event] = []
         self.segments: list[Segment] = []
+        self._collisions = 0
         self._known: tuple[State, FloatArray] | None = None
         self.state, self._jacobian = self._start()
 
@@ -115,7 +116,7 @@ class _Run:
             last = self.events[-1]
             if last.kind is EventKind.REST and name in last.stops:
                 return Outcome.AT_REST
-            if len(self.events) > self.case.max_collisions:
+            if self._collisions >= self.case.max_collisions:
                 return Outcome.TOO_MANY_COLLISIONS
             if not self.step(period):
                 return Outcome.NO_REST
@@ -126,8 +127,9 @@ class _Run:
         previous: list[Segment] = []
         for turn in range(1, cycles + 1):
             first_segment, first_event = len(self.segments), len(self.events)
+            before = self._collisions
             while self.step(turn * period):
-                if len(self.events) - first_event > self.case.max_collisions:
+                if self._collisions - before >= self.case.max_collisions:
                     return Outcome.TOO_MANY_COLLISIONS, None
             if progress is not None:
                 progress(turn, cycles)
@@ -173,6 +175,7 @@ class _Run:
 
     def collide(self, state: State, jacobian: FloatArray, hit: set[str]) -> None:
         """Apply the impact law to the stops that have just closed and those closed before."""
+        self._collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         impact = collide(
             self.system, state.q, state.v, jacobian, contacts, [s.restitution for s in contacts]

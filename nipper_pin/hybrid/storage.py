@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,19 @@ from .segment import Segment
 from .solution import Outcome, Solution
 
 FORMAT = 1
+# What reading an archive or a document can run into that is not what it should be.
+_DAMAGE = (
+    OSError,
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    EOFError,
+    RuntimeError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -82,11 +97,12 @@ def load_solution(path: str | Path) -> Solution:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        # A file of our own is closed whatever is wrong with its content.
+        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             document = json.loads(str(stored["document"]))
             _check_format(document, path)
             return _solution(document, stored)
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
 
@@ -108,7 +124,7 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         document = json.loads(Path(path).read_text(encoding="utf-8"))
         _check_format(document, path)
         return _mechanism(document), _case(document)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
 
@@ -124,7 +140,9 @@ def complete_file(target: Path) -> Iterator[Path]:
         message = f"{target}: cannot be written ({error.strerror or error})"
         raise InputError(message, file=str(target)) from error
     finally:
-        partial.unlink(missing_ok=True)
+        # Where no file can be there is none to remove, and the first error is the one to tell.
+        with suppress(OSError):
+            partial.unlink()
 
 
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import numbers
 import re
 import tomllib
 from collections.abc import Mapping
@@ -126,7 +127,7 @@ def _item(holder: object, step: str, where: str) -> object:
 
 def _number(value: object, path: str, file: str) -> float:
     """Convert an override to a number."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
         raise ModelError(file=file, key=path, value=value, allowed="a number")
     try:
         return float(value)
@@ -135,7 +136,10 @@ def _number(value: object, path: str, file: str) -> float:
 
 
 def _convert(value: object, old: object, path: str, file: str) -> object:
-    """Convert a string to the type of the value that it replaces."""
+    """Convert a string to the type of the value that it replaces, a foreign number to Python's."""
+    if isinstance(value, numbers.Real) and type(value) not in (bool, int, float):
+        # Numbers of numpy and the like: what is validated and saved is plain Python.
+        value = int(value) if isinstance(value, numbers.Integral) else float(value)
     if not isinstance(value, str) or isinstance(old, str):
         return list(value) if isinstance(value, tuple) else value
     if isinstance(old, int | float) and not isinstance(old, bool):

@@ -71,7 +71,7 @@ def test_missing_closure(spoil) -> None:  # type: ignore[no-untyped-def]
 
 
 def test_wrong_degrees_of_freedom() -> None:
-    with pytest.raises(ModelError, match="degrees_of_freedom = 2 .* the model has 3"):
+    with pytest.raises(ModelError, match=r"degrees_of_freedom = 2 .* the model has 3"):
         load(overrides={"degrees_of_freedom": 2})
 
 

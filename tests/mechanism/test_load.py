@@ -124,6 +124,20 @@ def test_overrides_of_the_document() -> None:
     assert load().stop("jaw").restitution == 0.2
 
 
+def test_overrides_take_numbers_of_numpy() -> None:
+    """A sweep hands over what numpy made; the description holds plain Python afterwards."""
+    mechanism = load(
+        overrides={
+            "stops.jaw.restitution": np.float64(0.1),
+            "springs.steeve.stiffness_N_per_m": np.int64(8000),
+            "links.top_nipper.mass_kg": np.float32(1.5),
+        }
+    )
+    assert mechanism.stop("jaw").restitution == 0.1
+    assert mechanism.springs[0].stiffness == 8000.0
+    assert type(mechanism.description["stops"]["jaw"]["restitution"]) is float  # type: ignore[index]
+
+
 def test_shortcuts_lead_somewhere() -> None:
     mechanism = load()
     assert set(mechanism.shortcuts) == {"restitution", "stiffness", "preload"}

@@ -161,7 +161,7 @@ def test_moving_link_without_inertial(spoil) -> None:  # type: ignore[no-untyped
     before, start, rest = path.read_text(encoding="utf-8").partition('<link name="rocker">')
     _, _, after = rest.partition("</inertial>")
     path.write_text(before + start + after, encoding="utf-8")
-    with pytest.raises(ModelError, match="link rocker inertial = None .* needs mass and inertia"):
+    with pytest.raises(ModelError, match=r"link rocker inertial = None .* needs mass and inertia"):
         load(folder)
 
 

@@ -351,7 +351,7 @@ def transition(machine: Machine, settings: Settings) -> Trace:
     zero = machine.ctx.zero
     motion, _ = machine.phase1(machine.frame(machine.psi_touch))
     rate = run.collide_from(STEEVE, JAW, zero, motion)
-    fly(run, JAW, zero, rate, machine.ctx.mpf("0.1"))
+    fly(run, zero, rate, machine.ctx.mpf("0.1"))
     return run.trace
 
 
@@ -365,7 +365,7 @@ def glued_stop_force(machine: Machine, settings: Settings) -> Phase:
     return run.trace.phases[0]
 
 
-def fly(run: Simulation, stop: str, time: Number, rate: Number, end: Number) -> tuple[str, Number]:
+def fly(run: Simulation, time: Number, rate: Number, end: Number) -> tuple[str, Number]:
     """Bounces after the first collision of a phase (both gaps start at zero)."""
     return run.bounce(time, run.ctx.zero, rate, {JAW: 1, STEEVE: 1}, end)
 
@@ -391,6 +391,6 @@ def cycle(machine: Machine, settings: Settings, turns: int = 1) -> Trace:
             held, time = run.bounce(time, motion.th[0], motion.th[1], {held: 3}, end)
         else:
             rate = run.collide_from(held, event, time, motion)
-            held, time = fly(run, event, time, rate, end)
+            held, time = fly(run, time, rate, end)
         if not held:
             return run.trace

@@ -1,0 +1,63 @@
+# make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/
+# make test    the tests
+# make check   lint, types and tests
+# make clean   removes .venv, out and what the tools leave behind
+
+PYTHON ?= python3
+PYTEST_ARGS ?= -n 2
+
+VENV := .venv
+BIN := $(VENV)/bin
+BASE := $(VENV)/.installed
+DEV := $(VENV)/.installed-dev
+SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
+# hatchling builds the package; it comes from the lock like everything else, so pip need not make
+# a second environment of unlocked packages to build in.
+PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
+
+.PHONY: demo test lint types check clean
+# Every target shares one environment, which only one pip may change at a time.
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+
+demo: $(BASE)
+	$(SIMULATE) --out out/demo-transition
+	$(SIMULATE) --window cycle --out out/demo-cycle
+
+test: $(DEV)
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(DEV)
+	$(BIN)/ruff check .
+
+types: $(DEV)
+	$(BIN)/mypy
+
+check: lint types test
+
+$(BASE): pyproject.toml constraints.txt
+	@command -v "$(PYTHON)" >/dev/null || { \
+	  echo "make: there is no '$(PYTHON)'; name a Python of 3.11 or later: make PYTHON=python3.12" >&2; \
+	  exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "make: $$("$(PYTHON)" --version 2>&1) is too old or does not run;" \
+	    "name a Python of 3.11 or later: make PYTHON=python3.12" >&2; \
+	  exit 1; }
+	@"$(PYTHON)" -c 'import venv, ensurepip' 2>/dev/null || { \
+	  echo "make: '$(PYTHON)' cannot make environments; install its venv module" \
+	    "(on Debian and Ubuntu the package python3-venv)" >&2; \
+	  exit 1; }
+	@echo "installing into $(VENV)"
+	@"$(PYTHON)" -m venv $(VENV)
+	@$(PIP_INSTALL) hatchling
+	@$(PIP_INSTALL) --no-build-isolation -e .
+	@touch $@
+
+$(DEV): $(BASE)
+	@echo "installing the tools for development into $(VENV)"
+	@$(PIP_INSTALL) --no-build-isolation -e '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) out build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
