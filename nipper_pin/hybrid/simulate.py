@@ -24,6 +24,7 @@ from .series import BounceSeries
 from .solution import Outcome, Solution
 
 _ASSEMBLY_STEPS = 24
+_SAME_POSITION = 1e-9
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,9 @@ class _Run:
 
     def _step(self, t_limit: float) -> bool:
         state = self.state
+        if state.t >= t_limit:
+            # The last event fell on the limit: nothing is left to follow.
+            return False
         rows = self.system.constraint_set(state.closed)
         a = self._acceleration(state)
         reached = advance(
@@ -345,10 +349,14 @@ class _Run:
         """
         if not self.system.held:
             return False
+        period = self.system.shaft.period
+        begin, end = self.system.shaft.driven(np.array([0.0, period]))[0]
+        if np.abs(end - begin).max(initial=0.0) > _SAME_POSITION:
+            # A drive that winds on does not come back with the cylinder.
+            return False
         first, last = current[0], current[-1]
         if first.kinematic and last.kinematic and first.closed == last.closed:
             return True
-        period = self.system.shaft.period
         return any(
             old.kinematic
             and new.kinematic

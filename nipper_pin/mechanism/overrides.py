@@ -137,9 +137,11 @@ def _number(value: object, path: str, file: str) -> float:
 
 def _convert(value: object, old: object, path: str, file: str) -> object:
     """Convert a string to the type of the value that it replaces, a foreign number to Python's."""
-    if isinstance(value, numbers.Real) and type(value) not in (bool, int, float):
-        # Numbers of numpy and the like: what is validated and saved is plain Python.
-        value = int(value) if isinstance(value, numbers.Integral) else float(value)
+    # What is validated and saved is plain Python, not a number of numpy or the like.
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        value = int(value)
+    elif isinstance(value, numbers.Real) and not isinstance(value, bool):
+        value = float(value)
     if not isinstance(value, str) or isinstance(old, str):
         return list(value) if isinstance(value, tuple) else value
     if isinstance(old, int | float) and not isinstance(old, bool):

@@ -1,4 +1,4 @@
-"""Solutions on disk: every bit comes back, damage is named, nothing half written, nothing executed."""
+"""Solutions on disk: every bit comes back, damage is named, nothing is half written or executed."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _same_model(ours: Mechanism, theirs: Mechanism) -> None:
 
 
 def test_events_segments_and_case_come_back_bit_by_bit(solution: Solution, copy: Solution) -> None:
-    """All that a solution holds is equal in type and bits, field by field, whatever fields it has."""
+    """All that a solution holds is equal in type and bits, field by field."""
     _same(copy.case, solution.case)
     _same(copy.events, solution.events)
     _same(copy.segments, solution.segments)
@@ -262,7 +262,7 @@ def test_nothing_half_written_when_writing_fails(
     if existing:
         target.write_bytes(b"the old one")
 
-    def full(stream: io.BufferedWriter, **arrays: object) -> None:
+    def full(stream: io.BufferedWriter, **_: object) -> None:
         stream.write(b"half of it")
         raise OSError(28, "No space left on device")
 
@@ -306,5 +306,5 @@ def test_a_file_that_is_no_case_is_an_input_error(tmp_path: Path, text: str) -> 
     """Anything else than a case is refused with the name of the file."""
     path = tmp_path / "case.json"
     path.write_text(text, encoding="latin-1")
-    with pytest.raises(InputError, match="case.json"):
+    with pytest.raises(InputError, match=r"case\.json"):
         load_case(path)

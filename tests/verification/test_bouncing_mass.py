@@ -1,7 +1,7 @@
 """A bouncing ball through the same engine as the nipper: stops, loop, drive and bounce series.
 
-A shelf holds a mass until a table, rising at constant speed V, hits it at t = 0. In the frame of the
-table, which is inertial, the mass then is a bouncing ball with approach rates
+A shelf holds a mass until a table, rising at constant speed V, hits it at t = 0. In the frame of
+the table, which is inertial, the mass then is a bouncing ball with approach rates
 
     w_0 = V,  w_k = e^k V,
 

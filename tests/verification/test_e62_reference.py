@@ -1,8 +1,8 @@
 """The E62 against an independent planar solution in closed form, certified to 28 digits.
 
 tests/reference holds the derivation: one coordinate, Taylor series of order 58, no multibody code,
-and nothing shared with the engine. Agreement to twelve digits is no accident: a wrong sign, inertia,
-row or event changes the first ones.
+and nothing shared with the engine. Agreement to twelve digits is no accident: a wrong sign,
+inertia, row or event changes the first ones.
 
 Tolerances. The engine resolves positions and event times to a relative 1e-12 on each panel, which
 a few operations amplify little: 1e-11 is allowed for a collision whose flight before was long. A
@@ -273,7 +273,7 @@ def test_six_numbers_of_two_other_solutions(solved: Solved) -> None:
 
 @pytest.mark.parametrize("name", DOCUMENTS[Window.CYCLE]["cases"])
 def test_closing_and_opening_indices(solved: Solved, name: str) -> None:
-    """The jaw closes at index 34 +- 0.3 and opens between 7 and 9.5, as on machines of this class."""
+    """The jaw closes at index 34 +- 0.3 and opens between 7 and 9.5, as its class does."""
     solution = solved(Window.CYCLE, name)
     closing = next(item for item in solution.collisions if item.stop == "jaw")
     assert closing.index == pytest.approx(34.0, abs=0.3)
