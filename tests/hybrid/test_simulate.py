@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,8 @@ from nipper_pin import (
     load,
     simulate,
 )
+
+BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
 
 
 @pytest.fixture(scope="module")
@@ -230,3 +234,41 @@ def test_start_index_shifts_the_window_only(nipper: Mechanism) -> None:
         indices.append([item.index for item in simulate(nipper, case).collisions])
     for other in indices[1:]:
         assert other == pytest.approx(indices[0], abs=1e-10)
+
+
+@pytest.mark.parametrize(("e", "speed"), [(0.95, 600.0), (0.9361778318503078, 635.1646837662381)])
+def test_a_collision_on_the_limit_of_the_window_ends_the_run(e: float, speed: float) -> None:
+    """A jaw that bounces without rest, caught by the steeve, closes again after exactly one turn.
+
+    That collision falls on the limit of the window, to the last bit or a few: whichever side it
+    comes to lie, the run ends there and says that there was no rest.
+    """
+    overrides = {
+        "stops.jaw.restitution": e,
+        "stops.steeve.restitution": 0.0,
+        "springs.steeve.stiffness_N_per_m": 10731.35407652929,
+    }
+    solution = simulate(load("e62", overrides), Case(speed_rpm=speed))
+    assert solution.outcome is Outcome.NO_REST
+    period = solution.shaft.period
+    assert solution.trajectory.span[1] == pytest.approx(period, rel=1e-14)
+    jaw = solution.mechanism.stop("jaw").index
+    gap = solution.trajectory.evaluate(solution.trajectory.span[1], left=True).q[0, jaw]
+    assert gap == pytest.approx(0.0, abs=1e-12)
+    assert solution.checks.energy_balance <= 1e-9
+
+
+@pytest.mark.parametrize("start_index", [-40.0, -40.0 - 1e-12, -40.0 + 1e-12, -60.0])
+def test_a_drive_that_winds_on_is_not_copied(start_index: float) -> None:
+    """A table that rises with every turn meets its mass in the second one, with or without reuse.
+
+    The first turn is pure kinematics from end to end with the same stop closed, but the drive does
+    not come back with the cylinder, so it may not stand for the second. A start 40 indices before
+    the touch puts the collision on the limit between the turns, on either side of it.
+    """
+    mechanism = load(BOUNCING_MASS, {"drives.table.lead_mm_per_turn": 60.0})
+    case = Case(speed_rpm=60.0, window=Window.CYCLE, cycles=2, start_index=start_index)
+    solution = simulate(mechanism, case)
+    # One turn takes a second.
+    assert solution.collisions[0].t == pytest.approx(-start_index / 40.0, rel=1e-13)
+    assert solution.events[-1].kind is EventKind.REST
