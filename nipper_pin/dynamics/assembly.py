@@ -175,7 +175,7 @@ def assemble(
     Args:
         body: The multibody system.
         path: Given coordinates along the path, shape (K, given); short steps, the first one near
-            the touch configuration, so that the mechanism stays on its branch.
+            the touch configuration, so that the mechanism stays on its branch. None: q = 0.
         given: Places of those coordinates in q.
         rates: Their rates at the end, shape (given,).
 
@@ -186,14 +186,14 @@ def assemble(
     q = np.zeros((1, body.nv))
     step = np.zeros((1, body.nv))
     _, jacobian = body.closures(q)
+    split = partition(jacobian[0], given, [])
     for target in path:
-        split = partition(jacobian[0], given, [])
         step[:] = 0.0
         step[0, columns] = target - q[0, columns]
         guess = q + close_velocities(step, jacobian, split)
         guess[0, columns] = target
         q, jacobian = close_positions(body, guess, split)
+        split = partition(jacobian[0], given, [])
     v = np.zeros((1, body.nv))
     v[0, columns] = rates
-    split = partition(jacobian[0], given, [])
     return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]

@@ -116,6 +116,12 @@ def arrest(
     return _outcome(system, q, v, jacobian, [stop], [0], np.zeros(1), solved)
 
 
+def no_impact(system: System, v: FloatArray) -> Impact:
+    """Return the impact that changes nothing, for events without one."""
+    rows, drives = system.body.closure_rows, len(system.driven)
+    return Impact(v, np.zeros(rows), {}, np.zeros(drives), 0.0, 0.0)
+
+
 def _outcome(
     system: System,
     q: FloatArray,

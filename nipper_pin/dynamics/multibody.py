@@ -67,6 +67,7 @@ class Multibody:
             )
             self._pins.append(constraint)
             self._pin_data.append(constraint.createData())
+        self._constraints = list(zip(self._pins, self._pin_data, strict=True))
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         self._proximal = pin.ProximalSettings(*_PROXIMAL.values())
         self._planar_rows = [
@@ -92,7 +93,7 @@ class Multibody:
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
         gaps = np.empty((len(q), 3 * len(pins)))
         jacobians = np.empty((len(q), 3 * len(pins), self.nv))
-        constraints = list(zip(pins, pin_data, strict=True))
+        constraints = self._constraints
         for row, q_row in enumerate(q):
             pin.computeJointJacobians(model, data, q_row)
             # `calc` must run at this q before the Jacobian is read, or its placement is stale.

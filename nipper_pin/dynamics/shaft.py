@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..mechanism import Mechanism
+from ..mechanism import DriveLaw, Geared, Mechanism
 
 
 @dataclass(frozen=True)
@@ -54,9 +55,23 @@ class ShaftMotion:
         """
         psi, rate = self.angle(t), self.rate
         values = np.empty((3, len(psi), len(self.mechanism.drives)))
-        for column, drive in enumerate(self.mechanism.drives):
-            law, slope, curvature = drive.law.evaluate(psi)
-            values[0, :, column] = law - drive.law_at_touch
-            values[1, :, column] = slope * rate
-            values[2, :, column] = curvature * rate**2
+        for law, geared in self._trains:
+            value, slope, curvature = law.evaluate(psi)
+            for column, ratio, at_touch in geared:
+                values[0, :, column] = ratio * value - at_touch
+                values[1, :, column] = (ratio * rate) * slope
+                values[2, :, column] = (ratio * rate**2) * curvature
         return values[0], values[1], values[2]
+
+    @cached_property
+    def _trains(self) -> list[tuple[DriveLaw, list[tuple[int, float, float]]]]:
+        """Laws that stand on their own, each with the drives geared to it: place, ratio, offset."""
+        trains: dict[int, tuple[DriveLaw, list[tuple[int, float, float]]]] = {}
+        for column, drive in enumerate(self.mechanism.drives):
+            law: DriveLaw = drive.law
+            ratio = 1.0
+            while isinstance(law, Geared):
+                ratio *= law.ratio
+                law = law.of
+            trains.setdefault(id(law), (law, []))[1].append((column, ratio, drive.law_at_touch))
+        return list(trains.values())

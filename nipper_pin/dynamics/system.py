@@ -67,6 +67,10 @@ class System:
         nv = len(mechanism.joints)
         self._drive_armature = np.zeros(nv)
         self._drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
+        # 1 for coordinates that accelerations move, 0 for those that a law holds.
+        self.free = np.ones(nv)
+        if self.held:
+            self.free[self.driven] = 0.0
         self.body = Multibody(mechanism, self._drive_armature)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
 

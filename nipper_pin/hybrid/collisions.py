@@ -9,12 +9,13 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.system import System
+from .case import Resolution
 from .collocation import evaluate, nodes
 from .energy import pieces
 from .event import Event, EventKind
 from .panel import Panel
 from .roots import first_descent, polish
-from .segment import Segment
+from .segment import Segment, advance
 
 
 @dataclass(frozen=True)
@@ -86,14 +87,19 @@ class Transition:
 
 
 def collision_table(
-    system: System, segments: Sequence[Segment], events: Sequence[Event]
+    system: System,
+    segments: Sequence[Segment],
+    events: Sequence[Event],
+    resolution: Resolution,
 ) -> tuple[Collision, ...]:
     """Collisions of a run, in order of time."""
     impacts = [event for event in events if event.kind is EventKind.COLLISION]
     table = []
     for number, event in enumerate(impacts, start=1):
         stop = system.mechanism.stop(event.stops[0])
-        amplitude, duration = _rebound(system, segments, events, event, stop.name, stop.index)
+        amplitude, duration = _rebound(
+            system, segments, events, event, stop.name, stop.index, resolution
+        )
         psi = float(system.shaft.angle(event.t))
         table.append(
             Collision(
@@ -165,6 +171,7 @@ def _rebound(
     event: Event,
     name: str,
     index: int,
+    resolution: Resolution,
 ) -> tuple[float | None, float | None]:
     """Amplitude and time of the rebound after a collision."""
     rate = float(event.v_after[index])
@@ -175,17 +182,31 @@ def _rebound(
     if following is None:
         return None, None
     if following.kind is EventKind.REST and np.array_equal(following.q, event.q):
-        # The last bounce before rest is ballistic to a relative error of the order of its rate.
-        rows = system.constraint_set(event.closed_after - {name})
-        motion = system.shaft.driven(np.array([event.t]))
-        a = system.accelerations(motion, event.q[None], event.v_after[None], rows)[0, index]
-        return float(-0.5 * rate**2 / a), float(-2.0 * rate / a)
+        return _last_rebound(system, event, name, index, resolution)
     highest = 0.0
     for segment in segments:
         if segment.t_start >= event.t and segment.t_end <= following.t:
             for panel, begin, end in pieces(segment):
                 highest = max(highest, _highest(panel, begin, end, index))
     return highest, following.t - event.t
+
+
+def _last_rebound(
+    system: System, event: Event, name: str, index: int, resolution: Resolution
+) -> tuple[float | None, float | None]:
+    """Rebound that a run leaves out because rest is known already."""
+    rows = system.constraint_set(event.closed_after - {name})
+    motion = system.shaft.driven(np.array([event.t]))
+    q, v = event.q, event.v_after
+    a = system.accelerations(motion, q[None], v[None], rows)[0]
+    _, jacobian = system.body.closures(q[None])
+    t_limit = event.t + system.shaft.period
+    reached = advance(system, rows, event.t, q, v, a, jacobian[0], t_limit, resolution)
+    if not reached.triggers:
+        return None, None
+    parts = pieces(reached.segment)
+    highest = max(_highest(panel, begin, end, index) for panel, begin, end in parts)
+    return highest, reached.segment.t_end - event.t
 
 
 def _highest(panel: Panel, begin: float, end: float, index: int) -> float:

@@ -91,6 +91,13 @@ def evaluate(values: FloatArray, sigma: FloatArray, integrations: int) -> FloatA
     return np.asarray(_basis(sigma, len(operator)) @ (operator @ values))
 
 
+def evaluate_motion(values: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Double and single integral of node values from 0 to sigma; as :func:`evaluate`, at once."""
+    _, once, twice = nodes(len(values)).integrals
+    basis = _basis(sigma, len(twice))
+    return np.asarray(basis @ (twice @ values)), np.asarray(basis[:, :-1] @ (once @ values))
+
+
 def prolonged(values: FloatArray, count: int) -> FloatArray:
     """Interpolate node values to another number of nodes; one value stands for a constant.
 

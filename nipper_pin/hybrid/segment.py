@@ -6,6 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cache
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from ..errors import ConvergenceError, SimulationError
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import Arc, evaluate, nodes
-from .panel import Panel, flight_panel, forces_at, kinematic_panel, state_at
+from .flight import flight_panel
+from .kinematic import kinematic_panel
+from .panel import Panel, forces_at, state_at
 from .roots import first_descent, polish
 
 _SHORTEST_PANEL = 1e-12
@@ -104,6 +107,7 @@ def advance(
     q: FloatArray,
     v: FloatArray,
     a: FloatArray,
+    jacobian: FloatArray,
     t_limit: float,
     resolution: Resolution,
 ) -> Advance:
@@ -116,6 +120,7 @@ def advance(
         q: Closed configuration, shape (nv,); gaps of stops just left are exactly zero.
         v: Closed velocity (right limit), shape (nv,).
         a: Acceleration there, shape (nv,).
+        jacobian: Closure Jacobian there, shape (m, nv).
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
 
@@ -125,8 +130,6 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    _, jacobians = system.body.closures(q[None])
-    jacobian = jacobians[0]
     open_stops = [stop for stop in system.mechanism.stops if stop.name not in rows.closed]
     kinematic = rows.freedom == 0
     start = t
@@ -259,14 +262,16 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
             return np.asarray(gap + h * sigma * rate + terms)
         return np.asarray(h * rate + terms if power == 1 else terms)
 
-    arc = Arc(h**2 * a, gap, h * rate)
+    @cache
+    def arc() -> Arc:
+        return Arc(h**2 * a, gap, h * rate)
 
     def at(sigma: float) -> float:
-        return arc.value(sigma) / sigma**power
+        return arc().value(sigma) / sigma**power
 
     def motion(t: float) -> tuple[float, float]:
         sigma = (t - panel.t) / h
-        return arc.value(sigma), arc.rate(sigma) / h
+        return arc().value(sigma), arc().rate(sigma) / h
 
     start = (gap, h * rate, 0.5 * h**2 * a[0])[power]
     values = np.concatenate([[start], deflated(grid.samples, grid.sample_twice @ a)])

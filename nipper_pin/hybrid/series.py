@@ -11,8 +11,8 @@ e^(m (m - 1) / 2), so a few bounces are enough.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-
-import numpy as np
+from itertools import pairwise
+from math import inf
 
 _MOST_POINTS = 8
 
@@ -52,18 +52,21 @@ class BounceSeries:
             Time of rest [s] and an estimate of its error [s]; both infinite while two collisions
             do not show the rates falling.
         """
-        w = np.array(self.rates)
-        if len(w) < 2 or not (np.diff(w) < 0.0).all():
-            return np.inf, np.inf
+        w = self.rates
+        if len(w) < 2 or any(near >= far for far, near in pairwise(w)):
+            return inf, inf
+        last = self.times[-1]
         # Times are taken from the last collision, where the digits matter.
-        column = np.array(self.times) - self.times[-1]
-        best = (np.inf, np.inf)
+        column = [t - last for t in self.times]
+        best = (inf, inf)
         previous = column[-1]
         for order in range(1, len(w)):
-            near, far = w[order:], w[:-order]
-            column = (far * column[1:] - near * column[:-1]) / (far - near)
+            column = [
+                (far * later - near * earlier) / (far - near)
+                for far, near, earlier, later in zip(w, w[order:], column, column[1:], strict=False)
+            ]
             error = abs(column[-1] - previous)
             previous = column[-1]
             if error < best[1]:
-                best = (self.times[-1] + float(column[-1]), float(error))
+                best = (last + column[-1], error)
         return best

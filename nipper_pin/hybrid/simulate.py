@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import assemble
-from ..dynamics.impact import Impact, arrest, collide
+from ..dynamics.impact import Impact, arrest, collide, no_impact
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..errors import InputError, SimulationError
@@ -19,7 +19,7 @@ from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .event import Event, EventKind
 from .phases import Closed, after_collision, after_release, pressed
-from .segment import Advance, Segment, TriggerKind, advance
+from .segment import Segment, TriggerKind, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 
@@ -35,6 +35,7 @@ class State:
         t: Time [s].
         q: Configuration, shape (nv,).
         v: Velocity (right limit), shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
         closed: Closed stops.
         series: Bounces that have not come to rest yet.
     """
@@ -42,8 +43,9 @@ class State:
     t: float
     q: FloatArray
     v: FloatArray
+    jacobian: FloatArray
     closed: Closed
-    series: BounceSeries | None
+    series: BounceSeries | None = None
 
 
 def simulate(
@@ -99,7 +101,7 @@ class _Run:
         self.segments: list[Segment] = []
         self._collisions = 0
         self._known: tuple[State, FloatArray] | None = None
-        self.state, self._jacobian = self._start()
+        self.state = self._start()
 
     def transition(self) -> Outcome:
         """From the touch configuration, where the transition stop collides, to its rest."""
@@ -111,7 +113,7 @@ class _Run:
                 "check cylinder.angle_at_touch_deg and cylinder.direction"
             )
             raise InputError(message, stop=name, rate=rate)
-        self.collide(self.state, self._jacobian, {name})
+        self.collide(self.state, {name})
         period = self.system.shaft.period
         while True:
             last = self.events[-1]
@@ -161,43 +163,51 @@ class _Run:
         rows = self.system.constraint_set(state.closed)
         a = self._acceleration(state)
         reached = advance(
-            self.system, rows, state.t, state.q, state.v, a, t_limit, self.case.resolution
+            self.system,
+            rows,
+            state.t,
+            state.q,
+            state.v,
+            a,
+            state.jacobian,
+            t_limit,
+            self.case.resolution,
         )
         self.segments.append(reached.segment)
-        t, q, v = reached.segment.t_end, reached.q, reached.v
+        state = replace(
+            state, t=reached.segment.t_end, q=reached.q, v=reached.v, jacobian=reached.jacobian
+        )
         if not reached.triggers:
-            self.state = replace(state, t=t, q=q, v=v)
+            self.state = state
             return False
         hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
         released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
         if released:
-            self._release(state, reached, released)
-            state = self.state
+            state = self._release(state, released)
         if hit:
-            self.collide(replace(state, t=t, q=q, v=v), reached.jacobian, hit)
+            self.collide(state, hit)
         return True
 
-    def collide(self, state: State, jacobian: FloatArray, hit: set[str]) -> None:
+    def collide(self, state: State, hit: set[str]) -> None:
         """Apply the impact law to the stops that have just closed and those closed before."""
         self._collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
-        impact = collide(
-            self.system, state.q, state.v, jacobian, contacts, [s.restitution for s in contacts]
-        )
+        restitution = [stop.restitution for stop in contacts]
+        impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
         rates = {stop.name: float(impact.v_after[stop.index]) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
-        closed = self._pressed(state, impact.v_after, jacobian, at_rest)
+        closed = self._pressed(state, impact.v_after, at_rest)
         struck = sorted(
             (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
             key=lambda name: impact.P_N[name] == 0.0,
         )
-        self._record(EventKind.COLLISION, state, state.t, tuple(struck), impact, closed)
-        after = State(state.t, state.q, impact.v_after, closed, None)
+        self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
+        after = replace(state, v=impact.v_after, closed=closed, series=None)
         newly = hit & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
-            still = replace(impact, P_N={}, energy_lost=0.0, energy_from_drives=0.0)
-            self._record(EventKind.REST, after, state.t, tuple(sorted(newly)), still, closed)
+            still = no_impact(self.system, after.v)
+            self._record(EventKind.REST, after, state.t, sorted(newly), still, closed)
         self.state = after
         bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
         if len(bouncing) == 1:
@@ -206,9 +216,9 @@ class _Run:
                 series = BounceSeries(bouncing[0].name, state.t)
             series = series.bounced(state.t, rates[bouncing[0].name])
             self.state = replace(after, series=series)
-            self._rest(bouncing[0], jacobian)
+            self._rest(bouncing[0])
 
-    def _rest(self, stop: Stop, jacobian: FloatArray) -> None:
+    def _rest(self, stop: Stop) -> None:
         """Close a stop whose bounces have reached their limit or the threshold of the case."""
         state, series = self.state, self.state.series
         if series is None:
@@ -222,12 +232,12 @@ class _Run:
             t_rest = self._limit(stop, series)
             if not np.isfinite(t_rest):
                 return
-        impact = arrest(self.system, state.q, state.v, jacobian, stop)
-        closed = self._pressed(state, impact.v_after, jacobian, state.closed | {stop.name})
+        impact = arrest(self.system, state.q, state.v, state.jacobian, stop)
+        closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
             return
-        self._record(EventKind.REST, state, t_rest, (stop.name,), impact, closed)
-        self.state = State(state.t, state.q, impact.v_after, closed, None)
+        self._record(EventKind.REST, state, t_rest, [stop.name], impact, closed)
+        self.state = replace(state, v=impact.v_after, closed=closed, series=None)
 
     def _limit(self, stop: Stop, series: BounceSeries) -> float:
         """Time at which a series comes to rest [s]; infinite while that is not known yet."""
@@ -253,37 +263,20 @@ class _Run:
             self._known = (state, a)
         return self._known[1]
 
-    def _release(self, state: State, reached: Advance, released: set[str]) -> None:
+    def _release(self, state: State, released: set[str]) -> State:
         """Open the stops whose force has fallen to zero."""
-        t = reached.segment.t_end
         closed = after_release(state.closed, released)
-        after = State(t, reached.q, reached.v, closed, None)
-        self.events.append(
-            Event(
-                number=len(self.events) + 1,
-                t=t,
-                kind=EventKind.RELEASE,
-                stops=tuple(sorted(released)),
-                q=reached.q,
-                v_before=reached.v,
-                v_after=reached.v,
-                P_N={},
-                P_g=np.zeros(self.system.body.closure_rows),
-                P_drive=np.zeros(len(self.system.driven)),
-                energy_lost=0.0,
-                energy_from_drives=0.0,
-                closed_before=state.closed,
-                closed_after=closed,
-            )
-        )
-        self.state = after
+        still = no_impact(self.system, state.v)
+        self._record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
+        self.state = replace(state, closed=closed, series=None)
+        return self.state
 
     def _record(
         self,
         kind: EventKind,
         state: State,
         t: float,
-        stops: tuple[str, ...],
+        stops: Sequence[str],
         impact: Impact,
         closed: Closed,
     ) -> None:
@@ -292,7 +285,7 @@ class _Run:
                 number=len(self.events) + 1,
                 t=t,
                 kind=kind,
-                stops=stops,
+                stops=tuple(stops),
                 q=state.q,
                 v_before=state.v,
                 v_after=impact.v_after,
@@ -306,40 +299,34 @@ class _Run:
             )
         )
 
-    def _pressed(
-        self, state: State, v: FloatArray, jacobian: FloatArray, at_rest: Closed
-    ) -> Closed:
+    def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
         if not at_rest:
             return at_rest
-        return pressed(self.system, state.t, state.q, v, jacobian, at_rest)
+        return pressed(self.system, state.t, state.q, v, state.jacobian, at_rest)
 
-    def _start(self) -> tuple[State, FloatArray]:
+    def _start(self) -> State:
         """The initial phase at time zero, assembled along the drives from the touch position."""
         mechanism, shaft = self.mechanism, self.system.shaft
         closed = mechanism.phase(mechanism.initial_phase).closed
         stops = [stop.index for stop in mechanism.stops if stop.name in closed]
-        turns = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) * shaft.rate
-        back = (shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad) / shaft.rate
-        steps = 1 if turns == 0.0 else _ASSEMBLY_STEPS
-        times = np.linspace(-back, 0.0, steps + 1)[1:]
+        travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
+        # In the touch configuration all coordinates are zero: there is nothing to assemble.
+        steps = 0 if travel == 0.0 else _ASSEMBLY_STEPS
+        times = np.linspace(-travel / shaft.rate, 0.0, steps + 1)
         angles, rates, _ = shaft.driven(times)
         given = [*shaft.indices, *stops]
-        path = np.hstack([angles, np.zeros((len(times), len(stops)))])
-        if turns == 0.0:
-            path[:] = 0.0
+        path = np.hstack([angles, np.zeros((len(times), len(stops)))])[1:]
         end_rates = np.concatenate([rates[-1], np.zeros(len(stops))])
         q, v, jacobian = assemble(self.system.body, path, given, end_rates)
         for stop in mechanism.stops:
-            if turns == 0.0:
-                q[stop.index] = 0.0
-            elif stop.name not in closed and q[stop.index] < 0.0:
+            if stop.name not in closed and q[stop.index] < 0.0:
                 message = (
                     f"stop {stop.name!r} would be {-q[stop.index]:.3g} beyond its contact at the "
                     f"start, index {self.case.start_index:g}; start_index has to lie in phase "
                     f"{mechanism.initial_phase}"
                 )
                 raise InputError(message, stop=stop.name, gap=float(q[stop.index]))
-        return State(0.0, q, v, closed, None), jacobian
+        return State(0.0, q, v, jacobian, closed)
 
     def _repeats(self, previous: list[Segment], current: list[Segment]) -> bool:
         """True if the turn after this one must equal this one.

@@ -111,8 +111,8 @@ class Contact:
             of the load check.
     """
 
-    point: FloatArray
-    normal: FloatArray
+    point: FloatArray = field(compare=False)
+    normal: FloatArray = field(compare=False)
     lever_m: float
     closing_coordinate: float
 
