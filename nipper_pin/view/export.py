@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Sequence
+from math import degrees
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +52,9 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
 
 
 _COLLISION_HEADER = (
-    "number", "stop", "time_s", "cylinder_angle_rad", "index", "approach_rate", "separation_rate",
-    "impulse_N_s", "energy_lost_J", "rebound_amplitude", "rebound_time_s",
+    "number", "stop", "time_s", "cylinder_angle_rad", "cylinder_angle_deg", "index",
+    "approach_rate", "separation_rate", "impulse_N_s", "energy_lost_J", "rebound_amplitude",
+    "rebound_time_s",
 )  # fmt: skip
 _PHASE_HEADER = ("phase", "closed_stops", "start_s", "end_s", "start_index", "end_index")
 _LINK_HEADER = (
@@ -65,9 +67,9 @@ _LINK_HEADER = (
 def _collisions(solution: Solution) -> Iterable[Sequence[Any]]:
     for item in solution.collisions:
         yield (
-            item.number, item.stop, item.t, item.cylinder_angle, item.index, item.approach_rate,
-            item.separation_rate, item.impulse, item.energy_lost, item.rebound_amplitude,
-            item.rebound_time,
+            item.number, item.stop, item.t, item.cylinder_angle, degrees(item.cylinder_angle),
+            item.index, item.approach_rate, item.separation_rate, item.impulse, item.energy_lost,
+            item.rebound_amplitude, item.rebound_time,
         )  # fmt: skip
 
 
@@ -92,7 +94,7 @@ def _links(solution: Solution) -> Iterable[Sequence[Any]]:
 
 def _motion(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
     mechanism, trajectory = solution.mechanism, solution.trajectory
-    header = ["time_s", "limit", "cylinder_angle_rad", "index"]
+    header = ["time_s", "limit", "cylinder_angle_rad", "cylinder_angle_deg", "index"]
     header += [f"{joint.name}_{_unit(joint)}" for joint in mechanism.joints]
     header += [f"{joint.name}_rate_{_unit(joint)}_s" for joint in mechanism.joints]
     header += [f"{stop.name}_contact_force_N" for stop in mechanism.stops]
@@ -110,6 +112,7 @@ def _motion(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
                 for row, time in enumerate(times):
                     yield (
                         time, "left" if left else "right", motion.cylinder_angle[row],
+                        degrees(motion.cylinder_angle[row]),
                         _index(solution, float(time)), *motion.q[row], *motion.v[row],
                         *(force[row] for force in forces.contacts.values()),
                         *(torque[row] for torque in forces.drives.values()),

@@ -50,7 +50,8 @@ def print_solution(solution: Solution, console: Console, *, forces: bool = False
     _header(solution, console)
     _collisions(solution, console)
     _phases(solution, console)
-    _transitions(solution, console)
+    if solution.mechanism.transition_stop:
+        _transitions(solution, console)
     _releases(solution, console)
     if forces:
         _forces(solution, console)
@@ -62,7 +63,8 @@ def _header(solution: Solution, console: Console) -> None:
     mechanism = solution.mechanism
     _say(console, mechanism.title or mechanism.name, style="bold")
     _say(console, case_text(solution))
-    _say(console, f"restitution: {restitution_text(mechanism.stops)}")
+    if mechanism.stops:
+        _say(console, f"restitution: {restitution_text(mechanism.stops)}")
     _say(console, f"springs: {spring_text(mechanism)}")
 
 

@@ -1,0 +1,223 @@
+"""The command, as scripts and people use it: in a process of its own where that matters."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from nipper_pin import Case, Window, load, load_solution, simulate
+from nipper_pin.cli import main
+
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+
+
+def run(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *arguments], capture_output=True, text=True, check=False, cwd=cwd
+    )
+
+
+def test_json_on_stdout_is_one_document_and_nothing_else(tmp_path: Path) -> None:
+    """The contract, key by key, from a directory that has nothing to do with the package."""
+    done = run("simulate", "--speed", "650", "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    document = json.loads(done.stdout)
+    assert set(document) >= {"case", "collisions", "phases", "transition", "checks", "work"}
+    assert document["case"]["model"] == "e62"
+    assert document["case"]["speed_rpm"] == 650.0
+    first = document["collisions"][0]
+    assert set(first) >= {
+        "number", "stop", "time_s", "cylinder_angle_rad", "approach_rate", "separation_rate",
+        "impulse_N_s", "energy_lost_J", "rebound_amplitude", "rebound_time_s",
+    }  # fmt: skip
+    assert first["number"] == 1
+    assert first["time_s"] == 0.0
+    assert first["approach_rate"] < 0.0 < first["separation_rate"]
+    assert [phase["phase"] for phase in document["phases"]] == [3]
+    assert set(document["transition"]) == {"duration_s", "collisions", "first_two_share"}
+    assert set(document["checks"]) == {"closure_m", "closure_rate_m_s", "energy_balance"}
+    assert set(document["work"]) >= {"evaluations", "wall_s"}
+    # The document says what the library says, to the last bit.
+    solution = simulate(load("e62"), Case(speed_rpm=650.0))
+    assert document["transition"]["duration_s"] == solution.transitions[0].duration
+    assert [c["impulse_N_s"] for c in document["collisions"]] == [
+        c.impulse for c in solution.collisions
+    ]
+
+
+def test_values_reach_the_model(capsys: pytest.CaptureFixture[str]) -> None:
+    """Flags, shortcuts and --set change what they name; the stiffness keeps the preload length."""
+    arguments = ["simulate", "--restitution", "0.1", "--stiffness", "11000", "--json", "-"]
+    assert main([*arguments, "--set", "links.top_nipper.mass_kg=1.3", "--speed", "500"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["case"]["restitution"] == 0.1
+    assert document["case"]["stiffness_N_per_m"] == 11000.0
+    assert document["case"]["preload_length_mm"] == 11.0
+    first = document["collisions"][0]
+    assert first["separation_rate"] == -0.1 * first["approach_rate"]
+    assert main(["simulate", "--json", "-", "--speed", "500", "--restitution", "0.1"]) == 0
+    lighter = json.loads(capsys.readouterr().out)["collisions"][0]
+    assert lighter["impulse_N_s"] < first["impulse_N_s"]
+
+
+def test_rated_speed_is_the_default(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["case"]["speed_rpm"] == 450.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["simulate", "--speed", "0"], "speed_rpm"),
+        (["simulate", "--speed", "nan"], "speed_rpm"),
+        (["simulate", "--restitution", "1.5"], "stops.jaw.restitution"),
+        (["simulate", "--stiffness", "-1"], "springs.steeve.stiffness_N_per_m"),
+        (["simulate", "--set", "stops.jaw"], "PATH=VALUE"),
+        (["simulate", "--set", "stops.knee.restitution=0.1"], "jaw"),
+        (["simulate", "no-such-model"], "e62"),
+        (["simulate", "--cycles", "0", "--window", "cycle"], "cycles"),
+        (["simulate", "--case", "missing.json"], "missing.json"),
+        (["simulate", "--window", "cycle", "--start-index", "0"], "start_index"),
+        (["check", "no-such-model"], "e62"),
+    ],
+)
+def test_unusable_arguments_give_one_sentence_and_status_2(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("nipper-pin: ")
+    assert err.count("\n") == 1
+    assert words in err
+
+
+@pytest.mark.parametrize("arguments", [[], ["fly"], ["simulate", "--speed", "fast"]])
+def test_arguments_that_do_not_parse_give_status_2(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert "usage:" in capsys.readouterr().err
+
+
+def test_what_cannot_be_simulated_gives_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A crank that the rocker cannot follow (no Grashof linkage) locks the mechanism on the way."""
+    source = Path(__file__).parent / "verification" / "models" / "four_bar"
+    folder = tmp_path / "locked"
+    folder.mkdir()
+    # Crank 70 instead of 30 mm: shortest plus longest link (170) exceed the other two (160).
+    text = (source / "four_bar.urdf").read_text()
+    x = (0.03**2 + 0.09**2 - 0.07**2) / (2 * 0.03)
+    z = (0.09**2 - x**2) ** 0.5
+    text = text.replace('<origin xyz="0.03 0 0"/>', '<origin xyz="0.07 0 0"/>')
+    text = text.replace("0.05785714285714285 0 0.06893874832348035", f"{x!r} 0 {z!r}")
+    text = text.replace("-0.01214285714285715 0 0.06893874832348035", f"{x - 0.03!r} 0 {z!r}")
+    (folder / "locked.urdf").write_text(text)
+    (folder / "locked.toml").write_text((source / "four_bar.toml").read_text())
+    assert main(["simulate", str(folder), "--window", "cycle", "--start-index", "0"]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "index" in err
+    assert err.count("\n") == 1
+
+
+def test_out_writes_everything_and_the_case_repeats_the_run(tmp_path: Path) -> None:
+    """Files agree with the solution, and --case gives the same bits again without the model."""
+    folder = tmp_path / "run"
+    done = run("simulate", "--speed", "650", "--window", "cycle", "--out", str(folder))
+    assert done.returncode == 0
+    names = {path.name for path in folder.iterdir()}
+    assert names >= {
+        "case.json", "collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv",
+        "solution.npz", "motion.png", "impulses.png", "phases.png",
+    }  # fmt: skip
+    assert not [name for name in names if name.endswith(".partial")]
+    solution = load_solution(folder / "solution.npz")
+    with (folder / "collisions.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["time_s"]) for row in rows] == [item.t for item in solution.collisions]
+    assert [float(row["impulse_N_s"]) for row in rows] == [
+        item.impulse for item in solution.collisions
+    ]
+    again = run("simulate", "--case", str(folder / "case.json"), "--json", "-", cwd=tmp_path)
+    times = [item["rebound_time_s"] for item in json.loads(again.stdout)["collisions"]]
+    assert times == [item.rebound_time for item in solution.collisions]
+
+
+def test_motion_has_both_limits_of_a_collision(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    assert main(["simulate", "--speed", "650", "--out", str(folder), "--json", "-"]) == 0
+    with (folder / "motion.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    solution = load_solution(folder / "solution.npz")
+    second = solution.collisions[1]
+    left, right = (row for row in rows if float(row["time_s"]) == second.t)
+    assert (left["limit"], right["limit"]) == ("left", "right")
+    assert float(left["jaw_rate_rad_s"]) == pytest.approx(second.approach_rate, rel=1e-11)
+    assert float(right["jaw_rate_rad_s"]) == pytest.approx(second.separation_rate, rel=1e-11)
+
+
+def test_unwritable_output_is_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blocker = tmp_path / "file"
+    blocker.write_text("not a folder")
+    assert main(["simulate", "--out", str(blocker)]) == 2
+    assert str(blocker) in capsys.readouterr().err
+    assert main(["simulate", "--json", str(tmp_path / "missing" / "x.json")]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
+
+
+def test_check_tells_timing_and_clearances(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "e62", "--speed", "650", "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["mobility"] == 3
+    assert document["closing_index"] == pytest.approx(34.0, abs=0.3)
+    assert 7.0 < document["opening_index"] < 9.5
+    assert [item["stop"] for item in document["releases"]] == ["steeve"]
+    assert not any(item["interferes"] for item in document["clearances"])
+    assert main(["check", "e62"]) == 0
+    text = capsys.readouterr().out
+    assert "mobility 3" in text
+    assert "closes at index 34.04" in text
+
+
+def test_scripts_run_headless() -> None:
+    """The example prints what the library says."""
+    script = Path(__file__).parents[1] / "scripts" / "simulate_e62.py"
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
+    duration = simulate(load("e62"), Case(speed_rpm=650.0)).transitions[0].duration
+    assert f"at rest after {1e3 * duration:.6f} ms" in done.stdout
+
+
+def test_a_headless_run_imports_no_viewer() -> None:
+    """A simulation to JSON pays for no plot, table or mesh library."""
+    program = (
+        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
+        "loaded = {n.partition('.')[0] for n in sys.modules}; "
+        "sys.stderr.write(' '.join(sorted(loaded & {'matplotlib', 'rich', 'meshcat', 'yourdfpy', "
+        "'trimesh', 'pandas', 'scipy'})))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
+
+
+def test_many_turns_repeat(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["simulate", "--window", "cycle", "--cycles", "50", "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["work"]["turns_computed"] == 1
+    one = len(simulate(load("e62"), Case(speed_rpm=450.0, window=Window.CYCLE)).collisions)
+    assert len(document["collisions"]) == 50 * one
