@@ -146,7 +146,8 @@ def _outcome(
     P_N.update({contacts[i].name: float(p) for i, p in zip(chosen, stop_impulses, strict=True)})
     P_drive = np.zeros(len(system.driven))
     if system.held:
-        momentum = system.body.mass_matrix(q) @ delta - jacobian.T @ closure_impulses
+        momentum = system.body.mass_matrix(q) @ delta
+        momentum -= closure_impulses @ jacobian
         momentum[indices] -= stop_impulses
         P_drive = momentum[system.driven]
     return Impact(
@@ -168,26 +169,44 @@ def _impulses(
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Change of velocity and impulses for given jumps of these coordinates; None if dependent."""
     nv, m = system.body.nv, len(jacobian)
-    unit = np.eye(nv)
-    held = unit[system.driven] if system.held else unit[:0]
-    rows = np.vstack([jacobian, unit[stops]])
-    rates = np.zeros(len(rows) + len(held))
-    rates[m : m + len(stops)] = -jumps
-    everything = np.vstack([rows, held])
-    z, _, rank, values = np.linalg.lstsq(everything, rates, rcond=_RANK_TOLERANCE)
-    if rank < len(everything):
+    held = [int(index) for index in system.driven] if system.held else []
+    count = m + len(stops)
+    everything = np.zeros((count + len(held), nv))
+    everything[:m] = jacobian
+    for row, index in enumerate([*stops, *held], start=m):
+        everything[row, index] = 1.0
+    rates = np.zeros(len(everything))
+    rates[m:count] = -jumps
+    z = _particular(everything, rates)
+    if z is None:
         return None
-    # The least-squares solution leaves round-off in the held rates, which infinite inertia would
-    # turn into momentum.
-    if system.held:
-        z[system.driven] = 0.0
+    # Round-off in the held rates would become momentum of an infinite inertia.
+    z[held] = 0.0
+    rows = everything[:count]
     delta, impulses = system.body.impulse_response(q, rows, z)
     residual = float(np.abs(rows @ (z + delta)).max(initial=0.0))
     # A rank-deficient system makes the impulse dynamics return a finite wrong velocity.
     if not residual <= 1e-9 * float(np.abs(z).max(initial=0.0)):
         message = (
-            f"the impact rows are too badly conditioned (relative residual {residual:.2g}, "
-            f"smallest singular value {values.min():.2g}): the mechanism is near a dead centre"
+            f"the impact rows are too badly conditioned (residual {residual:.2g}): the mechanism "
+            "is near a dead centre"
         )
-        raise ImpactError(message, residual=residual, singular_values=values.tolist())
+        raise ImpactError(message, residual=residual, rates=rates.tolist())
     return delta, impulses[:m], impulses[m:]
+
+
+def _particular(rows: FloatArray, rates: FloatArray) -> FloatArray | None:
+    """A velocity with these rates along the rows, shape (nv,); None if the rows are dependent."""
+    count, nv = rows.shape
+    if count > nv:
+        return None
+    if count == nv:
+        try:
+            inverse = np.linalg.inv(rows)
+        except np.linalg.LinAlgError:
+            return None
+        if np.abs(inverse).max() * np.abs(rows).max() > 1.0 / _RANK_TOLERANCE:
+            return None
+        return np.asarray(inverse @ rates)
+    z, _, rank, _ = np.linalg.lstsq(rows, rates, rcond=_RANK_TOLERANCE)
+    return np.asarray(z) if rank == count else None

@@ -31,9 +31,10 @@ class Nodes:
             integral from 0 (second) and of its double integral (third), shapes (N + k, N).
         once: Node values to integrals from 0 at the nodes, shape (N, N).
         twice: The same integrated twice, shape (N, N).
-        samples: Fine grid in (0, 1], shape (S,).
+        samples: Fine grid from 0 to 1, shape (S,).
         sample_value: Node values to values on the fine grid, shape (S, N).
-        sample_twice: Node values to double integrals on the fine grid, shape (S, N).
+        sample_twice: Node values to double integrals on the fine grid, divided by sigma to the
+            power 0, 1 and 2 (limits at sigma = 0), shapes (S, N).
     """
 
     sigma: FloatArray
@@ -42,7 +43,7 @@ class Nodes:
     twice: FloatArray
     samples: FloatArray
     sample_value: FloatArray
-    sample_twice: FloatArray
+    sample_twice: tuple[FloatArray, FloatArray, FloatArray]
 
 
 @cache
@@ -58,15 +59,23 @@ def nodes(order: int) -> Nodes:
         chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5),
     )
     count = _SAMPLES_PER_NODE * order
-    samples = 0.5 * (1.0 - np.cos(np.pi * np.arange(1, count + 1) / count))
+    samples = 0.5 * (1.0 - np.cos(np.pi * np.arange(count + 1) / count))
+    value = np.asarray(_basis(samples, order) @ integrals[0])
+    # The first sample is the first node: its value is met to the last bit.
+    value[0] = np.eye(order)[0]
+    twice = _basis(samples, order + 2) @ integrals[2]
+    inner = samples[1:, None]
+    # The double integral grows like sigma^2 / 2 from its start.
+    by_one = np.vstack([np.zeros(order), twice[1:] / inner])
+    by_two = np.vstack([0.5 * value[0], twice[1:] / inner**2])
     return Nodes(
         sigma=sigma,
         integrals=integrals,
         once=_basis(sigma, order + 1) @ integrals[1],
         twice=_basis(sigma, order + 2) @ integrals[2],
         samples=samples,
-        sample_value=_basis(samples, order) @ integrals[0],
-        sample_twice=_basis(samples, order + 2) @ integrals[2],
+        sample_value=value,
+        sample_twice=(twice, by_one, by_two),
     )
 
 

@@ -240,8 +240,6 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
     grid = nodes(panel.order)
     h, a = panel.h, panel.a[:, index]
     gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
-    # With its start the grid also brackets a root before its first inner point.
-    places = np.concatenate([[0.0], grid.samples])
     if not panel.integrated:
 
         def interpolant(sigma: float) -> float:
@@ -251,30 +249,28 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
             q, v, _ = state_at(system, rows, panel, np.array([t]))
             return float(q[0, index]), float(v[0, index])
 
-        values = np.concatenate([[gap], grid.sample_value @ panel.q[:, index]])
-        return _polished(panel, first_descent(places, values, interpolant), exact)
+        values = grid.sample_value @ panel.q[:, index]
+        return _polished(panel, first_descent(grid.samples, values, interpolant), exact)
+    if gap > h * abs(rate) + h**2 * float(np.abs(a).max()):
+        # Too far for the rate and for twice the way of any acceleration between the nodes.
+        return None
     # Dividing out the zero at the start leaves the next one as the only one, to full precision.
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
-
-    def deflated(sigma: FloatArray, twice: FloatArray) -> FloatArray:
-        terms = h**2 * twice * sigma**-power
-        if power == 0:
-            return np.asarray(gap + h * sigma * rate + terms)
-        return np.asarray(h * rate + terms if power == 1 else terms)
+    values = h**2 * (grid.sample_twice[power] @ a)
+    if power < 2:
+        values += gap + h * rate * grid.samples if power == 0 else h * rate
 
     @cache
     def arc() -> Arc:
         return Arc(h**2 * a, gap, h * rate)
 
-    def at(sigma: float) -> float:
+    def deflated(sigma: float) -> float:
         return arc().value(sigma) / sigma**power
 
     def motion(t: float) -> tuple[float, float]:
         sigma = (t - panel.t) / h
         return arc().value(sigma), arc().rate(sigma) / h
 
-    start = (gap, h * rate, 0.5 * h**2 * a[0])[power]
-    values = np.concatenate([[start], deflated(grid.samples, grid.sample_twice @ a)])
     if (values < 0.0).all():
         name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
         message = (
@@ -282,7 +278,7 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
             "contradict the closed stops; this is an error of the package, please report the case"
         )
         raise SimulationError(message, stop=name, gap=gap, rate=rate)
-    return _polished(panel, first_descent(places, values, at), motion)
+    return _polished(panel, first_descent(grid.samples, values, deflated), motion)
 
 
 def _force_root(
@@ -294,21 +290,22 @@ def _force_root(
 ) -> float | None:
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
     grid = nodes(panel.order)
-    places = np.concatenate([[0.0], grid.samples])
-    values = np.concatenate([force[:1], grid.sample_value @ force])
+    values = grid.sample_value @ force
     if values[0] < 0.0:
         # The force was zero to round-off when the stop was taken to be pressed.
         return panel.t
-    slope = np.gradient(values, places) / panel.h
+    slope = np.gradient(values, grid.samples) / panel.h
 
     def interpolant(sigma: float) -> float:
         return float(evaluate(force, np.array([sigma]), 0)[0])
 
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
-        return float(la_N[0, column]), float(np.interp((t - panel.t) / panel.h, places, slope))
+        return float(la_N[0, column]), float(
+            np.interp((t - panel.t) / panel.h, grid.samples, slope)
+        )
 
-    bracket = first_descent(places, values, interpolant)
+    bracket = first_descent(grid.samples, values, interpolant)
     return _polished(panel, bracket, exact)
 
 

@@ -77,7 +77,7 @@ def test_fine_grid_operators_agree_with_evaluation() -> None:
         grid.sample_value @ values, evaluate(values, grid.samples, 0), rtol=0.0, atol=TOLERANCE
     )
     np.testing.assert_allclose(
-        grid.sample_twice @ values, evaluate(values, grid.samples, 2), rtol=0.0, atol=TOLERANCE
+        grid.sample_twice[0] @ values, evaluate(values, grid.samples, 2), rtol=0.0, atol=TOLERANCE
     )
 
 
