@@ -75,9 +75,7 @@ class Multibody:
             for number in range(len(mechanism.closures))
             for row in _PLANAR_ROWS_OF_A_PIN
         ]
-        # Length that the round-off of a closure gap is proportional to.
-        offsets = [placement.translation for placement in mechanism.model.jointPlacements]
-        self.reach_m = float(sum(np.linalg.norm(offset) for offset in offsets)) or 1.0
+        self.reach_m = mechanism.reach_m
         self.evaluations = 0
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -10,6 +10,9 @@ import numpy as np
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Geared, Mechanism
 
+Driven = tuple[FloatArray, FloatArray, FloatArray]
+"""Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""
+
 
 @dataclass(frozen=True)
 class ShaftMotion:
@@ -44,7 +47,7 @@ class ShaftMotion:
         """Cylinder angle psi [rad] at times t [s]."""
         return np.asarray(self.start_angle_rad + self.rate * np.asarray(t))
 
-    def driven(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def driven(self, t: FloatArray) -> Driven:
         """Driven coordinates, rates and accelerations.
 
         Args:

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..mechanism import Mechanism
 from .multibody import INFINITE_INERTIA, Multibody
-from .shaft import ShaftMotion
+from .shaft import Driven, ShaftMotion
 
 
 class DriveMode(StrEnum):
@@ -86,20 +86,22 @@ class System:
             self._sets[closed] = ConstraintSet(closed, stops, given, armature, freedom)
         return self._sets[closed]
 
-    def prescribe(self, t: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
-        """Write the prescribed coordinates and rates at times t into q and v, in place.
+    def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
+        """Write the prescribed coordinates and rates into q and v, in place.
 
         Args:
-            t: Times, shape (N,) [s].
+            motion: Driven coordinates of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
             rows: The phase.
         """
         if self.held:
-            q[:, self.driven], v[:, self.driven], _ = self.shaft.driven(t)
-        stops = list(rows.stops)
-        q[:, stops] = 0.0
-        v[:, stops] = 0.0
+            for column, index in enumerate(self.driven):
+                q[:, index] = motion[0][:, column]
+                v[:, index] = motion[1][:, column]
+        for index in rows.stops:
+            q[:, index] = 0.0
+            v[:, index] = 0.0
 
     def spring_forces(self, q: FloatArray) -> FloatArray:
         """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
@@ -115,9 +117,7 @@ class System:
             energy += 0.5 * spring.stiffness * (spring.preload + q[:, spring.index]) ** 2
         return energy
 
-    def shaft_torques(
-        self, motion: tuple[FloatArray, FloatArray, FloatArray], q: FloatArray, v: FloatArray
-    ) -> FloatArray:
+    def shaft_torques(self, motion: Driven, q: FloatArray, v: FloatArray) -> FloatArray:
         """Torques that an elastic drive train exerts on the free shafts, shape (N, drives) [N m].
 
         tau = I a_law + k (q_law - q) + c (v_law - v), with k = I w^2 and c = 2 zeta w I.
@@ -131,7 +131,7 @@ class System:
 
     def accelerations(
         self,
-        motion: tuple[FloatArray, FloatArray, FloatArray],
+        motion: Driven,
         q: FloatArray,
         v: FloatArray,
         rows: ConstraintSet,

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition
+from ..dynamics.shaft import Driven
 from ..dynamics.system import ConstraintSet, System
 from .case import Resolution
 from .collocation import nodes, prolonged, tail
@@ -25,8 +26,6 @@ _FREE_SWEEPS = 4
 _WORST_CONTRACTION = 0.5
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
-
-_Driven = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def flight_panel(
@@ -94,7 +93,7 @@ def flight_panel(
 def _iterate(
     system: System,
     rows: ConstraintSet,
-    motion: _Driven,
+    motion: Driven,
     h: float,
     q: FloatArray,
     v: FloatArray,
@@ -140,7 +139,7 @@ def _iterate(
 
 
 def _lines(
-    system: System, motion: _Driven, h: float, q: FloatArray, v: FloatArray
+    system: System, motion: Driven, h: float, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Motion at the nodes without acceleration; held drives have theirs, exactly."""
     sigma = nodes(len(motion[0])).sigma

@@ -47,10 +47,11 @@ def kinematic_panel(
     guess = q + tau * v + 0.5 * tau**2 * a
     times = t + h * grid.sigma
     rates = np.repeat(v[None], len(times), axis=0)
-    system.prescribe(times, guess, rates, rows)
+    motion = system.shaft.driven(times)
+    system.prescribe(motion, guess, rates, rows)
     q_nodes, jacobian = close_positions(system.body, guess, split)
     v_nodes = close_velocities(rates, jacobian, split)
-    a_nodes = system.accelerations(system.shaft.driven(times), q_nodes, v_nodes, rows)
+    a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
     forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:

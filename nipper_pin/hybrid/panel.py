@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multipliers import Multipliers, multipliers
+from ..dynamics.shaft import Driven
 from ..dynamics.system import ConstraintSet, System
 from .collocation import evaluate, evaluate_motion, nodes
 
@@ -83,24 +85,36 @@ class Panel:
         return q, self.v[0] + h * once
 
 
-def state_at(
-    system: System, rows: ConstraintSet, panel: Panel, t: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Exact states on a panel: prescribed motion and closures are met to round-off.
+class Exact(NamedTuple):
+    """States on a panel in which prescribed motion and closures are met to round-off.
+
+    Attributes:
+        q: Configurations, shape (K, nv).
+        v: Velocities, shape (K, nv).
+        jacobian: Closure Jacobians, shape (K, m, nv).
+        motion: Driven coordinates, rates and accelerations.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    jacobian: FloatArray
+    motion: Driven
+
+
+def state_at(system: System, rows: ConstraintSet, panel: Panel, t: FloatArray) -> Exact:
+    """Exact states on a panel.
 
     Args:
         system: The system.
         rows: The phase.
         panel: The panel.
         t: Times within it, shape (K,) [s].
-
-    Returns:
-        q, v of shape (K, nv) and the closure Jacobian, shape (K, m, nv).
     """
     q, v = panel.interpolate(t)
-    system.prescribe(t, q, v, rows)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
     q, jacobian = close_positions(system.body, q, panel.split)
-    return q, close_velocities(v, jacobian, panel.split), jacobian
+    return Exact(q, close_velocities(v, jacobian, panel.split), jacobian, motion)
 
 
 def forces_at(
@@ -114,8 +128,8 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    q, v, jacobian = state_at(system, rows, panel, t)
-    a = system.accelerations(system.shaft.driven(t), q, v, rows)
+    q, v, jacobian, motion = state_at(system, rows, panel, t)
+    a = system.accelerations(motion, q, v, rows)
     return q, v, a, multipliers(system, q, v, a, jacobian, rows, panel.split)
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import combinations
 
-import numpy as np
-
 from ..arrays import FloatArray
 from ..dynamics.assembly import partition
 from ..dynamics.multipliers import multipliers
+from ..dynamics.shaft import Driven
 from ..dynamics.system import System
 from ..errors import SimulationError
 
@@ -32,7 +31,12 @@ def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
 
 
 def pressed(
-    system: System, t: float, q: FloatArray, v: FloatArray, jacobian: FloatArray, at_rest: Closed
+    system: System,
+    motion: Driven,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    at_rest: Closed,
 ) -> Closed:
     """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
 
@@ -41,7 +45,7 @@ def pressed(
 
     Args:
         system: The system.
-        t: Time [s].
+        motion: Driven coordinates at this time, as one row.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
         jacobian: Closure Jacobian, shape (m, nv).
@@ -53,7 +57,6 @@ def pressed(
     Raises:
         SimulationError: No set satisfies the conditions.
     """
-    motion = system.shaft.driven(np.array([t]))
     for size in range(len(at_rest), -1, -1):
         for names in combinations(sorted(at_rest), size):
             rows = system.constraint_set(frozenset(names))

@@ -19,7 +19,7 @@ from .case import Resolution
 from .collocation import Arc, evaluate, nodes
 from .flight import flight_panel
 from .kinematic import kinematic_panel
-from .panel import Panel, forces_at, state_at
+from .panel import Exact, Panel, forces_at, state_at
 from .roots import first_descent, polish
 
 _SHORTEST_PANEL = 1e-12
@@ -88,16 +88,12 @@ class Advance:
     Attributes:
         segment: The motion.
         triggers: Simultaneous triggers that end it, ordered by stop; empty at the time limit.
-        q: Configuration at its end, shape (nv,).
-        v: Velocity there (left limit), shape (nv,).
-        jacobian: Closure Jacobian there, shape (m, nv).
+        end: State at its end (left limit), as one row.
     """
 
     segment: Segment
     triggers: tuple[Trigger, ...]
-    q: FloatArray
-    v: FloatArray
-    jacobian: FloatArray
+    end: Exact
 
 
 def advance(
@@ -145,14 +141,14 @@ def advance(
         triggers = _triggers(system, rows, panel, forces, open_stops)
         if triggers or t + panel.h >= t_limit:
             t_end = triggers[0].t if triggers else t_limit
-            q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t_end])))
+            exact = state_at(system, rows, panel, np.array([t_end]))
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             for trigger in triggers:
                 if trigger.kind is TriggerKind.GAP:
-                    q[system.mechanism.stop(trigger.stop).index] = 0.0
-            return Advance(segment, triggers, q, v, jacobian)
+                    exact.q[0, system.mechanism.stop(trigger.stop).index] = 0.0
+            return Advance(segment, triggers, exact)
         t = t + panel.h
-        q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t])))
+        q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t]))[:3])
         a = panel.a[-1]
         h = min(longest, advised)
 
@@ -246,8 +242,8 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
             return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
 
         def exact(t: float) -> tuple[float, float]:
-            q, v, _ = state_at(system, rows, panel, np.array([t]))
-            return float(q[0, index]), float(v[0, index])
+            state = state_at(system, rows, panel, np.array([t]))
+            return float(state.q[0, index]), float(state.v[0, index])
 
         values = grid.sample_value @ panel.q[:, index]
         return _polished(panel, first_descent(grid.samples, values, interpolant), exact)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.assembly import assemble
 from ..dynamics.impact import Impact, arrest, collide, no_impact
-from ..dynamics.shaft import ShaftMotion
+from ..dynamics.shaft import Driven, ShaftMotion
 from ..dynamics.system import System
 from ..errors import InputError, SimulationError
 from ..mechanism import Mechanism, Stop
@@ -36,6 +36,7 @@ class State:
         q: Configuration, shape (nv,).
         v: Velocity (right limit), shape (nv,).
         jacobian: Closure Jacobian, shape (m, nv).
+        motion: Driven coordinates at this time, as one row.
         closed: Closed stops.
         series: Bounces that have not come to rest yet.
     """
@@ -44,6 +45,7 @@ class State:
     q: FloatArray
     v: FloatArray
     jacobian: FloatArray
+    motion: Driven
     closed: Closed
     series: BounceSeries | None = None
 
@@ -174,8 +176,9 @@ class _Run:
             self.case.resolution,
         )
         self.segments.append(reached.segment)
+        q, v, jacobian, motion = reached.end
         state = replace(
-            state, t=reached.segment.t_end, q=reached.q, v=reached.v, jacobian=reached.jacobian
+            state, t=reached.segment.t_end, q=q[0], v=v[0], jacobian=jacobian[0], motion=motion
         )
         if not reached.triggers:
             self.state = state
@@ -258,8 +261,7 @@ class _Run:
         """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
         if self._known is None or self._known[0] is not state:
             rows = self.system.constraint_set(state.closed)
-            motion = self.system.shaft.driven(np.array([state.t]))
-            a = self.system.accelerations(motion, state.q[None], state.v[None], rows)[0]
+            a = self.system.accelerations(state.motion, state.q[None], state.v[None], rows)[0]
             self._known = (state, a)
         return self._known[1]
 
@@ -302,7 +304,7 @@ class _Run:
     def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
         if not at_rest:
             return at_rest
-        return pressed(self.system, state.t, state.q, v, state.jacobian, at_rest)
+        return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest)
 
     def _start(self) -> State:
         """The initial phase at time zero, assembled along the drives from the touch position."""
@@ -313,7 +315,7 @@ class _Run:
         # In the touch configuration all coordinates are zero: there is nothing to assemble.
         steps = 0 if travel == 0.0 else _ASSEMBLY_STEPS
         times = np.linspace(-travel / shaft.rate, 0.0, steps + 1)
-        angles, rates, _ = shaft.driven(times)
+        angles, rates, accelerations = shaft.driven(times)
         given = [*shaft.indices, *stops]
         path = np.hstack([angles, np.zeros((len(times), len(stops)))])[1:]
         end_rates = np.concatenate([rates[-1], np.zeros(len(stops))])
@@ -326,7 +328,8 @@ class _Run:
                     f"{mechanism.initial_phase}"
                 )
                 raise InputError(message, stop=stop.name, gap=float(q[stop.index]))
-        return State(0.0, q, v, jacobian, closed)
+        motion = (angles[-1:], rates[-1:], accelerations[-1:])
+        return State(0.0, q, v, jacobian, motion, closed)
 
     def _repeats(self, previous: list[Segment], current: list[Segment]) -> bool:
         """True if the turn after this one must equal this one.

@@ -95,7 +95,8 @@ class Trajectory:
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
             rows = self.system.constraint_set(segment.closed)
-            q[chosen], v[chosen], _ = state_at(self.system, rows, panel, times[chosen])
+            exact = state_at(self.system, rows, panel, times[chosen])
+            q[chosen], v[chosen] = exact.q, exact.v
         return Motion(times, self.system.shaft.angle(times), q, v)
 
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:

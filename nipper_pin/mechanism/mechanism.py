@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -203,6 +204,12 @@ class Mechanism:
     def degrees_of_freedom(self) -> int:
         """Mobility with every stop open, drives counted."""
         return len(self.joints) - 2 * len(self.closures)
+
+    @cached_property
+    def reach_m(self) -> float:
+        """Length that the round-off of a closure gap is proportional to [m]."""
+        offsets = [placement.translation for placement in self.model.jointPlacements]
+        return float(sum(np.linalg.norm(offset) for offset in offsets)) or 1.0
 
     @property
     def links(self) -> tuple[str, ...]:

@@ -72,7 +72,7 @@ def pressed_at() -> Pressed:
         system = System(mechanism, shaft)
         q, v = motion.q[0], motion.v[0] * speed / 450.0
         _, jacobian = system.body.closures(q[None])
-        return pressed(system, 0.0, q, v, jacobian[0], at_rest)
+        return pressed(system, system.shaft.driven(np.zeros(1)), q, v, jacobian[0], at_rest)
 
     return find
 
