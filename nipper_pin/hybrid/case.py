@@ -39,7 +39,7 @@ class Resolution:
     tolerance: float = 1e-12
     flight_nodes: int = 13
     kinematic_nodes: int = 16
-    panels_per_turn: int = 16
+    panels_per_turn: int = 12
     adaptive: bool = True
 
     def __post_init__(self) -> None:

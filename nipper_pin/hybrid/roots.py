@@ -58,13 +58,19 @@ def _vertex(x: FloatArray, y: FloatArray) -> tuple[float, float]:
     return float(x[1] - 0.5 * slope / curvature), float(y[1] - 0.25 * slope**2 / curvature)
 
 
-def polish(function: Callable[[float], tuple[float, float]], left: float, right: float) -> float:
+def polish(
+    function: Callable[[float], tuple[float, float]],
+    left: float,
+    right: float,
+    start: float | None = None,
+) -> float:
     """Solve function = 0 in a bracket to round-off: Newton steps, bisection where they leave it.
 
     Args:
         function: Value and derivative (an approximate one is enough); positive at the left end.
         left: Left end of the bracket.
         right: Right end; the function is not positive there.
+        start: Where to start; the right end by default.
 
     Returns:
         The root, to the round-off of the function.
@@ -72,7 +78,7 @@ def polish(function: Callable[[float], tuple[float, float]], left: float, right:
     Raises:
         ConvergenceError: No root to round-off after many steps.
     """
-    low, high, x = left, right, right
+    low, high, x = left, right, right if start is None else start
     resolution = 4.0 * np.finfo(float).eps * max(abs(left), abs(right))
     previous = np.inf
     for _ in range(_MAX_STEPS):

@@ -241,12 +241,17 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> 
         def interpolant(sigma: float) -> float:
             return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
 
+        def rough(t: float) -> tuple[float, float]:
+            q_v = np.stack([panel.q[:, index], panel.v[:, index]], axis=1)
+            gap_rate = evaluate(q_v, np.array([(t - panel.t) / h]), 0)[0]
+            return float(gap_rate[0]), float(gap_rate[1])
+
         def exact(t: float) -> tuple[float, float]:
             state = state_at(system, rows, panel, np.array([t]))
             return float(state.q[0, index]), float(state.v[0, index])
 
         values = grid.sample_value @ panel.q[:, index]
-        return _polished(panel, first_descent(grid.samples, values, interpolant), exact)
+        return _polished(panel, first_descent(grid.samples, values, interpolant), rough, exact)
     if gap > h * abs(rate) + h**2 * float(np.abs(a).max()):
         # Too far for the rate and for twice the way of any acceleration between the nodes.
         return None
@@ -295,22 +300,28 @@ def _force_root(
     def interpolant(sigma: float) -> float:
         return float(evaluate(force, np.array([sigma]), 0)[0])
 
+    def rough(t: float) -> tuple[float, float]:
+        sigma = (t - panel.t) / panel.h
+        return interpolant(sigma), float(np.interp(sigma, grid.samples, slope))
+
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
-        return float(la_N[0, column]), float(
-            np.interp((t - panel.t) / panel.h, grid.samples, slope)
-        )
+        return float(la_N[0, column]), rough(t)[1]
 
     bracket = first_descent(grid.samples, values, interpolant)
-    return _polished(panel, bracket, exact)
+    return _polished(panel, bracket, rough, exact)
 
 
 def _polished(
     panel: Panel,
     bracket: tuple[float, float] | None,
-    function: Callable[[float], tuple[float, float]],
+    *functions: Callable[[float], tuple[float, float]],
 ) -> float | None:
+    """Root in a bracket, by one function after the other: the cheap ones find the start."""
     if bracket is None:
         return None
     left, right = (panel.t + panel.h * sigma for sigma in bracket)
-    return polish(function, left, right)
+    root = right
+    for function in functions:
+        root = polish(function, left, right, root)
+    return root

@@ -23,7 +23,7 @@ from .segment import Segment, TriggerKind, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 
-_ASSEMBLY_STEPS = 24
+_ASSEMBLY_STEPS = 12
 _SAME_POSITION = 1e-9
 
 
