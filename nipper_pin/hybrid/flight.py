@@ -60,6 +60,8 @@ def flight_panel(
     tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
     times = t + h * nodes(finest).sigma
     driven = system.shaft.driven(times)
+    q_line, v_line = _lines(system, driven, h, q, v)
+    reach = np.abs(h * v) + SMALLEST
     none = np.empty((0, len(rows.stops)))
     a = start[None]
     sweeps = 0
@@ -67,21 +69,21 @@ def flight_panel(
         motion = (driven[0][::stride], driven[1][::stride], driven[2][::stride])
         a = prolonged(a, len(motion[0]))
         most = _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS
-        used, converged = _iterate(system, rows, motion, h, q, v, a, tolerance, most)
+        lines = (q_line[::stride], v_line[::stride])
+        used, converged = _iterate(system, rows, motion, lines, reach, h, a, tolerance, most)
         sweeps += used
         if stride == 1 and not converged:
             return Attempt(None, none, 0.5)
         # Two integrations divide the coefficient of degree k by about (2 k)^2.
         left_over = h**2 * tail(a) / (2.0 * len(a)) ** 2
-        scale = np.abs(h * v) + h**2 * np.abs(a).max(axis=0) + SMALLEST
+        scale = reach + h**2 * np.abs(a).max(axis=0)
         excess = float((left_over / (tolerance * scale)).max())
         if converged and excess <= 1.0:
             break
-    q_line, v_line = _lines(system, motion, h, q, v)
     moving = a * system.free
     grid = nodes(len(a))
-    q_nodes = q_line + h**2 * (grid.twice @ moving)
-    v_nodes = v_line + h * (grid.once @ moving)
+    q_nodes = lines[0] + h**2 * (grid.twice @ moving)
+    v_nodes = lines[1] + h * (grid.once @ moving)
     panel = Panel(t, h, q_nodes, v_nodes, a, split, integrated=True)
     forces = forces_at(system, rows, panel, panel.times)[3].la_N if rows.stops else none
     if not resolution.adaptive:
@@ -94,9 +96,9 @@ def _iterate(
     system: System,
     rows: ConstraintSet,
     motion: Driven,
+    lines: tuple[FloatArray, FloatArray],
+    reach: FloatArray,
     h: float,
-    q: FloatArray,
-    v: FloatArray,
     a: FloatArray,
     tolerance: float,
     most: int,
@@ -107,9 +109,9 @@ def _iterate(
         system: The system.
         rows: The phase.
         motion: Driven coordinates at the nodes.
+        lines: Positions and velocities at the nodes without acceleration, shape (N, nv).
+        reach: Travel of each coordinate at its rate at the start, shape (nv,).
         h: Length of the panel [s].
-        q: Configuration at its start, shape (nv,).
-        v: Velocity there.
         a: Accelerations at the nodes, shape (N, nv), the first one exact.
         tolerance: Relative change of the positions that ends the iteration.
         most: Largest number of sweeps.
@@ -119,8 +121,7 @@ def _iterate(
     """
     grid = nodes(len(a))
     once, twice = h * grid.once[1:], h**2 * grid.twice[1:]
-    q_line, v_line = _lines(system, motion, h, q, v)
-    q_line, v_line = q_line[1:], v_line[1:]
+    q_line, v_line = lines[0][1:], lines[1][1:]
     motion = (motion[0][1:], motion[1][1:], motion[2][1:])
     weight: FloatArray | None = None
     change = np.inf
@@ -128,7 +129,7 @@ def _iterate(
         moving = a * system.free
         new = system.accelerations(motion, q_line + twice @ moving, v_line + once @ moving, rows)
         if weight is None:
-            weight = h**2 / (np.abs(h * v) + h**2 * np.abs(new).max(axis=0) + SMALLEST)
+            weight = h**2 / (reach + h**2 * np.abs(new).max(axis=0))
         previous, change = change, float((np.abs(new - a[1:]) * weight).max())
         a[1:] = new
         if change <= tolerance:
