@@ -35,7 +35,14 @@ def record(solution: Solution) -> dict[str, Any]:
             },
         },
         "outcome": solution.outcome.value,
-        "collisions": [_collision(item, origin) for item in solution.collisions],
+        "collisions": [
+            {
+                **_collision(item, origin),
+                "time_error_s": solution.errors[item.event.number - 1].time,
+                "impulse_error": solution.errors[item.event.number - 1].impulse,
+            }
+            for item in solution.collisions
+        ],
         "phases": [
             {
                 "phase": item.number,

@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..mechanism import Mechanism
+from .accuracy import EventError, event_errors
 from .case import Case
 from .collisions import (
     Collision,
@@ -126,6 +127,11 @@ class Solution:
         """Completed bounce series of the transition stop."""
         stop = self.mechanism.transition_stop
         return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def errors(self) -> tuple[EventError, ...]:
+        """Estimated errors of the events, in their order."""
+        return event_errors(self.system, self.segments, self.events)
 
     @cached_property
     def energy(self) -> EnergyBalance:
