@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, partition
 from ..dynamics.system import ConstraintSet, System
-from ..errors import ConvergenceError, SimulationError
+from ..errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import Arc, evaluate, nodes
@@ -184,8 +184,9 @@ def _panel(
                 attempt = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
             else:
                 attempt = flight_panel(system, rows, split, t, h, q, v, a, resolution)
-        except ConvergenceError:
-            # The guess of a long panel may be too far off; a short one tells the truth.
+        except (ConvergenceError, SingularConfigurationError):
+            # The guess of a long panel may be too far off, or its iteration run away to where the
+            # loops do not close; a short one tells the truth.
             if h <= 2.0 * shortest:
                 raise
         else:
