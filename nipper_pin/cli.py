@@ -59,6 +59,9 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     _add_simulate(commands.add_parser("simulate", help="simulate a transition or whole cycles"))
     _add_check(commands.add_parser("check", help="say what a model is, and what is wrong with it"))
+    _add_benchmark(
+        commands.add_parser("benchmark", help="measure run time against error on this machine")
+    )
     return parser
 
 
@@ -149,6 +152,21 @@ def _add_check(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=_check)
 
 
+def _add_benchmark(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--quick", action="store_true", help="fewer settings and repeats: less than a minute"
+    )
+    parser.add_argument(
+        "--repeats",
+        type=int,
+        metavar="N",
+        help="runs of each setting after the first (default 30, quick 10)",
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.add_argument("--out", metavar="DIR", help="write JSON, tables and a plot into a folder")
+    parser.set_defaults(run=_benchmark)
+
+
 def _simulate(options: argparse.Namespace) -> None:
     if options.case is not None:
         mechanism, case = load_case(options.case)
@@ -189,6 +207,37 @@ def _check(options: argparse.Namespace) -> None:
         from .view.report import print_report
 
         print_report(report, Console())
+
+
+def _benchmark(options: argparse.Namespace) -> None:
+    from .study.benchmark import benchmark
+
+    if options.repeats is not None and options.repeats < 1:
+        message = f"--repeats {options.repeats}: at least 1"
+        raise InputError(message, argument=options.repeats)
+
+    def pictures(solution: Solution, folder: Path) -> object:
+        from .view.plots import plot_solution
+
+        return plot_solution(solution, folder)
+
+    def say(text: str) -> None:
+        if sys.stderr.isatty():
+            sys.stderr.write(f"{text} ...\n")
+
+    result = benchmark(quick=options.quick, repeats=options.repeats, pictures=pictures, say=say)
+    if options.out is not None:
+        from .view.benchmark_files import write_benchmark
+
+        write_benchmark(result, options.out)
+    if options.json is not None:
+        _write_json(result.record(), options.json)
+    if options.json != "-":
+        from rich.console import Console
+
+        from .view.benchmark_report import print_benchmark
+
+        print_benchmark(result, Console())
 
 
 def _mechanism(options: argparse.Namespace) -> Mechanism:

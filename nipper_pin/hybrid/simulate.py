@@ -155,7 +155,8 @@ class _Run:
             t = self.segments[-1].t_end if self.segments else self.state.t
             index = self.mechanism.cylinder.index_from_angle(float(self.system.shaft.angle(t)))
             message = f"after t = {t:.6g} s (index {index:.3f}): {error.message}"
-            raise type(error)(message, **error.evidence, t=t, index=index) from error
+            evidence = {**error.evidence, "t": t, "index": index}
+            raise type(error)(message, **evidence) from error
 
     def _step(self, t_limit: float) -> bool:
         state = self.state
