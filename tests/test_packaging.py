@@ -64,8 +64,11 @@ def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
     models = {f"nipper_pin/models/{name}" for name in under("models")}
     assert {"nipper_pin/py.typed", "nipper_pin/cli.py"} <= code
     assert {"nipper_pin/models/e62/e62.urdf", "nipper_pin/models/e62/e62.toml"} <= models
+    certified = {
+        f"nipper_pin/reference/{path.name}" for path in (ROOT / "tests/reference").glob("*.json")
+    }
     found = names(wheel)
-    assert {name for name in found if ".dist-info/" not in name} == code | models
+    assert {name for name in found if ".dist-info/" not in name} == code | models | certified
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in found)
 
 

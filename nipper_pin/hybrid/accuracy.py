@@ -58,7 +58,7 @@ def event_errors(
     """
     found: list[EventError] = []
     series: dict[str, BounceSeries] = {}
-    error = EventError(0.0, _EPS)
+    error = EventError(0.0, 16.0 * _EPS)
     place = 0
     for event in events:
         stop = system.mechanism.stop(event.stops[0])

@@ -1,0 +1,145 @@
+"""What every peer offers, and the bookkeeping that those with an event loop in Python share.
+
+The scene is one transition: from the first collision, in the touch configuration with the steeve
+on its stop, to rest of the jaw. Unless a peer says otherwise rest is the limit of the bounces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
+from typing import Protocol, cast
+
+from ...errors import SimulationError
+from ...hybrid.series import BounceSeries
+from ...mechanism import Mechanism
+
+MODULES = (
+    "rk4",
+    "scipy_ivp",
+    "sundae",
+    "paper_scheme",
+    "mujoco_shell",
+    "mujoco_native",
+    "drake_witness",
+    "exudyn_shell",
+    "pybullet_shell",
+)
+MOST_COLLISIONS = 60
+
+
+@dataclass(frozen=True)
+class Four:
+    """The four numbers that a peer is graded by, and its work.
+
+    Attributes:
+        first_rebound_time_s: From the first to the second collision [s].
+        second_rebound_time_s: From the second to the third collision [s].
+        first_amplitude: Largest jaw angle between the first two collisions [rad].
+        transition_time_s: From the first collision to rest [s].
+        evaluations: Evaluations of the equation of motion, or steps where a package does not
+            count its evaluations.
+    """
+
+    first_rebound_time_s: float
+    second_rebound_time_s: float
+    first_amplitude: float
+    transition_time_s: float
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to run a peer.
+
+    Attributes:
+        label: What tables show.
+        value: Step [s] of a fixed-step peer, relative tolerance of an adaptive one.
+        quick: Part of a quick benchmark.
+        method: Variant of the peer, where it has more than one.
+    """
+
+    label: str
+    value: float
+    quick: bool = True
+    method: str = ""
+
+
+Run = Callable[[Setting], Four]
+
+
+class Peer(Protocol):
+    """A module of this package that solves the transition with somebody else's solver."""
+
+    NAME: str
+    PACKAGE: str
+    SETTINGS: tuple[Setting, ...]
+
+    def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Run:
+        """Do everything that is done once (models, compilation); what is returned is timed."""
+        ...
+
+
+@dataclass
+class Bounces:
+    """Collisions of the jaw as an event loop finds them.
+
+    Attributes:
+        rate: Rebound rate of the first collision [rad/s].
+        closing: Relative uncertainty of the limit at which the series is closed.
+        amplitude: Largest jaw angle so far in the first rebound [rad].
+        times: Times of the collisions [s]; the first is zero.
+    """
+
+    rate: float
+    closing: float
+    amplitude: float = 0.0
+    times: list[float] = field(default_factory=list)
+    _series: BounceSeries = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Start with the first collision."""
+        self._series = BounceSeries("jaw", 0.0).bounced(0.0, self.rate)
+        self.times.append(0.0)
+
+    def add(self, t: float, rate: float) -> bool:
+        """Record a collision.
+
+        Args:
+            t: Its time [s].
+            rate: Rebound rate [rad/s].
+
+        Returns:
+            True when the limit of the series is known well enough: the transition is over.
+
+        Raises:
+            SimulationError: The bounces do not come to an end.
+        """
+        self.times.append(t)
+        self._series = self._series.bounced(t, rate)
+        if len(self.times) > MOST_COLLISIONS:
+            message = "the bounces do not come to an end; take a smaller step or tolerance"
+            raise SimulationError(message, collisions=len(self.times))
+        limit, error = self._series.limit()
+        # Both are infinite while the rates do not fall.
+        return len(self.times) > 3 and isfinite(error) and error <= self.closing * limit
+
+    def four(self, evaluations: int) -> Four:
+        """Return the numbers of a finished series."""
+        limit, _ = self._series.limit()
+        t = self.times
+        return Four(t[1], t[2] - t[1], self.amplitude, limit, evaluations)
+
+
+def available() -> Iterator[tuple[Peer, str]]:
+    """Peers whose package is installed, each with the version of that package."""
+    for name in MODULES:
+        try:
+            module = import_module(f".{name}", __package__)
+            found = version(module.PACKAGE)
+        except (ImportError, PackageNotFoundError):
+            continue
+        yield cast("Peer", module), found

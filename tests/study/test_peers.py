@@ -1,0 +1,214 @@
+"""The peers of the benchmark solve the scene that they are compared on.
+
+tests/reference holds the certified numbers; they come from a derivation in 60 digits that shares no
+code with the peers, so a wrong equation, start, impact law or bookkeeping changes the first digits.
+"""
+
+from __future__ import annotations
+
+import json
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, load, simulate
+from nipper_pin.dynamics.system import System
+from nipper_pin.errors import InputError, SimulationError
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.study.peers import Four, Setting, available
+from nipper_pin.study.peers.protocol import MOST_COLLISIONS, Bounces
+
+SPEED_RPM = 650.0
+CASES = json.loads(
+    (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
+)["cases"]
+ROOM = "nipper_pin.study.peers"
+
+# Module, the package it needs beside numba, one quick setting, and the error that docs/peers.md
+# states for it (worst of four), rounded up to a power of ten with at least a factor two to spare.
+CLAIMS = [
+    ("rk4", "numba", "100 us", 1e-8),
+    ("rk4", "numba", "20 us", 1e-11),
+    ("scipy_ivp", "scipy", "rtol 1e-9", 1e-8),
+    ("scipy_ivp", "scipy", "rtol 1e-13", 1e-12),
+    ("sundae", "sksundae", "rtol 1e-12", 1e-11),
+    ("paper_scheme", "numba", "1 us, forward Euler", 1e-2),
+    ("paper_scheme", "numba", "0.1 us, semi-implicit", 1e-3),
+    ("mujoco_shell", "mujoco", "100 us", 1e-8),
+    ("mujoco_native", "mujoco", "1 us", 1e-2),
+    ("drake_witness", "pydrake", "accuracy 1e-10", 1e-9),
+    ("exudyn_shell", "exudyn", "20 us", 1e-5),
+    ("pybullet_shell", "pybullet", "10 us", 1e-1),
+]
+
+# Packages of others warn of their own doings when they are imported.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+def _peer(name: str, needs: str) -> Any:
+    """A peer, where its package is installed."""
+    pytest.importorskip("numba")
+    pytest.importorskip(needs)
+    return import_module(f"{ROOM}.{name}")
+
+
+def _errors(four: Four, case: str = "650") -> tuple[float, ...]:
+    """Relative errors of the four numbers."""
+    first, second = CASES[case]["collisions"][:2]
+    right = (
+        first["rebound_time_s"],
+        second["rebound_time_s"],
+        first["rebound_amplitude"],
+        CASES[case]["rest_time_s"],
+    )
+    found = (
+        four.first_rebound_time_s,
+        four.second_rebound_time_s,
+        four.first_amplitude,
+        four.transition_time_s,
+    )
+    return tuple(abs(f / float(r) - 1.0) for f, r in zip(found, right, strict=True))
+
+
+@pytest.mark.parametrize(("name", "needs", "label", "claim"), CLAIMS)
+def test_a_peer_is_as_accurate_as_the_docs_say(
+    e62: Mechanism, name: str, needs: str, label: str, claim: float
+) -> None:
+    """All four numbers, within the stated error.
+
+    Not by accident: the claims are 1e-2 to 1e-12 of numbers that differ from each other by
+    factors of 5 to 20, and of each peer all four have to agree.
+    """
+    peer = _peer(name, needs)
+    setting = next(item for item in peer.SETTINGS if item.label == label)
+    assert setting.quick
+    four = peer.prepare(e62, SPEED_RPM)(setting)
+    assert max(_errors(four)) <= claim
+    assert four.evaluations > 0
+
+
+@pytest.mark.parametrize("case", [name for name in CASES if "e0.5" not in name])
+def test_the_hand_derived_equation_agrees_with_the_reference(case: str) -> None:
+    """RK4 with 10 us on the planar equation, for every speed, restitution and spring, to 1e-11.
+
+    The method's own error there is below 2e-13 (it falls as the fourth power of the step, 6e-11 at
+    50 us). Parameters come from the loaded model, so a number taken from the wrong link shows in
+    some case even where another hides it.
+    """
+    rk4 = _peer("rk4", "numba")
+    paths = {
+        "jaw_restitution": "stops.jaw.restitution",
+        "stiffness_N_per_m": "springs.steeve.stiffness_N_per_m",
+    }
+    changes = dict(CASES[case]["changes"])
+    speed = float(changes.pop("speed_rpm"))
+    model = load("e62", {paths[key]: value for key, value in changes.items()})
+    four = rk4.prepare(model, speed)(Setting("", 1e-5))
+    assert max(_errors(four, case)) <= 1e-11
+
+
+def test_the_first_rebound_rate(e62: Mechanism) -> None:
+    """The rate after the first collision is the reference's to round-off: twelve digits of one."""
+    _peer("rk4", "numba")
+    planar = import_module(f"{ROOM}.planar_model")
+    rate = planar.first_rebound_rate(planar.planar_model(e62, SPEED_RPM))
+    wanted = float(CASES["650"]["collisions"][0]["separation_rate"])
+    assert rate == pytest.approx(wanted, rel=1e-12)
+
+
+def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
+    """Jaw acceleration against Pinocchio's constrained dynamics, at states along a flight.
+
+    Round-off of the engine's forces is about 1e-12 of an acceleration of 850 rad/s2; gravity alone
+    is 1e-2 of it, the Coriolis terms more, so a missing term would show by ten orders.
+    """
+    _peer("rk4", "numba")
+    planar, bound = import_module(f"{ROOM}.planar_model"), import_module(f"{ROOM}.planar_motion")
+    equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
+    solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
+    system = System(e62, solution.shaft)
+    jaw = e62.stop("jaw").index
+    times = np.linspace(1e-4, 5e-3, 9)
+    motion = solution.trajectory.evaluate(times)
+    rows = system.constraint_set(frozenset())
+    driven = solution.shaft.driven(times)
+    wanted = system.accelerations(driven, motion.q, motion.v, rows)[:, jaw]
+    found = [
+        equation(float(t), float(q[jaw]), float(v[jaw]))
+        for t, q, v in zip(times, motion.q, motion.v, strict=True)
+    ]
+    assert np.abs(wanted).min() > 100.0
+    assert found == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "coarse", "fine", "order"), [
+    ("rk4", 1e-4, 5e-5, 4),
+    ("paper_scheme", 1e-6, 1e-7, 1),
+])  # fmt: skip
+def test_fixed_steps_have_the_order_of_their_method(
+    e62: Mechanism, name: str, coarse: float, fine: float, order: int
+) -> None:
+    """The worst error falls with the step by the order of the method, within a factor of two.
+
+    An event located to a lower order, or an error in the equation, would level it off.
+    """
+    peer = _peer(name, "numba")
+    run = peer.prepare(e62, SPEED_RPM)
+    worst = [max(_errors(run(Setting("", step, method="forward")))) for step in (coarse, fine)]
+    expected = (coarse / fine) ** order
+    assert expected / 2.0 <= worst[0] / worst[1] <= expected * 2.0
+
+
+def test_peers_say_what_they_are() -> None:
+    """Every installed peer has a name, settings from coarse to fine, and its version."""
+    pytest.importorskip("numba")
+    peers = list(available())
+    assert len(peers) >= 3
+    for peer, found in peers:
+        assert peer.NAME
+        assert callable(peer.prepare)
+        assert found == version(peer.PACKAGE)
+        assert any(setting.quick for setting in peer.SETTINGS)
+        values = [setting.value for setting in peer.SETTINGS]
+        assert values == sorted(values, reverse=True)
+        labels = [setting.label for setting in peer.SETTINGS]
+        assert len(set(labels)) == len(labels)
+    assert len({peer.NAME for peer, _ in peers}) == len(peers)
+
+
+def test_another_mechanism_is_refused() -> None:
+    """The hand-derived equation is that of one topology, and says so."""
+    _peer("rk4", "numba")
+    model = import_module(f"{ROOM}.planar_model")
+    folder = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
+    with pytest.raises(InputError, match="hand-derived"):
+        model.planar_model(load(folder), SPEED_RPM)
+
+
+def test_bounces_close_a_series_at_its_limit() -> None:
+    """A ball on the ground: flights 2 w / g with w falling by e rest at 2 w_0 / (g (1 - e)).
+
+    The limit is exact after the first two collisions, so any error of the bookkeeping shows.
+    """
+    g, e, w = 10.0, 0.5, 1.0
+    bounces = Bounces(w, 1e-12)
+    t, over, amplitude = 0.0, False, 0.5 * w * w / g
+    bounces.amplitude = amplitude
+    while not over:
+        t, w = t + 2.0 * w / g, e * w
+        over = bounces.add(t, w)
+    four = bounces.four(7)
+    assert four == Four(0.2, pytest.approx(0.1), amplitude, pytest.approx(0.4, rel=1e-12), 7)
+
+
+def test_bounces_that_do_not_end_are_an_error() -> None:
+    """Rebounds that do not get slower have no limit: the loop must not run for ever."""
+    bounces = Bounces(1.0, 1e-9)
+    for number in range(1, MOST_COLLISIONS):
+        assert not bounces.add(float(number), 1.0)
+    with pytest.raises(SimulationError, match="do not come to an end"):
+        bounces.add(float(MOST_COLLISIONS), 1.0)
