@@ -1,0 +1,16 @@
+"""The one degree of freedom that held drives leave, sampled from Pinocchio and solved compiled."""
+
+from .model import ReducedModel
+from .sampling import build, unfit
+from .transition import ReducedTransition, Status, TransitionBatch, transition, transitions
+
+__all__ = [
+    "ReducedModel",
+    "ReducedTransition",
+    "Status",
+    "TransitionBatch",
+    "build",
+    "transition",
+    "transitions",
+    "unfit",
+]

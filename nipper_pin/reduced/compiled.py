@@ -1,0 +1,45 @@
+"""The one place that says how functions are compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import TypeVar, cast
+
+import numba
+
+_Function = TypeVar("_Function", bound=Callable[..., object])
+
+
+def compiled(function: _Function) -> _Function:
+    """Compile a function to machine code at its first call, and keep that on disk.
+
+    IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
+    and in a batch.
+    """
+    wrapped = numba.njit(cache=True, error_model="numpy")(function)
+    if getattr(wrapped, "stats", None) is not None:
+        _folders.add(Path(str(wrapped.stats.cache_path)))
+    return cast("_Function", wrapped)
+
+
+_folders: set[Path] = set()
+
+
+def forget_stale(file: str) -> None:
+    """Remove machine code of a file that is older than a source file of this room.
+
+    The cache of numba compares the file of a function alone, not those of the functions that it
+    calls, whose code is part of its own.
+
+    Args:
+        file: The source file whose code includes that of others.
+    """
+    source = Path(file)
+    with suppress(OSError):
+        newest = max(other.stat().st_mtime_ns for other in source.parent.glob("*.py"))
+        for folder in _folders:
+            for kept in folder.glob(f"{source.stem}.*.nb[ic]"):
+                if kept.stat().st_mtime_ns < newest:
+                    kept.unlink(missing_ok=True)

@@ -1,0 +1,69 @@
+"""Layout of the arrays that compiled code reads and writes, and its status codes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..arrays import FloatArray
+
+# Status of a case.
+AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED = range(7)
+# Rows of the table of collisions.
+(
+    TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
+    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR, REBOUND_ERROR,
+) = range(13)  # fmt: skip
+COLUMNS = 13
+LEVELS = (4, 7, 13, 25)
+EPS = 2.220446049250313e-16
+
+# First index of the operators: from the values at the nodes (second last index) to integrals from
+# 0 and double ones at the nodes, to Chebyshev coefficients of the interpolant and of the integrals,
+# and from the grid below to the nodes of this one; the nodes themselves.
+ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, SIGMA = range(7)
+# Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
+NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE = range(7)
+SCRATCH_ROWS = 7
+# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2].
+SPEED, TRAVEL_MOST, LOW, HIGH, SCALE = range(5)
+CASE_NUMBERS = 5
+
+
+class Tables(NamedTuple):
+    """Arrays of a reduced model; see :class:`nipper_pin.reduced.model.ReducedModel`."""
+
+    equation: FloatArray
+    gaps: FloatArray
+    inertia: FloatArray
+    residual: FloatArray
+    largest: FloatArray
+    steepest_x: FloatArray
+    steepest_u: FloatArray
+    travel: float
+    low: float
+    high: float
+    approach: float
+    inertia_residual: float
+
+
+class Work(NamedTuple):
+    """Scratch arrays of one batch.
+
+    Few arrays and no views of them go through the inner functions: each would cost as much in
+    counted references as a short polynomial does in arithmetic.
+
+    Attributes:
+        case: Numbers of the case, shape (CASE_NUMBERS,).
+        mixed: Functions combined for the case, shape (cells, Nu, (3 + other stops) Nx): terms of
+            x'' without x', with it, with its square, then the gaps.
+        poly: The same as polynomials in x at the nodes, shape (N + 1, (3 + other stops) Nx); the
+            last row is for single points.
+        nodes: Shape (SCRATCH_ROWS, N + 2).
+        series: Times and rates of the bounces, and scratch, shape (3, collisions).
+    """
+
+    case: FloatArray
+    mixed: FloatArray
+    poly: FloatArray
+    nodes: FloatArray
+    series: FloatArray

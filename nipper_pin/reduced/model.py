@@ -1,0 +1,86 @@
+"""The reduced model: functions of one mechanism as tables, and what is known of their error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..arrays import FloatArray
+
+# Places of the functions of the equation of motion in a table; two for each spring follow:
+# F_k, and F_k times the coordinate of the spring.
+BY_SPEED, BY_SPEED_AND_RATE, BY_RATE, BY_GRAVITY, BY_SPRINGS = range(5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedModel:
+    """One degree of freedom x, the coordinate of the transition stop, sampled over a domain.
+
+    x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g / g0 + sum_k k (F_k p + F_k s_k), all functions of
+    (u, x): u is the travel of the cylinder from the touch configuration along its motion, w its
+    speed, u' = w > 0. Tables are tensor Chebyshev series in x on the whole domain and in u on equal
+    cells.
+
+    Attributes:
+        name: Model name of the mechanism.
+        stop: Name of the transition stop.
+        springs: Names of the springs.
+        other_stops: Names of the other stops, which have to stay open.
+        touch_angle_rad: Cylinder angle psi at u = 0 [rad].
+        sense: Sign of the rate of psi.
+        travel_rad: Largest u [rad].
+        gap_low: Least x of the tables, below zero by a margin that flights overshoot into.
+        gap_max: Largest x [rad or m].
+        equation: Coefficients of F0, F1, F2, Fg, F_k, F_k s_k,
+            shape (4 + 2 springs, cells, Nu, Nx).
+        gaps: Coefficients of the gaps of the other stops, shape (other stops, cells, Nu, Nx).
+        inertia: Coefficients of the effective inertia C at x = 0, shape (cells, Nu) [kg m^2 or kg].
+        residual: Bound on the error of each function of the equation, shape (4 + 2 springs,).
+        inertia_residual: Bound on the relative error of the inertia.
+        largest: Largest absolute value of each function, shape (4 + 2 springs,).
+        steepest_x: Largest absolute derivative of each by x.
+        steepest_u: Largest absolute derivative of each by u.
+        approach_rate: dx/du just before the first collision, negative [1 or m/rad].
+        lever: Rate of the normal gap by that of x [m/rad or 1].
+        restitution: e_N of the mechanism's file, used where a case gives none.
+        stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
+        gravity_m_s2: Gravity likewise.
+        tolerance: Relative accuracy asked of the tables.
+        samples: Points of the domain that were sampled.
+    """
+
+    name: str
+    stop: str
+    springs: tuple[str, ...]
+    other_stops: tuple[str, ...]
+    touch_angle_rad: float
+    sense: int
+    travel_rad: float
+    gap_low: float
+    gap_max: float
+    equation: FloatArray = field(repr=False, compare=False)
+    gaps: FloatArray = field(repr=False, compare=False)
+    inertia: FloatArray = field(repr=False, compare=False)
+    residual: FloatArray = field(repr=False, compare=False)
+    inertia_residual: float
+    largest: FloatArray = field(repr=False, compare=False)
+    steepest_x: FloatArray = field(repr=False, compare=False)
+    steepest_u: FloatArray = field(repr=False, compare=False)
+    approach_rate: float
+    lever: float
+    restitution: float
+    stiffness: FloatArray = field(repr=False, compare=False)
+    preload: FloatArray = field(repr=False, compare=False)
+    gravity_m_s2: float
+    tolerance: float
+    samples: int
+
+    @property
+    def cells(self) -> int:
+        """Number of cells along the travel."""
+        return int(self.equation.shape[1])
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """Coefficients along the travel in each cell, and along x."""
+        return int(self.equation.shape[2]), int(self.equation.shape[3])

@@ -1,0 +1,235 @@
+"""From a mechanism to its reduced model: the domain, the degrees and the error of the tables."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import Partition, assemble, partition
+from ..dynamics.shaft import ShaftMotion
+from ..dynamics.system import DriveMode, System
+from ..errors import InputError
+from ..mechanism import Mechanism
+from ..mechanism.cylinder import rad_s_from_rpm
+from . import series2d
+from .functions import Sampler
+from .model import (
+    BY_GRAVITY,
+    BY_RATE,
+    BY_SPEED,
+    BY_SPEED_AND_RATE,
+    BY_SPRINGS,
+    ReducedModel,
+)
+from .tables import Domain, residuals, resolved
+
+# Part of the range of x below zero; flights are solved a little beyond their end.
+_MARGIN = 1.0 / 16.0
+# Cases that the gap of the domain has to hold if it is not given: multiples of the rated speed,
+# restitution, and a factor for flights higher than ballistic ones.
+_FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
+# Least part of x'' that the preload of a spring is taken to have.
+_LEAST_SHARE = 0.01
+
+
+def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str | None:
+    """Say why a mechanism cannot be reduced to one degree of freedom.
+
+    Args:
+        mechanism: The mechanism.
+        drive: Behaviour of the driven shafts.
+
+    Returns:
+        One sentence, or None if it can be.
+    """
+    if drive != DriveMode.HELD:
+        return "the reduced engine needs held drives: inertial shafts move on their own"
+    free = mechanism.degrees_of_freedom - len(mechanism.drives)
+    if free != 1:
+        return f"the reduced engine needs one degree of freedom in flight, and {free} are left"
+    driven = {item.index for item in mechanism.drives}
+    column = mechanism.stop(mechanism.transition_stop).index
+    if column in driven:
+        return f"stop {mechanism.transition_stop!r} is on a driven coordinate: it cannot bounce"
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    if mechanism.transition_stop in closed:
+        return f"stop {mechanism.transition_stop!r} is closed in the initial phase"
+    if free != len(closed):
+        return "the initial phase leaves a freedom: its velocity does not follow from the drives"
+    return None
+
+
+def build(
+    mechanism: Mechanism,
+    *,
+    travel_rad: float = math.radians(95.0),
+    gap_max: float | None = None,
+    tolerance: float = 1e-11,
+    drive: DriveMode | str = DriveMode.HELD,
+) -> ReducedModel:
+    """Sample the reduced model of a mechanism.
+
+    The degrees grow (cells along u, degree along x) until the last coefficients of every function
+    are below the tolerance or show only round-off. The error of a function is bounded by twice the
+    largest difference from Pinocchio at random points off the grid, plus round-off.
+
+    Error of a case, as the kernel propagates it: an error of x'' of at most
+
+        eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg g / g0 + sum_k k (r_k |p| + r_ks) + solver's
+
+    (r the residuals) and errors dt, dw of time and rate at the start of a flight of length T that
+    ends with rate v and acceleration a change, by Gronwall's lemma with
+    K = exp(Lv T + Lx T^2 / 2), e = eps + Lt dt and rho = a T / v (2 for a ballistic flight),
+
+        |dT|  <= K (dw T + e T^2 / 2) / |v|,
+        |dv|  <= (|1 - rho| + (K - 1) (1 + |rho|)) dw + K e T int_0^1 |1 - rho s| ds,
+
+    Lv, Lx, Lt being Lipschitz constants of x'' by rate, coordinate and time from the largest
+    values and derivatives of the tables. Times add up; the restitution scales dv to the next dw.
+
+    Args:
+        mechanism: The mechanism.
+        travel_rad: Travel of the cylinder from the touch configuration that the domain covers.
+        gap_max: Largest coordinate of the transition stop [rad or m]; by default enough for
+            restitution 0.5 at one and a half times the rated speed.
+        tolerance: Relative accuracy of the tables.
+        drive: Behaviour of the driven shafts; only held ones can be reduced.
+
+    Returns:
+        The model.
+
+    Raises:
+        InputError: The mechanism or the domain cannot be reduced.
+        SimulationError: A point of the domain cannot be reached or is singular.
+    """
+    reason = unfit(mechanism, drive)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}; use the direct engine"
+        raise InputError(message, model=mechanism.name, drive=str(drive))
+    _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
+    _check(1e-13 <= tolerance <= 1e-3, "tolerance", tolerance, "1e-13 to 1e-3")
+    if gap_max is not None:
+        _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
+    shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
+    system = System(mechanism, shaft)
+    stop = mechanism.stop(mechanism.transition_stop)
+    others = tuple(item for item in mechanism.stops if item.name != stop.name)
+    split = _split(system, stop.index, stop.name)
+    sampler = Sampler(system, split, stop.index, tuple(item.index for item in others))
+    rate = _approach_rate(system, stop.index, stop.name)
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    for other, opening in zip(others, sampler.opening_rates(), strict=True):
+        if other.name in closed and opening <= 0.0:
+            message = (
+                f"{mechanism.name}: stop {other.name!r} does not open when {stop.name!r} rebounds; "
+                "use the direct engine"
+            )
+            raise InputError(message, stop=other.name, opening_rate=float(opening))
+    weights, room = _nominal(mechanism, sampler, rate)
+    gap_max = room if gap_max is None else gap_max
+    if not gap_max > 0.0:
+        message = (
+            f"{mechanism.name}: stop {stop.name!r} is not pressed shut after its first collision "
+            f"at {_FAST:g} times the rated speed; give gap_max"
+        )
+        raise InputError(message, stop=stop.name)
+    domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
+    tables, samples = resolved(sampler, domain, weights, tolerance)
+    count_u, count_x = series2d.needed(tables.equation, weights, 0.1 * tolerance)
+    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
+    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
+    residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
+    width = travel_rad / equation.shape[1]
+    largest, steep_u, steep_x = series2d.largest(equation)
+    return ReducedModel(
+        name=mechanism.name,
+        stop=stop.name,
+        springs=tuple(spring.name for spring in mechanism.springs),
+        other_stops=tuple(item.name for item in others),
+        touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
+        sense=mechanism.cylinder.sense,
+        travel_rad=travel_rad,
+        gap_low=domain.low,
+        gap_max=gap_max,
+        equation=equation,
+        gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
+        inertia=inertia,
+        residual=residual,
+        inertia_residual=inertia_residual,
+        largest=largest,
+        steepest_x=2.0 / (domain.high - domain.low) * steep_x,
+        steepest_u=2.0 / width * steep_u,
+        approach_rate=rate,
+        lever=stop.lever,
+        restitution=stop.restitution,
+        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
+        preload=np.array([spring.preload for spring in mechanism.springs]),
+        gravity_m_s2=mechanism.gravity_m_s2,
+        tolerance=tolerance,
+        samples=samples,
+    )
+
+
+def _check(right: bool, key: str, value: float, allowed: str) -> None:
+    if not right:
+        message = f"reduced model: {key} = {value!r} cannot be used: {allowed}"
+        raise InputError(message, key=key, value=value, allowed=allowed)
+
+
+def _split(system: System, column: int, name: str) -> Partition:
+    """Dependent coordinates with the transition stop independent."""
+    driven = [int(index) for index in system.driven]
+    _, jacobian = system.body.closures(np.zeros((1, system.body.nv)))
+    split = partition(jacobian[0], driven, [column])
+    if column in split.dependent:
+        message = f"stop {name!r} cannot move freely in the touch configuration"
+        raise InputError(message, stop=name)
+    return split
+
+
+def _approach_rate(system: System, column: int, name: str) -> float:
+    """Rate dx/du of the initial phase in the touch configuration."""
+    mechanism = system.mechanism
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    stops = [stop.index for stop in mechanism.stops if stop.name in closed]
+    _, rates, _ = system.shaft.driven(np.zeros(1))
+    given = [*system.shaft.indices, *stops]
+    all_rates = np.concatenate([rates[0], np.zeros(len(stops))])
+    _, v, _ = assemble(system.body, np.zeros((0, len(given))), given, all_rates)
+    rate = float(v[column])
+    if rate >= 0.0:
+        message = (
+            f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g} by the "
+            "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
+        )
+        raise InputError(message, stop=name, rate=rate)
+    return rate
+
+
+def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[FloatArray, float]:
+    """Weights of the functions in x'' by the size of x'', and the gap of a lively rebound.
+
+    Returns:
+        Weights, shape (4 + 2 springs,), and the gap; not above zero if no stop is pressed shut.
+    """
+    touch = sampler.at(np.zeros(1), np.zeros(1), np.zeros((1, len(mechanism.joints))))
+    speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
+    w = -_LIVELY * rate * speed
+    weights = np.zeros(len(touch.equation))
+    weights[BY_SPEED], weights[BY_SPEED_AND_RATE] = speed**2, speed * w
+    weights[BY_RATE], weights[BY_GRAVITY] = w**2, 1.0
+    for number, spring in enumerate(mechanism.springs):
+        place = BY_SPRINGS + 2 * number
+        weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
+    terms = weights * touch.equation[:, 0]
+    a = float(terms.sum())
+    gap = 0.0 if a >= 0.0 else _ROOM * 0.5 * w**2 / -a
+    weights = np.abs(weights) / max(float(np.abs(terms).sum()), np.finfo(float).tiny)
+    # A spring that is slack in the file may be preloaded in a case.
+    for place in range(BY_SPRINGS, len(weights), 2):
+        unit = abs(float(touch.equation[place, 0]))
+        if unit > 0.0:
+            weights[place] = max(weights[place], _LEAST_SHARE / unit)
+    return weights, gap

@@ -1,0 +1,148 @@
+"""The sampled functions against Pinocchio's constrained dynamics, which knows no null direction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev
+
+from nipper_pin import Case, InputError, SimulationError, load, simulate
+from nipper_pin.arrays import FloatArray
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import DriveMode, System
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.reduced import ReducedModel, build, transition, unfit
+
+MODELS = Path(__file__).parents[1] / "verification" / "models"
+
+
+def functions(model: ReducedModel, u: float, x: float) -> FloatArray:
+    """F0, F1, F2, Fg, F_k and F_k s_k by numpy's own evaluation of Chebyshev series."""
+    width = model.travel_rad / model.cells
+    cell = min(int(u / width), model.cells - 1)
+    place = 2.0 * (u - cell * width) / width - 1.0
+    across = (2.0 * x - model.gap_low - model.gap_max) / (model.gap_max - model.gap_low)
+    return np.array([chebyshev.chebval2d(place, across, table[cell]) for table in model.equation])
+
+
+@pytest.mark.parametrize("speed", [30.0, 47.0, 68.0])
+def test_acceleration_of_a_flight(model: ReducedModel, e62: Mechanism, speed: float) -> None:
+    """x'' of the tables is that of constrained dynamics at states of a real motion.
+
+    The states come from a simulated transition, so psi, x and x' vary together, and the reference
+    solves the whole system with closures; a wrong sign of any function shows at one of the speeds.
+    The tables promise 1e-11 of x''.
+    """
+    solution = simulate(e62, Case(speed_rpm=speed * 30.0 / np.pi))
+    times = np.linspace(0.0, 0.98 * solution.transitions[0].duration, 25)
+    motion = solution.trajectory.evaluate(times)
+    system = System(e62, ShaftMotion(e62, speed, e62.cylinder.angle_at_touch_rad))
+    a = system.accelerations(
+        system.shaft.driven(times), motion.q, motion.v, system.constraint_set(frozenset())
+    )
+    jaw = e62.stop("jaw").index
+    for row, t in enumerate(times):
+        x, v = motion.q[row, jaw], motion.v[row, jaw]
+        f0, f1, f2, fg, unit, moved = functions(model, speed * t, x)
+        found = f0 * speed**2 + f1 * speed * v + f2 * v**2 + fg
+        found += model.stiffness[0] * (unit * model.preload[0] + moved)
+        assert found == pytest.approx(a[row, jaw], rel=2e-11)
+
+
+def test_stated_residual(model: ReducedModel, e62: Mechanism) -> None:
+    """Off the grid no function errs by more than is stated, at points that the build has not seen.
+
+    Points of a finer model are the truth: its tables have other nodes, and twice the degrees.
+    """
+    fine = build(e62, tolerance=1e-13, gap_max=1.01 * model.gap_max, travel_rad=1.7)
+    random = np.random.default_rng(11)
+    for u, x in zip(
+        random.uniform(0.0, model.travel_rad, 200),
+        random.uniform(model.gap_low, model.gap_max, 200),
+        strict=True,
+    ):
+        error = np.abs(functions(model, u, x) - functions(fine, u, x))
+        assert (error <= model.residual + fine.residual).all()
+    # The bound says something: below the part of x'' that the tables are asked for.
+    weights = np.array([68.0**2, 68.0 * 4.0, 4.0**2, 1.0, 9000.0 * 0.011, 9000.0])
+    assert (model.residual * weights < 1e-8).all()
+
+
+def test_spring_force_is_the_slope_of_its_stroke(model: ReducedModel) -> None:
+    """C F_k = -ds/dx: the generalised force of a spring is minus the slope of its potential.
+
+    F_k and C come from inverse dynamics, the stroke s from closing the loops, and the slope is the
+    exact derivative of its series, so the functions share nothing but the mechanism.
+    """
+    span = model.gap_max - model.gap_low
+    across = -(model.gap_low + model.gap_max) / span
+    for cell in range(model.cells):
+        for place in (-0.9, 0.1, 0.8):
+            slope = chebyshev.chebder(model.gaps[0, cell], axis=1)
+            slope_x = 2.0 / span * chebyshev.chebval2d(place, across, slope)
+            inertia = chebyshev.chebval(place, model.inertia[cell])
+            force = chebyshev.chebval2d(place, across, model.equation[4, cell])
+            # A derivative of a series of degree n loses up to n^2 of its accuracy of 1e-11.
+            assert force * inertia == pytest.approx(-slope_x, rel=1e-9)
+
+
+def test_bouncing_mass() -> None:
+    """A mass on a table that rises steadily: w_n = e^n w_0, T_n = 2 w_n / g, A_n = w_n^2 / (2 g).
+
+    With constant gravity the closed form holds for every bounce, and rest comes at the sum of the
+    series, 2 e w_0 / (g (1 - e)). Another gravity and restitution than the file's are asked for.
+    """
+    model = build(load(MODELS / "bouncing_mass"), travel_rad=3.0)
+    w0, e, g = 1.5, 0.4, 12.0
+    found = transition(model, speed_rpm=60.0, restitution=e, gravity=g, tolerance=1e-12)
+    w = w0 * e ** np.arange(1, found.collisions + 1)
+    np.testing.assert_allclose(found.separation_rate, w, rtol=1e-12)
+    np.testing.assert_allclose(found.rebound_time, 2.0 * w / g, rtol=1e-12)
+    np.testing.assert_allclose(found.rebound_amplitude, w**2 / (2.0 * g), rtol=1e-12)
+    assert found.duration == pytest.approx(2.0 * e * w0 / (g * (1.0 - e)), rel=1e-12)
+
+
+def test_same_model_every_time(model: ReducedModel, e62: Mechanism) -> None:
+    """Building twice gives the same bits."""
+    again = build(e62)
+    for name in ("equation", "gaps", "inertia", "residual"):
+        assert np.array_equal(getattr(again, name), getattr(model, name))
+
+
+def test_unfit_mechanisms(e62: Mechanism) -> None:
+    """What cannot be reduced is refused with its reason."""
+    assert unfit(e62) is None
+    with pytest.raises(InputError, match="held drives"):
+        build(e62, drive=DriveMode.INERTIAL)
+    driven = load(MODELS / "four_bar")
+    assert "one degree of freedom" in str(unfit(driven))
+    with pytest.raises(InputError, match="direct engine"):
+        build(driven)
+    with pytest.raises(InputError, match="travel_rad"):
+        build(e62, travel_rad=7.0)
+    with pytest.raises(InputError, match="gap_max"):
+        build(e62, gap_max=-0.1)
+
+
+def test_other_stop_closes(model: ReducedModel) -> None:
+    """A steeve that would meet its stop ends the transition: the reduced model has no such event.
+
+    A stop moved by 1 mm is met by the rebound, a stop moved away is not.
+    """
+    moved = model.gaps.copy()
+    moved[..., 0, 0] -= 1e-3
+    with pytest.raises(SimulationError, match="another stop") as caught:
+        transition(replace(model, gaps=moved), speed_rpm=650.0)
+    assert caught.value.evidence["status"] == "OTHER_STOP"
+    moved[..., 0, 0] += 2e-3
+    assert transition(replace(model, gaps=moved), speed_rpm=650.0).collisions > 5
+
+
+def test_not_pressed_shut(model: ReducedModel) -> None:
+    """A spring that pulls lifts the jaw off: there is no rest."""
+    with pytest.raises(SimulationError, match="not pressed") as caught:
+        transition(model, speed_rpm=300.0, restitution=0.0, preload=-0.05)
+    assert caught.value.evidence["status"] == "NOT_PRESSED"
