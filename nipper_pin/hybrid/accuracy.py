@@ -59,11 +59,12 @@ def event_errors(
     found: list[EventError] = []
     series: dict[str, BounceSeries] = {}
     error = EventError(0.0, 16.0 * _EPS)
+    left_over: dict[tuple[int, int], tuple[float, float]] = {}
     place = 0
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
         while place < len(segments) and segments[place].t_end <= event.t:
-            error = _carried(system, segments[place], stop.index, error)
+            error = _carried(system, segments[place], stop.index, error, left_over)
             place += 1
         stated = error
         if event.kind is EventKind.REST and stop.name in series:
@@ -77,8 +78,14 @@ def event_errors(
     return tuple(found)
 
 
-def _carried(system: System, segment: Segment, index: int, before: EventError) -> EventError:
-    """Errors at the end of a segment from those at its start."""
+def _carried(
+    system: System,
+    segment: Segment,
+    index: int,
+    before: EventError,
+    left_over: dict[tuple[int, int], tuple[float, float]],
+) -> EventError:
+    """Errors at the end of a segment from those at its start; copies of a turn share theirs."""
     length = segment.t_end - segment.t_start
     if length <= 0.0:
         return before
@@ -94,7 +101,10 @@ def _carried(system: System, segment: Segment, index: int, before: EventError) -
         return EventError(shift, 16.0 * _EPS + a * shift / rate)
     eps = eta = 0.0
     for panel in segment.panels:
-        gap, slope = _left_over(system, rows, panel, index)
+        key = (id(panel.q), index)
+        if key not in left_over:
+            left_over[key] = _left_over(system, rows, panel, index)
+        gap, slope = left_over[key]
         eps += gap
         eta += slope
     shift = eps / rate + clock

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -94,12 +95,11 @@ def collision_table(
 ) -> tuple[Collision, ...]:
     """Collisions of a run, in order of time."""
     impacts = [event for event in events if event.kind is EventKind.COLLISION]
+    rebounds = _Rebounds(system, segments, events, resolution)
     table = []
     for number, event in enumerate(impacts, start=1):
         stop = system.mechanism.stop(event.stops[0])
-        amplitude, duration = _rebound(
-            system, segments, events, event, stop.name, stop.index, resolution
-        )
+        amplitude, duration = rebounds.after(event, stop.name, stop.index)
         psi = float(system.shaft.angle(event.t))
         table.append(
             Collision(
@@ -164,31 +164,51 @@ def _interval(system: System, closed: frozenset[str], start: float, end: float) 
     return PhaseInterval(None if phase is None else phase.number, closed, start, end)
 
 
-def _rebound(
-    system: System,
-    segments: Sequence[Segment],
-    events: Sequence[Event],
-    event: Event,
-    name: str,
-    index: int,
-    resolution: Resolution,
-) -> tuple[float | None, float | None]:
-    """Amplitude and time of the rebound after a collision."""
-    rate = float(event.v_after[index])
-    if rate <= 0.0:
-        return 0.0, 0.0
-    later = events[event.number :]
-    following = next((other for other in later if name in other.P_N), None)
-    if following is None:
-        return None, None
-    if following.kind is EventKind.REST and np.array_equal(following.q, event.q):
-        return _last_rebound(system, event, name, index, resolution)
-    highest = 0.0
-    for segment in segments:
-        if segment.t_start >= event.t and segment.t_end <= following.t:
-            for panel, begin, end in pieces(segment):
-                highest = max(highest, _highest(panel, begin, end, index))
-    return highest, following.t - event.t
+class _Rebounds:
+    """Amplitudes and times of rebounds; those of copied turns, which share arrays, only once."""
+
+    def __init__(
+        self,
+        system: System,
+        segments: Sequence[Segment],
+        events: Sequence[Event],
+        resolution: Resolution,
+    ) -> None:
+        self._system, self._resolution = system, resolution
+        self._segments, self._events = segments, events
+        self._starts = [segment.t_start for segment in segments]
+        self._known: dict[tuple[int, str], tuple[float | None, float | None]] = {}
+
+    def after(self, event: Event, name: str, index: int) -> tuple[float | None, float | None]:
+        """Amplitude and time of the rebound of a stop after a collision."""
+        if event.v_after[index] <= 0.0:
+            return 0.0, 0.0
+        following = None
+        for place in range(event.number, len(self._events)):
+            if name in self._events[place].P_N:
+                following = self._events[place]
+                break
+        if following is None:
+            return None, None
+        key = (id(event.q), name)
+        if key not in self._known:
+            last = following.kind is EventKind.REST and np.array_equal(following.q, event.q)
+            self._known[key] = (
+                _last_rebound(self._system, event, name, index, self._resolution)
+                if last
+                else (self._highest(event.t, following.t, index), following.t - event.t)
+            )
+        return self._known[key]
+
+    def _highest(self, begin: float, end: float, index: int) -> float:
+        highest = 0.0
+        for place in range(bisect_left(self._starts, begin), len(self._segments)):
+            segment = self._segments[place]
+            if segment.t_end > end:
+                break
+            for panel, t_start, t_end in pieces(segment):
+                highest = max(highest, _highest(panel, t_start, t_end, index))
+        return highest
 
 
 def _last_rebound(

@@ -62,10 +62,17 @@ def save(solution: Solution, path: str | Path) -> Path:
     arrays: dict[str, FloatArray] = {}
     places: dict[int, int] = {}
     segments = [_segment_record(segment, arrays, places) for segment in solution.segments]
-    events = [_event_record(event) for event in solution.events]
-    arrays["events"] = np.array(
-        [[event.q, event.v_before, event.v_after] for event in solution.events]
-    )
+    states: dict[tuple[int, int, int], int] = {}
+    rows: list[list[FloatArray]] = []
+    events = []
+    for event in solution.events:
+        # Copies of a turn share their arrays here, too.
+        key = (id(event.q), id(event.v_before), id(event.v_after))
+        if key not in states:
+            states[key] = len(rows)
+            rows.append([event.q, event.v_before, event.v_after])
+        events.append({**_event_record(event), "state": states[key]})
+    arrays["events"] = np.array(rows)
     document = {
         **_setting(solution.mechanism, solution.case),
         "shaft": {
@@ -237,7 +244,12 @@ def _solution(document: dict[str, Any], stored: Any) -> Solution:
             )
         )
     events = []
-    for record, (q, v_before, v_after) in zip(document["events"], stored["events"], strict=True):
+    states = [tuple(row) for row in stored["events"]]
+    if {record["state"] for record in document["events"]} != set(range(len(states))):
+        message = "the events do not belong to the stored states"
+        raise ValueError(message)
+    for record in document["events"]:
+        q, v_before, v_after = states[record["state"]]
         events.append(
             Event(
                 number=record["number"],

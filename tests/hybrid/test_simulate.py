@@ -285,3 +285,18 @@ def test_slow_inertial_shafts_shorten_the_panels(e62: Mechanism) -> None:
     solution = simulate(e62, case)
     assert solution.outcome is Outcome.COMPLETED
     assert solution.checks.energy_balance < 1e-9
+
+
+def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
+    """Guards against: every rebound searched all segments, so 10,000 turns never ended.
+
+    Copies of a turn share their arrays. The dynamics is evaluated for the tables of one turn, and
+    no more for those of 2,000: the evaluations of the solution's own system are counted.
+    """
+    counts = []
+    for cycles in (2, 2000):
+        solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE, cycles=cycles))
+        assert len(solution.collisions) % cycles == 0
+        assert len(solution.errors) == len(solution.events)
+        counts.append(solution.system.body.evaluations)
+    assert counts[0] == counts[1]
