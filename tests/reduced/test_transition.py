@@ -93,6 +93,28 @@ def test_stated_bound(
     assert worst <= found.error_bound
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+def test_stated_bound_is_not_empty(
+    model: ReducedModel, reference: dict[str, Any], tolerance: float
+) -> None:
+    """Over the certified cases the median bound is within 1e4 times the true worst of four.
+
+    A single true error may be small by luck; half of eight independent ones are not.
+    """
+    ratios = []
+    for name in CASES:
+        case = reference[name]
+        rows = case["collisions"]
+        found = transition(model, **arguments(case), tolerance=tolerance)
+        worst = max(
+            abs(found.duration / float(case["rest_time_s"]) - 1.0),
+            abs(found.rebound_amplitude[0] / float(rows[0]["rebound_amplitude"]) - 1.0),
+            *(abs(found.rebound_time[i] / float(rows[i]["rebound_time_s"]) - 1.0) for i in (0, 1)),
+        )
+        ratios.append(found.error_bound / max(worst, 4e-16))
+    assert np.median(ratios) < 1e4
+
+
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
 def test_stated_bound_on_random_parameters(
     model: ReducedModel, e62: Mechanism, tolerance: float
@@ -100,7 +122,7 @@ def test_stated_bound_on_random_parameters(
     """In 500 random cases no error exceeds its bound, from the tightest to the loosest tolerance.
 
     The truth is another, finer table solved to 1e-13: its own bounds, added here, are far below.
-    The bounds are not empty: for 9 of 10 cases the worst of four is within 1e4 times its error.
+    The bounds are not empty: for 19 of 20 cases the worst of four is within 1e4 times its error.
     The others have flights that a grid resolves far better than its last coefficients show; a
     single quantity, whose error may cross zero, is right by luck more often than all four.
     """
@@ -140,7 +162,7 @@ def test_stated_bound_on_random_parameters(
     # Round-off is the least error that can be told apart from luck.
     ratio = found.error_bound[rest] / np.maximum(worst, 4e-16)
     assert ratio.min() >= 1.0
-    assert np.quantile(ratio, 0.9) < 1e4
+    assert np.quantile(ratio, 0.95) < 1e4
 
 
 def test_direct_engine_on_random_parameters(model: ReducedModel) -> None:
