@@ -3,6 +3,8 @@
 This module is the one public door; everything else may move.
 """
 
+from typing import TYPE_CHECKING
+
 from .dynamics.system import DriveMode
 from .errors import (
     AssemblyError,
@@ -21,11 +23,29 @@ from .hybrid.event import Event, EventKind
 from .hybrid.record import record
 from .hybrid.simulate import simulate
 from .hybrid.solution import Outcome, Solution
-from .hybrid.storage import load_case, load_solution, save, save_case
 from .hybrid.trajectory import Motion, Reactions
 from .mechanism import Mechanism, load
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .hybrid.storage import load_case, load_solution, save, save_case
+else:
+    # Archives and JSON are a tenth of the time of the import, and most runs write no file. Type
+    # checkers read the line above instead: with this function they would accept any name.
+    def __getattr__(name: str) -> object:
+        """Import what reads and writes files when it is first asked for (PEP 562)."""
+        if name in ("load_case", "load_solution", "save", "save_case"):
+            from .hybrid import storage
+
+            return getattr(storage, name)
+        message = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(message)
+
+    def __dir__() -> list[str]:
+        """Names that are there already, and those that come when they are asked for."""
+        return sorted({*globals(), *__all__})
+
 
 __all__ = [
     "AssemblyError",

@@ -13,6 +13,8 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+import nipper_pin
+
 ROOT = Path(__file__).resolve().parent.parent
 LOCK = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
 PINNED = {
@@ -70,6 +72,29 @@ def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
     found = names(wheel)
     assert {name for name in found if ".dist-info/" not in name} == code | models | certified
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in found)
+
+
+def test_wheel_carries_the_version_of_the_package(wheel):
+    """Whichever of the two files is edited alone, this says so."""
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [item for item in archive.namelist() if item.endswith(".dist-info/METADATA")]
+        lines = archive.read(name).decode().splitlines()
+    assert f"Version: {nipper_pin.__version__}" in lines
+
+
+def test_every_public_name_is_at_the_door():
+    """Names that come only when asked for are listed and given like all others, and no more."""
+    assert len(set(nipper_pin.__all__)) == len(nipper_pin.__all__)
+    assert set(nipper_pin.__all__) <= set(dir(nipper_pin))
+    for name in nipper_pin.__all__:
+        assert getattr(nipper_pin, name).__name__ == name
+    star = {}
+    exec("from nipper_pin import *", star)
+    assert set(nipper_pin.__all__) <= star.keys()
+    with pytest.raises(AttributeError, match="nothing_of_this_name"):
+        _ = nipper_pin.nothing_of_this_name
+    with pytest.raises(ImportError, match="nothing_of_this_name"):
+        from nipper_pin import nothing_of_this_name  # noqa: F401
 
 
 def test_wheel_built_from_the_sdist_is_the_same(wheel, tmp_path):

@@ -1,15 +1,13 @@
 """Model files to one immutable, validated mechanism."""
 
-from .build import collision_model
-from .contact import TOUCH_TOLERANCE_M
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 from .load import find_model, from_sources, known_models, load
 from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Stop
+from .shapes import collision_model
 
 __all__ = [
     "INDEX_PER_TURN",
-    "TOUCH_TOLERANCE_M",
     "Closure",
     "ConstantSpeed",
     "Contact",

@@ -94,22 +94,6 @@ def build_mechanism(
     )
 
 
-def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, tuple[str, ...]]]:
-    """Collision shapes of a mechanism, for checks of clearance.
-
-    Args:
-        mechanism: The mechanism.
-
-    Returns:
-        Geometry model without any collision pairs, its objects named like the collision elements
-        of the URDF, and these names by link.
-    """
-    file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
-    urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)
-    geometry = collision_geometry(mechanism.model, mechanism.urdf, urdf, folder, file)
-    return geometry, dict(urdf.shapes)
-
-
 def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:
     """Look a tree joint up."""
     if name not in joints:

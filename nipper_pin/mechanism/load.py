@@ -1,18 +1,17 @@
-"""From model files to a validated mechanism."""
+"""From model files to a validated mechanism.
+
+Parsers and schemas are imported by the functions that read a model: together they take as long as
+a load itself, and whoever only imports the package should not wait for them.
+"""
 
 from __future__ import annotations
 
 import copy
-import tomllib
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 
 from ..errors import ModelError, UnknownNameError
-from .build import build_mechanism
-from .laws import inline_tables
 from .mechanism import Mechanism
-from .overrides import apply_overrides
 
 
 def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = None) -> Mechanism:
@@ -31,6 +30,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
         UnknownNameError: The model, or a name in it or in an override, does not exist.
         ModelError: A value in a file or override cannot be used.
     """
+    import tomllib
+
+    from .build import build_mechanism
+    from .laws import inline_tables
+    from .overrides import apply_overrides
+
     folder = find_model(model)
     name = folder.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
@@ -62,6 +67,9 @@ def from_sources(
         UnknownNameError: A name in the data does not exist.
         ModelError: A value in the data cannot be used.
     """
+    from .build import build_mechanism
+    from .laws import inline_tables
+
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
     return build_mechanism(name, urdf, data, folder)
@@ -69,7 +77,7 @@ def from_sources(
 
 def known_models() -> dict[str, Path]:
     """Folders of the models that come with the package, by name."""
-    package = Path(str(resources.files(__package__.partition(".")[0])))
+    package = Path(__file__).resolve().parent.parent
     # Packaged, the models lie inside the package; in a source checkout they lie beside it.
     for home in (package / "models", package.parent / "models"):
         if home.is_dir():
