@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
@@ -27,6 +29,11 @@ class Partition:
 
     dependent: tuple[int, ...]
     independent: tuple[int, ...]
+
+    @cached_property
+    def columns(self) -> NDArray[np.intp]:
+        """The dependent coordinates as an index array."""
+        return np.array(self.dependent, dtype=np.intp)
 
     @classmethod
     def of(cls, dependent: Sequence[int], size: int) -> Partition:
@@ -56,14 +63,14 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
     for column in preferred:
         rest = [other for other in candidates if other != column]
         if column in candidates and len(rest) >= rows:
-            found = _condition(jacobian[:, rest])
+            found = condition_number(jacobian[:, rest])
             if found < MAX_CONDITION:
                 candidates, condition = rest, found
     if len(candidates) > rows:
         candidates = _pivot(jacobian, candidates)
         condition = np.inf
     if condition == np.inf and len(candidates) == rows:
-        condition = _condition(jacobian[:, candidates])
+        condition = condition_number(jacobian[:, candidates])
     if not condition < MAX_CONDITION:
         message = (
             f"the closures do not determine the mechanism here (condition {condition:.2g}): it "
@@ -73,10 +80,16 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
     return Partition.of(candidates, size)
 
 
-def _condition(matrix: FloatArray) -> float:
-    """Condition number in the 1-norm; infinite for a singular matrix."""
+def condition_number(matrix: FloatArray) -> float:
+    """Condition number of a matrix without more rows than columns; infinite if it loses rank.
+
+    In the 1-norm for a square one, which is what nearly all are; in the 2-norm otherwise.
+    """
     if not matrix.size:
         return 1.0
+    if len(matrix) < matrix.shape[1]:
+        sizes = np.linalg.svd(matrix, compute_uv=False)
+        return float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else np.inf
     try:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
@@ -118,19 +131,19 @@ def close_positions(
         SingularConfigurationError: A dependent block is singular.
     """
     q = q.copy()
-    dependent = list(split.dependent)
+    dependent = split.columns
     tolerance = 16.0 * np.finfo(float).eps * body.reach_m
     best = np.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)
-        residual = float(np.max(np.abs(g), initial=0.0))
+        residual = float(np.abs(g).max(initial=0.0))
         # Round-off may stop the residual a little above the tolerance: accept its floor.
         if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
             return q, jacobian
         if not np.isfinite(residual):
             break
         best = min(best, residual)
-        q[:, dependent] -= _solve(jacobian[:, :, dependent], g)
+        q[:, dependent] -= _solve(jacobian[:, :, dependent], g[:, :, None])
     message = (
         f"the loops do not close: {best * 1e3:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"
@@ -150,15 +163,15 @@ def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> F
         Closed velocities, shape (N, nv).
     """
     v = v.copy()
-    dependent, independent = list(split.dependent), list(split.independent)
-    rate = np.einsum("nij,nj->ni", jacobian[:, :, independent], v[:, independent])
-    v[:, dependent] = -_solve(jacobian[:, :, dependent], rate)
+    dependent = split.columns
+    v[:, dependent] = 0.0
+    v[:, dependent] = _solve(jacobian[:, :, dependent], -(jacobian @ v[:, :, None]))
     return v
 
 
 def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
     try:
-        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
+        return np.asarray(np.linalg.solve(matrices, right)[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError as error:
         message = (
             "the closures are singular here: the mechanism stands exactly in a dead centre; "

@@ -6,7 +6,7 @@ xi_N = g_N_dot+ + e_N g_N_dot- >= 0, P_N >= 0, xi_N P_N = 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -15,9 +15,9 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Stop
+from .assembly import close_velocities
 from .system import System
 
-_RANK_TOLERANCE = 1e-9
 _NO_RATE = 1e-13
 
 
@@ -27,19 +27,17 @@ class Impact:
 
     Attributes:
         v_after: Velocity after, shape (nv,).
+        delta: Change of velocity, to its own relative precision however small it is, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].
         P_N: Impulse of every stop in contact, by name, along its coordinate [N m s or N s].
-        P_drive: Impulses of the held drives, shape (drives,) [N m s]; zero for free shafts.
         energy_lost: Kinetic energy lost at the stops [J].
-        energy_from_drives: Work of the held drives' impulses [J].
     """
 
     v_after: FloatArray
+    delta: FloatArray
     P_g: FloatArray
     P_N: dict[str, float]
-    P_drive: FloatArray
     energy_lost: float
-    energy_from_drives: float
 
 
 def collide(
@@ -66,30 +64,30 @@ def collide(
     Raises:
         ImpactError: No set does: the stops jam the mechanism against its drives.
     """
-    indices = [stop.index for stop in contacts]
-    before = v[indices]
-    wanted = -np.asarray(restitution, dtype=float) * before
-    scale = float(np.max(np.abs(before), initial=0.0))
+    before = [float(v[stop.index]) for stop in contacts]
+    wanted = [-e_N * rate for e_N, rate in zip(restitution, before, strict=True)]
+    slack = 1e-12 * max(map(abs, before), default=0.0)
     for size in range(1, len(contacts) + 1):
-        for members in combinations(range(len(contacts)), size):
-            chosen = list(members)
-            solved = _impulses(system, q, jacobian, [indices[i] for i in chosen],
-                               (wanted - before)[chosen])  # fmt: skip
+        for chosen in combinations(range(len(contacts)), size):
+            solved = _impulses(system, q, jacobian, [contacts[i].index for i in chosen],
+                               [wanted[i] - before[i] for i in chosen])  # fmt: skip
             if solved is None:
                 continue
             delta, _, stop_impulses = solved
-            xi = before + delta[indices] - wanted
-            # Zero by construction; what is left there is the round-off of large impulses.
-            xi[chosen] = 0.0
-            if stop_impulses.min() < 0.0 or xi.min() < -1e-12 * scale:
-                continue
-            return _outcome(system, q, v, jacobian, contacts, chosen, wanted, solved)
+            # xi is zero by construction where chosen; what is left there is round-off.
+            xi = (
+                before[i] + delta[stop.index] - wanted[i]
+                for i, stop in enumerate(contacts)
+                if i not in chosen
+            )
+            if stop_impulses.min() >= 0.0 and min(xi, default=0.0) >= -slack:
+                return _outcome(v, contacts, chosen, wanted, solved)
     names = ", ".join(stop.name for stop in contacts)
     message = (
         f"no impulses at {names} satisfy the impact law: these stops jam the mechanism against "
         "its drives; check their sides, or let the drives be inertial"
     )
-    raise ImpactError(message, stops=names, rates_before=before.tolist())
+    raise ImpactError(message, stops=names, rates_before=before)
 
 
 def arrest(
@@ -108,56 +106,71 @@ def arrest(
         The change as an impact whose impulse, a negative one, is not a contact impulse: the
         bounces that it stands for push the stop by e w / (1 - e) against gravity and springs.
     """
-    jump = -v[[stop.index]]
-    solved = _impulses(system, q, jacobian, [stop.index], jump)
+    jump = -float(v[stop.index])
+    solved = _impulses(system, q, jacobian, [stop.index], [jump])
     if solved is None:
         message = f"stop {stop.name!r} cannot come to rest: the mechanism is in a dead centre"
-        raise ImpactError(message, stops=stop.name, rates_before=jump.tolist())
-    return _outcome(system, q, v, jacobian, [stop], [0], np.zeros(1), solved)
+        raise ImpactError(message, stops=stop.name, rates_before=[-jump])
+    return _outcome(v, [stop], (0,), [0.0], solved)
 
 
 def no_impact(system: System, v: FloatArray) -> Impact:
     """Return the impact that changes nothing, for events without one."""
-    rows, drives = system.body.closure_rows, len(system.driven)
-    return Impact(v, np.zeros(rows), {}, np.zeros(drives), 0.0, 0.0)
+    return Impact(v, np.zeros(system.body.nv), np.zeros(system.body.closure_rows), {}, 0.0)
+
+
+def drive_impulses(
+    system: System,
+    q: FloatArray,
+    delta: FloatArray,
+    P_g: FloatArray,
+    P_N: Mapping[str, float],
+) -> FloatArray:
+    """Impulses that keep held drives at their rate, S' P_drive = M delta - G' P_g - W' P_N.
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        delta: Change of velocity, shape (nv,).
+        P_g: Closure impulses, shape (m,) [N s].
+        P_N: Impulses of stops along their coordinates, by name [N m s or N s].
+
+    Returns:
+        Shape (drives,) [N m s]; zero for free shafts.
+    """
+    if not system.held:
+        return np.zeros(len(system.driven))
+    _, jacobian = system.body.closures(q[None])
+    momentum = system.body.mass_matrix(q) @ delta - P_g @ jacobian[0]
+    for name, impulse in P_N.items():
+        momentum[system.mechanism.stop(name).index] -= impulse
+    return np.asarray(momentum[system.driven])
 
 
 def _outcome(
-    system: System,
-    q: FloatArray,
     v: FloatArray,
-    jacobian: FloatArray,
     contacts: Sequence[Stop],
-    chosen: list[int],
-    wanted: FloatArray,
+    chosen: Sequence[int],
+    wanted: Sequence[float],
     solved: tuple[FloatArray, FloatArray, FloatArray],
 ) -> Impact:
     """Velocity, impulses and energies of an impact at the chosen ones of the contacts."""
     delta, closure_impulses, stop_impulses = solved
-    indices = [contacts[i].index for i in chosen]
     v_after = v + delta
-    v_after[indices] = wanted[chosen]
-    rates = v[[stop.index for stop in contacts]]
-    for i, stop in enumerate(contacts):
-        # A contact that the impact does not touch must not separate by its round-off.
-        if i not in chosen and abs(v_after[stop.index]) <= _NO_RATE * np.abs(rates).max():
-            v_after[stop.index] = 0.0
     P_N = {stop.name: 0.0 for stop in contacts}
-    P_N.update({contacts[i].name: float(p) for i, p in zip(chosen, stop_impulses, strict=True)})
-    P_drive = np.zeros(len(system.driven))
-    if system.held:
-        momentum = system.body.mass_matrix(q) @ delta
-        momentum -= closure_impulses @ jacobian
-        momentum[indices] -= stop_impulses
-        P_drive = momentum[system.driven]
-    return Impact(
-        v_after,
-        closure_impulses,
-        P_N,
-        P_drive,
-        float(-0.5 * stop_impulses @ (v[indices] + v_after[indices])),
-        float(P_drive @ v[system.driven]),
-    )
+    lost = 0.0
+    for place, impulse in zip(chosen, stop_impulses.tolist(), strict=True):
+        stop = contacts[place]
+        v_after[stop.index] = wanted[place]
+        P_N[stop.name] = impulse
+        lost -= 0.5 * impulse * (float(v[stop.index]) + wanted[place])
+    if len(chosen) < len(contacts):
+        fastest = max(abs(v[stop.index]) for stop in contacts)
+        for stop in contacts:
+            # A contact that the impact does not touch must not separate by its round-off.
+            if P_N[stop.name] == 0.0 and abs(v_after[stop.index]) <= _NO_RATE * fastest:
+                v_after[stop.index] = 0.0
+    return Impact(v_after, delta, closure_impulses, P_N, lost)
 
 
 def _impulses(
@@ -165,48 +178,31 @@ def _impulses(
     q: FloatArray,
     jacobian: FloatArray,
     stops: list[int],
-    jumps: FloatArray,
+    jumps: list[float],
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Change of velocity and impulses for given jumps of these coordinates; None if dependent."""
-    nv, m = system.body.nv, len(jacobian)
-    held = [int(index) for index in system.driven] if system.held else []
-    count = m + len(stops)
-    everything = np.zeros((count + len(held), nv))
-    everything[:m] = jacobian
-    for row, index in enumerate([*stops, *held], start=m):
-        everything[row, index] = 1.0
-    rates = np.zeros(len(everything))
-    rates[m:count] = -jumps
-    z = _particular(everything, rates)
-    if z is None:
+    held = system.held_coordinates
+    # The flight that follows keeps the same coordinates independent.
+    others = (stop.index for stop in system.mechanism.stops if stop.index not in stops)
+    split = system.split(jacobian, held, (*stops, *others))
+    if any(index in split.dependent for index in stops):
         return None
-    # Round-off in the held rates would become momentum of an infinite inertia.
-    z[held] = 0.0
-    rows = everything[:count]
-    delta, impulses = system.body.impulse_response(q, rows, z)
-    residual = float(np.abs(rows @ (z + delta)).max(initial=0.0))
+    m = len(jacobian)
+    # Zero in the held coordinates: round-off there would become momentum of an infinite inertia.
+    z = np.zeros((1, system.body.nv))
+    z[0, stops] = [-jump for jump in jumps]
+    z = close_velocities(z, jacobian[None], split)[0]
+    rows = np.zeros((m + len(stops), system.body.nv))
+    rows[:m] = jacobian
+    for row, index in enumerate(stops, start=m):
+        rows[row, index] = 1.0
+    delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
+    residual = float(np.abs(rows @ (z + delta)).max())
     # A rank-deficient system makes the impulse dynamics return a finite wrong velocity.
-    if not residual <= 1e-9 * float(np.abs(z).max(initial=0.0)):
+    if not residual <= 1e-9 * float(np.abs(z).max()):
         message = (
             f"the impact rows are too badly conditioned (residual {residual:.2g}): the mechanism "
             "is near a dead centre"
         )
-        raise ImpactError(message, residual=residual, rates=rates.tolist())
+        raise ImpactError(message, residual=residual, rates=jumps)
     return delta, impulses[:m], impulses[m:]
-
-
-def _particular(rows: FloatArray, rates: FloatArray) -> FloatArray | None:
-    """A velocity with these rates along the rows, shape (nv,); None if the rows are dependent."""
-    count, nv = rows.shape
-    if count > nv:
-        return None
-    if count == nv:
-        try:
-            inverse = np.linalg.inv(rows)
-        except np.linalg.LinAlgError:
-            return None
-        if np.abs(inverse).max() * np.abs(rows).max() > 1.0 / _RANK_TOLERANCE:
-            return None
-        return np.asarray(inverse @ rates)
-    z, _, rank, _ = np.linalg.lstsq(rows, rates, rcond=_RANK_TOLERANCE)
-    return np.asarray(z) if rank == count else None

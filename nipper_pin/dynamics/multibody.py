@@ -12,6 +12,10 @@ product and the quotient are exact and a is met to the last bit but one.
 
 from __future__ import annotations
 
+import math
+import threading
+from weakref import WeakKeyDictionary
+
 import numpy as np
 import pinocchio as pin
 
@@ -24,6 +28,25 @@ _PLANAR_ROWS_OF_A_PIN = (0, 2)
 # The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
 # removes its effect on the live rows (2 to 3 iterations to round-off).
 _PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 20}
+_OF_THREAD = threading.local()
+
+
+def multibody(mechanism: Mechanism) -> Multibody:
+    """Return this thread's multibody system of a mechanism.
+
+    Building one takes as long as thirty evaluations, and none keeps anything from one call to the
+    next but its buffers, so all runs of a thread share it.
+
+    Args:
+        mechanism: The mechanism.
+    """
+    known: WeakKeyDictionary[Mechanism, Multibody] | None
+    known = getattr(_OF_THREAD, "known", None)
+    if known is None:
+        known = _OF_THREAD.known = WeakKeyDictionary()
+    if mechanism not in known:
+        known[mechanism] = Multibody(mechanism)
+    return known[mechanism]
 
 
 class Multibody:
@@ -33,11 +56,9 @@ class Multibody:
 
     Args:
         mechanism: The mechanism.
-        drive_inertia: Reflected inertia of the driven joints used in impacts, shape (nv,),
-            zero for joints that are not driven [kg m^2].
     """
 
-    def __init__(self, mechanism: Mechanism, drive_inertia: FloatArray) -> None:
+    def __init__(self, mechanism: Mechanism) -> None:
         """Build models and data."""
         self.nv = int(mechanism.model.nv)
         self.closure_rows = 2 * len(mechanism.closures)
@@ -47,7 +68,6 @@ class Multibody:
         self._flight = pin.Model(mechanism.model)
         self._flight_data = self._flight.createData()
         self._impact = pin.Model(mechanism.model)
-        self._impact.armature = drive_inertia
         self._impact_data = self._impact.createData()
         self._pins = pin.StdVec_RigidConstraintModel()
         self._pin_data = pin.StdVec_RigidConstraintData()
@@ -126,7 +146,7 @@ class Multibody:
         for row in range(len(q)):
             a[row] = solve(model, data, q[row], v[row], tau[row], pins, pin_data, proximal)
         self.evaluations += len(q)
-        if not np.isfinite(a).all():
+        if not math.isfinite(a.sum()):
             message = (
                 "the constrained dynamics has no solution here: the closures lose rank; "
                 "keep the mechanism away from this dead centre"
@@ -141,7 +161,7 @@ class Multibody:
         ).reshape(q.shape)
 
     def impulse_response(
-        self, q: FloatArray, rows: FloatArray, z: FloatArray
+        self, q: FloatArray, rows: FloatArray, z: FloatArray, armature: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Smallest change of velocity, in the metric of M, that cancels the rate ``rows @ z``.
 
@@ -153,10 +173,12 @@ class Multibody:
             q: Configuration, shape (nv,).
             rows: Independent constraint rows, shape (r, nv).
             z: Velocity whose rates along the rows are to be cancelled, shape (nv,).
+            armature: Inertia added to each joint, shape (nv,).
 
         Returns:
             delta, shape (nv,), and the impulses P, shape (r,) [N s or N m s].
         """
+        self._impact.armature = armature
         after = pin.impulseDynamics(self._impact, self._impact_data, q, z, rows, 0.0, 0.0)
         return after - z, np.array(self._impact_data.impulse_c)
 

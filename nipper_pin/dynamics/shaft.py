@@ -33,12 +33,12 @@ class ShaftMotion:
         """Places of the driven coordinates in q."""
         return [drive.index for drive in self.mechanism.drives]
 
-    @property
+    @cached_property
     def rate(self) -> float:
         """Rate of the cylinder angle, with its sign [rad/s]."""
         return self.mechanism.cylinder.sense * self.speed_rad_s
 
-    @property
+    @cached_property
     def period(self) -> float:
         """Time of one turn [s]."""
         return float(2.0 * np.pi / self.speed_rad_s)
@@ -56,25 +56,30 @@ class ShaftMotion:
         Returns:
             Three arrays of shape (N, drives): [rad], [rad/s], [rad/s^2].
         """
-        psi, rate = self.angle(t), self.rate
-        values = np.empty((3, len(psi), len(self.mechanism.drives)))
-        for law, geared in self._trains:
-            value, slope, curvature = law.evaluate(psi)
-            for column, ratio, at_touch in geared:
-                values[0, :, column] = ratio * value - at_touch
-                values[1, :, column] = (ratio * rate) * slope
-                values[2, :, column] = (ratio * rate**2) * curvature
+        psi = self.start_angle_rad + self.rate * t
+        values = -self._offsets
+        for law, factors in self._trains:
+            values = values + np.array(law.evaluate(psi))[:, :, None] * factors
         return values[0], values[1], values[2]
 
     @cached_property
-    def _trains(self) -> list[tuple[DriveLaw, list[tuple[int, float, float]]]]:
-        """Laws that stand on their own, each with the drives geared to it: place, ratio, offset."""
-        trains: dict[int, tuple[DriveLaw, list[tuple[int, float, float]]]] = {}
+    def _offsets(self) -> FloatArray:
+        """Values of the laws of all drives in the touch configuration, shape (3, 1, drives)."""
+        offsets = np.zeros((3, 1, len(self.mechanism.drives)))
+        offsets[0, 0] = [drive.law_at_touch for drive in self.mechanism.drives]
+        return offsets
+
+    @cached_property
+    def _trains(self) -> list[tuple[DriveLaw, FloatArray]]:
+        """Laws that stand on their own, each with what turns it into motion: (3, 1, drives)."""
+        by_rate = self.rate ** np.arange(3.0)[:, None]
+        trains: dict[int, tuple[DriveLaw, FloatArray]] = {}
         for column, drive in enumerate(self.mechanism.drives):
             law: DriveLaw = drive.law
             ratio = 1.0
             while isinstance(law, Geared):
                 ratio *= law.ratio
                 law = law.of
-            trains.setdefault(id(law), (law, []))[1].append((column, ratio, drive.law_at_touch))
+            none = np.zeros((3, 1, len(self.mechanism.drives)))
+            trains.setdefault(id(law), (law, none))[1][:, :, column] = ratio * by_rate
         return list(trains.values())

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism
-from .multibody import INFINITE_INERTIA, Multibody
+from .assembly import MAX_CONDITION, Partition, condition_number, partition
+from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
 
 
@@ -31,6 +32,8 @@ class ConstraintSet:
         stops: Coordinates of the closed stops, held at zero.
         given: Driven coordinates and closed stops: never dependent through the closures.
         armature: Inertia added to each joint in flight, shape (nv,).
+        stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
+        damping: Of drive trains, likewise; None where there is none.
         freedom: Degrees of freedom that are left.
     """
 
@@ -38,6 +41,8 @@ class ConstraintSet:
     stops: tuple[int, ...]
     given: tuple[int, ...]
     armature: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray | None
     freedom: int
 
 
@@ -65,26 +70,66 @@ class System:
         self._shaft_stiffness = self.inertia * omega**2
         self._shaft_damping = 2.0 * damping * omega * self.inertia
         nv = len(mechanism.joints)
-        self._drive_armature = np.zeros(nv)
-        self._drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
+        self.drive_armature = np.zeros(nv)
+        self.drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
+        self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
         # 1 for coordinates that accelerations move, 0 for those that a law holds.
         self.free = np.ones(nv)
         if self.held:
             self.free[self.driven] = 0.0
-        self.body = Multibody(mechanism, self._drive_armature)
+        self._stiffness, self._tension = np.zeros(nv), np.zeros(nv)
+        for spring in mechanism.springs:
+            self._stiffness[spring.index] += spring.stiffness
+            self._tension[spring.index] += spring.stiffness * spring.preload
+        self.body = multibody(mechanism)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
+        self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
+        self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
         if closed not in self._sets:
             stops = tuple(stop.index for stop in self.mechanism.stops if stop.name in closed)
             given = (*(drive.index for drive in self.mechanism.drives), *stops)
+            armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
+            damping = None
+            if self.held:
+                stiffness[self.driven] = 0.0
+            else:
+                stiffness[self.driven] += self._shaft_stiffness
+                damping = np.zeros(self.body.nv)
+                damping[self.driven] = self._shaft_damping
+            held_stops = list(stops)
+            armature[held_stops] = INFINITE_INERTIA
+            stiffness[held_stops] = 0.0
             prescribed = len(given) if self.held else len(stops)
-            armature = self._drive_armature.copy()
-            armature[list(stops)] = INFINITE_INERTIA
             freedom = self.body.nv - self.body.closure_rows - prescribed
-            self._sets[closed] = ConstraintSet(closed, stops, given, armature, freedom)
+            self._sets[closed] = ConstraintSet(
+                closed, stops, given, armature, stiffness, damping, freedom
+            )
         return self._sets[closed]
+
+    def split(
+        self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
+    ) -> Partition:
+        """Dependent coordinates here: those of the last choice as long as they serve.
+
+        Arguments, value and errors are those of :func:`partition`.
+        """
+        key = given, preferred
+        known = self._splits.get(key)
+        if known is None or not self._serves(known, jacobian):
+            known = self._splits[key] = partition(jacobian, given, preferred)
+        return known
+
+    def _serves(self, split: Partition, jacobian: FloatArray) -> bool:
+        """True if the closures determine the dependent coordinates; asked twice at every event."""
+        place, dependent = self._checked
+        if place is not jacobian or dependent != split.dependent:
+            if not condition_number(jacobian[:, split.columns]) < MAX_CONDITION:
+                return False
+            self._checked = jacobian, split.dependent
+        return True
 
     def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
         """Write the prescribed coordinates and rates into q and v, in place.
@@ -96,19 +141,14 @@ class System:
             rows: The phase.
         """
         if self.held:
-            for column, index in enumerate(self.driven):
-                q[:, index] = motion[0][:, column]
-                v[:, index] = motion[1][:, column]
-        for index in rows.stops:
-            q[:, index] = 0.0
-            v[:, index] = 0.0
+            q[:, self.driven] = motion[0]
+            v[:, self.driven] = motion[1]
+        if rows.stops:
+            q[:, rows.stops] = v[:, rows.stops] = 0.0
 
     def spring_forces(self, q: FloatArray) -> FloatArray:
         """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
-        tau = np.zeros(q.shape)
-        for spring in self.mechanism.springs:
-            tau[:, spring.index] -= spring.stiffness * (spring.preload + q[:, spring.index])
-        return tau
+        return np.asarray(-self._tension - self._stiffness * q)
 
     def spring_energy(self, q: FloatArray) -> FloatArray:
         """Energy stored in the springs [J], shape (N,)."""
@@ -117,17 +157,39 @@ class System:
             energy += 0.5 * spring.stiffness * (spring.preload + q[:, spring.index]) ** 2
         return energy
 
-    def shaft_torques(self, motion: Driven, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Torques that an elastic drive train exerts on the free shafts, shape (N, drives) [N m].
+    def forcing(self, motion: Driven, rows: ConstraintSet) -> FloatArray:
+        """Generalised forces that do not depend on the state, shape (N, nv).
 
+        The rest is linear in the state, tau = forcing - stiffness q - damping v. Preloads are
+        -k p; a held shaft has I a_law with its infinite inertia I; an elastic drive train has
         tau = I a_law + k (q_law - q) + c (v_law - v), with k = I w^2 and c = 2 zeta w I.
+
+        Args:
+            motion: Driven coordinates, rates and accelerations of these states, as
+                :meth:`ShaftMotion.driven` gives them.
+            rows: The phase.
         """
         q_law, v_law, a_law = motion
-        return np.asarray(
-            self.inertia * a_law
-            + self._shaft_stiffness * (q_law - q[:, self.driven])
-            + self._shaft_damping * (v_law - v[:, self.driven])
-        )
+        tau = np.empty((len(q_law), self.body.nv))
+        tau[:] = -self._tension
+        if self.held:
+            tau[:, self.driven] = INFINITE_INERTIA * a_law
+        else:
+            tau[:, self.driven] += (
+                self.inertia * a_law + self._shaft_stiffness * q_law + self._shaft_damping * v_law
+            )
+        if rows.stops:
+            tau[:, rows.stops] = 0.0
+        return tau
+
+    def respond(
+        self, forcing: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet
+    ) -> FloatArray:
+        """Accelerations as :meth:`accelerations`, for forces known beforehand, shape (N, nv)."""
+        tau = forcing - rows.stiffness * q
+        if rows.damping is not None:
+            tau -= rows.damping * v
+        return self.body.accelerations(q, v, tau, rows.armature)
 
     def accelerations(
         self,
@@ -139,16 +201,9 @@ class System:
         """Accelerations with the closures and the rows of a phase, shape (N, nv).
 
         Args:
-            motion: Driven coordinates, rates and accelerations of these states, as
-                :meth:`ShaftMotion.driven` gives them.
+            motion: Driven coordinates, rates and accelerations of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
             rows: The phase.
         """
-        tau = self.spring_forces(q)
-        torques = INFINITE_INERTIA * motion[2] if self.held else self.shaft_torques(motion, q, v)
-        for column, index in enumerate(self.driven):
-            tau[:, index] += torques[:, column]
-        for index in rows.stops:
-            tau[:, index] = 0.0
-        return self.body.accelerations(q, v, tau, rows.armature)
+        return self.respond(self.forcing(motion, rows), q, v, rows)

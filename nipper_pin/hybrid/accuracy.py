@@ -15,16 +15,15 @@ its closures and of time is left.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..dynamics.system import ConstraintSet, System
 from .collocation import nodes
-from .event import Event, EventKind
+from .event import Event
 from .panel import Panel
 from .segment import Segment
-from .series import BounceSeries
 
 _EPS = float(np.finfo(float).eps)
 # True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances.
@@ -57,7 +56,6 @@ def event_errors(
         events: Events in order of time.
     """
     found: list[EventError] = []
-    series: dict[str, BounceSeries] = {}
     error = EventError(0.0, 16.0 * _EPS)
     left_over: dict[tuple[int, int], tuple[float, float]] = {}
     place = 0
@@ -66,15 +64,7 @@ def event_errors(
         while place < len(segments) and segments[place].t_end <= event.t:
             error = _carried(system, segments[place], stop.index, error, left_over)
             place += 1
-        stated = error
-        if event.kind is EventKind.REST and stop.name in series:
-            spread = series.pop(stop.name).limit()[1]
-            if np.isfinite(spread):
-                stated = EventError(error.time + spread, error.impulse)
-        elif event.kind is EventKind.COLLISION:
-            known = series.get(stop.name, BounceSeries(stop.name, event.t))
-            series[stop.name] = known.bounced(event.t, float(event.v_after[stop.index]))
-        found.append(stated)
+        found.append(replace(error, time=error.time + event.series_error))
     return tuple(found)
 
 

@@ -31,6 +31,11 @@ class Nodes:
             integral from 0 (second) and of its double integral (third), shapes (N + k, N).
         once: Node values to integrals from 0 at the nodes, shape (N, N).
         twice: The same integrated twice, shape (N, N).
+        motion: Rows of ``twice`` and below them of ``once``, shape (2 N, N).
+        both: Node values to the coefficients of the double integral (first N columns) and of the
+            single one (last N), shape (N + 2, 2 N).
+        deflated: Node values to the coefficients of the double integral divided by sigma to the
+            power 0, 1 and 2, shapes (N + 2 - k, N).
         samples: Fine grid from 0 to 1, shape (S,).
         sample_value: Node values to values on the fine grid, shape (S, N).
         sample_twice: Node values to double integrals on the fine grid, divided by sigma to the
@@ -41,6 +46,9 @@ class Nodes:
     integrals: tuple[FloatArray, FloatArray, FloatArray]
     once: FloatArray
     twice: FloatArray
+    motion: FloatArray
+    both: FloatArray
+    deflated: tuple[FloatArray, FloatArray, FloatArray]
     samples: FloatArray
     sample_value: FloatArray
     sample_twice: tuple[FloatArray, FloatArray, FloatArray]
@@ -49,34 +57,66 @@ class Nodes:
 @cache
 def nodes(order: int) -> Nodes:
     """Return the nodes and operators with this many nodes."""
-    x = -np.cos(np.pi * np.arange(order) / (order - 1))
-    sigma = 0.5 * (x + 1.0)
-    coefficients = np.linalg.inv(chebyshev.chebvander(x, order - 1))
+    sigma = _lobatto(order)
+    coefficients = _transform(order)
     # lbnd = -1 makes every integral vanish at sigma = 0; 1/2 is dx -> dsigma.
     integrals = (
         np.asarray(coefficients, dtype=np.float64),
         chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5),
         chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5),
     )
+    once = _basis(sigma, order + 1) @ integrals[1]
+    twice = _basis(sigma, order + 2) @ integrals[2]
+    # Integrals from 0 to 0, to the last bit: a gap that starts at zero is zero there.
+    once[0] = twice[0] = 0.0
+    both = np.zeros((order + 2, 2 * order))
+    both[:, :order] = integrals[2]
+    both[:-1, order:] = integrals[1]
     count = _SAMPLES_PER_NODE * order
     samples = 0.5 * (1.0 - np.cos(np.pi * np.arange(count + 1) / count))
     value = np.asarray(_basis(samples, order) @ integrals[0])
     # The first sample is the first node: its value is met to the last bit.
     value[0] = np.eye(order)[0]
-    twice = _basis(samples, order + 2) @ integrals[2]
-    inner = samples[1:, None]
-    # The double integral grows like sigma^2 / 2 from its start.
-    by_one = np.vstack([np.zeros(order), twice[1:] / inner])
-    by_two = np.vstack([0.5 * value[0], twice[1:] / inner**2])
     return Nodes(
         sigma=sigma,
         integrals=integrals,
-        once=_basis(sigma, order + 1) @ integrals[1],
-        twice=_basis(sigma, order + 2) @ integrals[2],
+        once=once,
+        twice=twice,
+        motion=np.vstack([twice, once]),
+        both=both,
+        deflated=(
+            integrals[2],
+            _transform(order + 1) @ _divided(integrals[2], _lobatto(order + 1), 1),
+            _transform(order) @ _divided(integrals[2], sigma, 2),
+        ),
         samples=samples,
         sample_value=value,
-        sample_twice=(twice, by_one, by_two),
+        sample_twice=(
+            _basis(samples, order + 2) @ integrals[2],
+            _divided(integrals[2], samples, 1),
+            _divided(integrals[2], samples, 2),
+        ),
     )
+
+
+def _lobatto(order: int) -> FloatArray:
+    """Chebyshev-Lobatto nodes on [0, 1], shape (order,)."""
+    return np.asarray(0.5 * (1.0 - np.cos(np.pi * np.arange(order) / (order - 1))))
+
+
+def _transform(order: int) -> FloatArray:
+    """Node values to Chebyshev coefficients, shape (order, order)."""
+    return np.asarray(np.linalg.inv(_basis(_lobatto(order), order)))
+
+
+def _divided(double: FloatArray, sigma: FloatArray, power: int) -> FloatArray:
+    """Double integrals at sigma, from 0 on, divided by sigma to a power, shape (len(sigma), N)."""
+    values = _basis(sigma, len(double)) @ double
+    values[1:] /= sigma[1:, None] ** power
+    # The double integral grows like a(0) sigma^2 / 2 from its start.
+    values[0] = 0.0
+    values[0, 0] = 0.5 if power == 2 else 0.0
+    return np.asarray(values)
 
 
 def _basis(sigma: FloatArray, count: int) -> FloatArray:
@@ -102,9 +142,9 @@ def evaluate(values: FloatArray, sigma: FloatArray, integrations: int) -> FloatA
 
 def evaluate_motion(values: FloatArray, sigma: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Double and single integral of node values from 0 to sigma; as :func:`evaluate`, at once."""
-    _, once, twice = nodes(len(values)).integrals
-    basis = _basis(sigma, len(twice))
-    return np.asarray(basis @ (twice @ values)), np.asarray(basis[:, :-1] @ (once @ values))
+    order = len(values)
+    weights = _basis(sigma, order + 2) @ nodes(order).both
+    return np.asarray(weights[:, :order] @ values), np.asarray(weights[:, order:] @ values)
 
 
 def prolonged(values: FloatArray, count: int) -> FloatArray:
@@ -133,37 +173,30 @@ def _prolongation(coarse: int, fine: int) -> FloatArray:
     return np.asarray(_basis(nodes(fine).sigma, coarse) @ nodes(coarse).integrals[0])
 
 
-class Arc:
-    """One coordinate on a panel as polynomials of sigma, for scalar evaluation in root searches.
+class Series:
+    """A Chebyshev series on [0, 1] for scalar evaluation in root searches.
 
     Args:
-        values: Node values of the second derivative by sigma, shape (N,).
-        start: Value at sigma = 0.
-        slope: Derivative by sigma there.
+        coefficients: Coefficients, the constant one first, shape (N,).
     """
 
-    def __init__(self, values: FloatArray, start: float, slope: float) -> None:
-        """Integrate the series."""
-        _, once, twice = nodes(len(values)).integrals
-        self._start, self._slope = start, slope
-        self._once: list[float] = (once @ values).tolist()
-        self._twice: list[float] = (twice @ values).tolist()
+    def __init__(self, coefficients: FloatArray) -> None:
+        """Keep the coefficients as plain numbers, which a loop of Python adds up fastest."""
+        self.coefficients: list[float] = coefficients.tolist()
 
     def value(self, sigma: float) -> float:
         """Value at sigma."""
-        return self._start + sigma * self._slope + _clenshaw(self._twice, sigma)
+        return self.value_and_slope(sigma)[0]
 
-    def rate(self, sigma: float) -> float:
-        """First derivative by sigma."""
-        return self._slope + _clenshaw(self._once, sigma)
-
-
-def _clenshaw(coefficients: list[float], sigma: float) -> float:
-    x2 = 4.0 * sigma - 2.0
-    high = low = 0.0
-    for coefficient in coefficients[:0:-1]:
-        high, low = coefficient + x2 * high - low, high
-    return coefficients[0] + 0.5 * x2 * high - low
+    def value_and_slope(self, sigma: float) -> tuple[float, float]:
+        """Value and first derivative at sigma, by Clenshaw's recurrence and its derivative."""
+        x2 = 4.0 * sigma - 2.0
+        high = low = slope_high = slope_low = 0.0
+        for coefficient in self.coefficients[:0:-1]:
+            slope_high, slope_low = 2.0 * high + x2 * slope_high - slope_low, slope_high
+            high, low = coefficient + x2 * high - low, high
+        value = self.coefficients[0] + 0.5 * x2 * high - low
+        return value, 2.0 * (high + 0.5 * x2 * slope_high - slope_low)
 
 
 def tail(values: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import FloatArray
+from ..dynamics.impact import drive_impulses
 from ..dynamics.system import System
 from .event import Event
 from .panel import Panel, forces_at
@@ -97,13 +98,30 @@ def energy_balance(
     peak = max(peak, *_kinetic(system, np.vstack([q0, q1]), np.vstack([v0, v1])))
     return EnergyBalance(
         drive_work=work,
-        drive_impulse_work=sum(event.energy_from_drives for event in events),
+        drive_impulse_work=sum(
+            float(impulse @ event.v_before[system.driven])
+            for event, impulse in zip(events, impulses_of_drives(system, events), strict=True)
+        ),
         gravity_work=_change(-system.body.gravity_energy(q1), -system.body.gravity_energy(q0)),
         spring_change=_change(system.spring_energy(q1), system.spring_energy(q0)),
         kinetic_change=_change(_kinetic(system, q1, v1), _kinetic(system, q0, v0)),
         impact_losses=sum(event.energy_lost for event in events),
         kinetic_peak=float(peak),
     )
+
+
+def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatArray, ...]:
+    """Impulses of the held drives at every event, shape (drives,) each [N m s].
+
+    Copies of a turn share theirs.
+    """
+    known: dict[int, FloatArray] = {}
+    for event in events:
+        if id(event.delta) not in known:
+            known[id(event.delta)] = drive_impulses(
+                system, event.q, event.delta, event.P_g, event.P_N
+            )
+    return tuple(known[id(event.delta)] for event in events)
 
 
 def pieces(segment: Segment) -> Iterator[tuple[Panel, float, float]]:

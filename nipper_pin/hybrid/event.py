@@ -28,13 +28,14 @@ class Event:
         q: Configuration, shape (nv,) [rad or m].
         v_before: Velocity just before, shape (nv,).
         v_after: Velocity just after, shape (nv,).
+        delta: Change of velocity to its own relative precision, shape (nv,).
         P_N: Impulses of the stops in contact along their coordinates, by name [N m s or N s].
         P_g: Closure impulses, shape (m,) [N s].
-        P_drive: Impulses of held drives, shape (drives,) [N m s].
         energy_lost: Kinetic energy lost [J].
-        energy_from_drives: Work of the held drives' impulses [J].
         closed_before: Closed stops before.
         closed_after: Closed stops after.
+        series_error: Estimated error of the limit of a series of bounces that gives a rest its
+            time [s]; zero for other events.
     """
 
     number: int
@@ -44,10 +45,10 @@ class Event:
     q: FloatArray
     v_before: FloatArray
     v_after: FloatArray
+    delta: FloatArray
     P_N: dict[str, float]
     P_g: FloatArray
-    P_drive: FloatArray
     energy_lost: float
-    energy_from_drives: float
     closed_before: frozenset[str]
     closed_after: frozenset[str]
+    series_error: float

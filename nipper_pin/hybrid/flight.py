@@ -8,7 +8,6 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition
-from ..dynamics.shaft import Driven
 from ..dynamics.system import ConstraintSet, System
 from .case import Resolution
 from .collocation import nodes, prolonged, tail
@@ -17,7 +16,7 @@ from .panel import SMALLEST, Attempt, Panel, forces_at, judged
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
 _STRIDES = (4, 2, 1)
-_COARSE_SWEEPS = 3
+_COARSE_SWEEPS = 2
 _MAX_SWEEPS = 24
 _EASY_SWEEPS = 14
 # The error of sweep k behaves like (L h)^k / k!, so the first sweeps may gain little; later ones
@@ -58,94 +57,113 @@ def flight_panel(
     finest = resolution.flight_nodes
     nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
     tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
-    times = t + h * nodes(finest).sigma
-    driven = system.shaft.driven(times)
-    q_line, v_line = _lines(system, driven, h, q, v)
-    reach = np.abs(h * v) + SMALLEST
+    iteration = _Picard(system, rows, t, h, q, v, finest, tolerance)
     none = np.empty((0, len(rows.stops)))
     a = start[None]
-    sweeps = 0
     for stride in _STRIDES if nested else (1,):
-        motion = (driven[0][::stride], driven[1][::stride], driven[2][::stride])
-        a = prolonged(a, len(motion[0]))
-        most = _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS
-        lines = (q_line[::stride], v_line[::stride])
-        used, converged = _iterate(system, rows, motion, lines, reach, h, a, tolerance, most)
-        sweeps += used
-        if stride == 1 and not converged:
-            return Attempt(None, none, 0.5)
+        a = prolonged(a, (finest - 1) // stride + 1)
+        if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
+            if stride == 1:
+                return Attempt(None, none, 0.5)
+            continue
         # Two integrations divide the coefficient of degree k by about (2 k)^2.
-        left_over = h**2 * tail(a) / (2.0 * len(a)) ** 2
-        scale = reach + h**2 * np.abs(a).max(axis=0)
-        excess = float((left_over / (tolerance * scale)).max())
-        if converged and excess <= 1.0:
+        left_over = float((tail(a) * iteration.weight).max()) / (2.0 * len(a)) ** 2
+        if left_over <= tolerance:
             break
-    moving = a * system.free
-    grid = nodes(len(a))
-    q_nodes = lines[0] + h**2 * (grid.twice @ moving)
-    v_nodes = lines[1] + h * (grid.once @ moving)
+    q_nodes, v_nodes = iteration.motion(a)
     panel = Panel(t, h, q_nodes, v_nodes, a, split, integrated=True)
     forces = forces_at(system, rows, panel, panel.times)[3].la_N if rows.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    attempt = judged(panel, forces, excess, len(a))
-    return attempt if sweeps <= _EASY_SWEEPS else replace(attempt, factor=min(attempt.factor, 1.0))
+    attempt = judged(panel, forces, left_over / tolerance, len(a))
+    if iteration.sweeps > _EASY_SWEEPS:
+        return replace(attempt, factor=min(attempt.factor, 1.0))
+    return attempt
 
 
-def _iterate(
-    system: System,
-    rows: ConstraintSet,
-    motion: Driven,
-    lines: tuple[FloatArray, FloatArray],
-    reach: FloatArray,
-    h: float,
-    a: FloatArray,
-    tolerance: float,
-    most: int,
-) -> tuple[int, bool]:
-    """Sweep over one grid, in place, until the accelerations stand still.
+class _Picard:
+    """Picard iteration of one panel.
 
     Args:
         system: The system.
         rows: The phase.
-        motion: Driven coordinates at the nodes.
-        lines: Positions and velocities at the nodes without acceleration, shape (N, nv).
-        reach: Travel of each coordinate at its rate at the start, shape (nv,).
-        h: Length of the panel [s].
-        a: Accelerations at the nodes, shape (N, nv), the first one exact.
+        t: Start of the panel [s].
+        h: Its length [s].
+        q: Configuration at the start, shape (nv,).
+        v: Velocity at the start, shape (nv,).
+        finest: Number of nodes of the finest grid.
         tolerance: Relative change of the positions that ends the iteration.
-        most: Largest number of sweeps.
-
-    Returns:
-        Sweeps used, and whether they converged.
     """
-    grid = nodes(len(a))
-    once, twice = h * grid.once[1:], h**2 * grid.twice[1:]
-    q_line, v_line = lines[0][1:], lines[1][1:]
-    motion = (motion[0][1:], motion[1][1:], motion[2][1:])
-    weight: FloatArray | None = None
-    change = np.inf
-    for sweep in range(1, most + 1):
-        moving = a * system.free
-        new = system.accelerations(motion, q_line + twice @ moving, v_line + once @ moving, rows)
-        if weight is None:
-            weight = h**2 / (reach + h**2 * np.abs(new).max(axis=0))
-        previous, change = change, float((np.abs(new - a[1:]) * weight).max())
-        a[1:] = new
-        if change <= tolerance:
-            return sweep, True
-        if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-            return sweep, change <= _ITERATION_FLOOR
-    return most, False
 
+    def __init__(
+        self,
+        system: System,
+        rows: ConstraintSet,
+        t: float,
+        h: float,
+        q: FloatArray,
+        v: FloatArray,
+        finest: int,
+        tolerance: float,
+    ) -> None:
+        """Compute what no sweep changes."""
+        self._system, self._rows, self._h, self._tolerance = system, rows, h, tolerance
+        sigma = nodes(finest).sigma
+        motion = system.shaft.driven(t + h * sigma)
+        self._forcing = system.forcing(motion, rows)
+        # Motion without acceleration; that of held drives is known.
+        self._lines = np.empty((2, finest, len(q)))
+        self._lines[0] = q + (h * sigma)[:, None] * v
+        self._lines[1] = v
+        if system.held:
+            self._lines[:, :, system.driven] = motion[:2]
+        self._reach = np.abs(h * v) + SMALLEST
+        # Relative change of positions by change of acceleration, shape (nv,).
+        self.weight = np.empty(0)
+        self._contraction = 1.0
+        self.sweeps = 0
 
-def _lines(
-    system: System, motion: Driven, h: float, q: FloatArray, v: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Motion at the nodes without acceleration; held drives have theirs, exactly."""
-    sigma = nodes(len(motion[0])).sigma
-    q_line = q + (h * sigma)[:, None] * v
-    v_line = np.repeat(v[None], len(sigma), axis=0)
-    if system.held:
-        q_line[:, system.driven], v_line[:, system.driven] = motion[0], motion[1]
-    return q_line, v_line
+    def converges(self, a: FloatArray, stride: int, most: int) -> bool:
+        """Sweep over one grid, in place, until another sweep would change nothing that matters.
+
+        Args:
+            a: Accelerations at the nodes, shape (N, nv), the first one exact.
+            stride: Step from node to node on the finest grid.
+            most: Largest number of sweeps.
+
+        Returns:
+            True if it converged.
+        """
+        count, h, system = len(a), self._h, self._system
+        operator = self._operator(count)
+        lines, forcing = self._lines[:, ::stride], self._forcing[stride::stride]
+        change = np.inf
+        for sweep in range(1, most + 1):
+            q, v = (operator @ (a * system.free)).reshape(2, *a.shape) + lines
+            new = system.respond(forcing, q[1:], v[1:], self._rows)
+            if not self.weight.size:
+                self.weight = h**2 / (self._reach + h**2 * np.abs(new).max(axis=0))
+            previous, change = change, float((np.abs(new - a[1:]) * self.weight).max())
+            a[1:] = new
+            self.sweeps += 1
+            if sweep > 1:
+                self._contraction = min(change / previous, 1.0)
+            # The next sweep would change by this times the contraction, so it is not needed.
+            if change * self._contraction <= self._tolerance:
+                return True
+            if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
+                return change <= _ITERATION_FLOOR
+        return False
+
+    def motion(self, a: FloatArray) -> FloatArray:
+        """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""
+        moved = self._operator(len(a)) @ (a * self._system.free)
+        stride = (self._lines.shape[1] - 1) // (len(a) - 1)
+        return np.asarray(moved.reshape(2, *a.shape) + self._lines[:, ::stride])
+
+    def _operator(self, count: int) -> FloatArray:
+        """Node values to their integrals: twice (first ``count`` rows) and once."""
+        operator = nodes(count).motion.copy()
+        operator[:count] *= self._h**2
+        operator[count:] *= self._h
+        return operator

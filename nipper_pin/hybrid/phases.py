@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from itertools import combinations
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import partition
 from ..dynamics.multipliers import multipliers
 from ..dynamics.shaft import Driven
 from ..dynamics.system import System
@@ -63,7 +62,7 @@ def pressed(
             if rows.freedom < 0:
                 continue
             a = system.accelerations(motion, q[None], v[None], rows)
-            split = partition(jacobian, rows.given, [])
+            split = system.split(jacobian, rows.given, ())
             la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N
             leaving = [
                 a[0, system.mechanism.stop(name).index] for name in at_rest if name not in names

@@ -4,17 +4,26 @@ At a stop with restitution e < 1 that is pressed on, rebound rates w_0, w_1, ...
 the collision times t_0, t_1, ... converge. Near the limit the motion is smooth in time, gap and
 rate, so the time of a collision is a smooth function of its rebound rate,
 t = t_rest + c_1 w + c_2 w^2 + ...; each collision is a point on it, t_rest its value at w = 0.
-Neville's scheme extrapolates there; the error of m points shrinks like the product of their rates,
-e^(m (m - 1) / 2), so a few bounces are enough.
+Its slope there is known, too: a flight lasts 2 w / alpha in the limit, alpha being the
+deceleration at rest, and the next rate is e w, so c_1 = -2 / (alpha (1 - e)); alpha(w) is another
+smooth function with a known value at every collision.
+
+Neville's scheme extrapolates alpha and t; the polynomial through the points is then turned to the
+known slope. The error of m points shrinks like the product of their rates, e^(m (m - 1) / 2), and
+the slope is worth one or two more, so a few bounces are enough.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
 _MOST_POINTS = 8
+# The difference of two orders shows the error of the higher one up to a factor, unless it changes its
+# sign just there: then a part of the difference before stands for it.
+_SAFETY, _PART = 4.0, 0.01
 
 
 @dataclass(frozen=True)
@@ -24,9 +33,10 @@ class BounceSeries:
     Attributes:
         stop: Name of the stop.
         start: Time of the first collision [s].
-        fastest: Fastest rebound rate of the series.
+        fastest: Largest rebound rate [rad/s or m/s].
         times: Times of the collisions [s].
         rates: Rebound rates of its coordinate, positive [rad/s or m/s].
+        decelerations: At the start of the flights after them, positive [rad/s^2 or m/s^2].
     """
 
     stop: str
@@ -34,8 +44,9 @@ class BounceSeries:
     fastest: float = 0.0
     times: tuple[float, ...] = field(default=())
     rates: tuple[float, ...] = field(default=())
+    decelerations: tuple[float, ...] = field(default=())
 
-    def bounced(self, t: float, rate: float) -> BounceSeries:
+    def bounced(self, t: float, rate: float, deceleration: float) -> BounceSeries:
         """Return the series with one more collision."""
         return BounceSeries(
             self.stop,
@@ -43,30 +54,55 @@ class BounceSeries:
             max(self.fastest, rate),
             (*self.times, t)[-_MOST_POINTS:],
             (*self.rates, rate)[-_MOST_POINTS:],
+            (*self.decelerations, deceleration)[-_MOST_POINTS:],
         )
 
-    def limit(self) -> tuple[float, float]:
+    def limit(self, e_N: float) -> tuple[float, float]:
         """Extrapolate to rest.
 
+        Args:
+            e_N: Restitution of the stop.
+
         Returns:
-            Time of rest [s] and an estimate of its error [s]; both infinite while two collisions
-            do not show the rates falling.
+            Time of rest [s] and an estimate of its error [s]; both infinite while three collisions
+            do not show the rates falling, or if nothing presses the stop shut.
         """
         w = self.rates
-        if len(w) < 2 or any(near >= far for far, near in pairwise(w)):
+        if e_N >= 1.0 or len(w) < 3 or any(near >= far for far, near in pairwise(w)):
             return inf, inf
         last = self.times[-1]
         # Times are taken from the last collision, where the digits matter.
-        column = [t - last for t in self.times]
+        lines = _extrapolated(w, [t - last for t in self.times])
+        pressing = _extrapolated(w, self.decelerations)
         best = (inf, inf)
-        previous = column[-1]
-        for order in range(1, len(w)):
-            column = [
-                (far * later - near * earlier) / (far - near)
-                for far, near, earlier, later in zip(w, w[order:], column, column[1:], strict=False)
-            ]
-            error = abs(column[-1] - previous)
-            previous = column[-1]
+        previous, change, inverse_rates = inf, 0.0, 0.0
+        for rate, (value, slope), (alpha, _) in zip(reversed(w), lines, pressing, strict=True):
+            inverse_rates += 1.0 / rate
+            if alpha <= 0.0:
+                break
+            # Adding a multiple of the product of (w - w_k) changes the slope, not the points.
+            found = value + (slope + 2.0 / (alpha * (1.0 - e_N))) / inverse_rates
+            before, change = change, abs(found - previous)
+            previous = found
+            error = _SAFETY * max(change, _PART * before)
             if error < best[1]:
-                best = (last + column[-1], error)
+                best = (last + found, error)
         return best
+
+
+def _extrapolated(w: Sequence[float], y: Sequence[float]) -> list[tuple[float, float]]:
+    """Value and slope at w = 0 of the polynomials through the last 1, 2, ... points."""
+    values, slopes = list(y), [0.0] * len(y)
+    found = [(values[-1], 0.0)]
+    for order in range(1, len(w)):
+        pairs = list(zip(w, w[order:], strict=False))
+        slopes = [
+            (values[i] - values[i + 1] + far * slopes[i + 1] - near * slopes[i]) / (far - near)
+            for i, (far, near) in enumerate(pairs)
+        ]
+        values = [
+            (far * values[i + 1] - near * values[i]) / (far - near)
+            for i, (far, near) in enumerate(pairs)
+        ]
+        found.append((values[-1], slopes[-1]))
+    return found

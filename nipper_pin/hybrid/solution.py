@@ -20,7 +20,7 @@ from .collisions import (
     phase_intervals,
     transitions,
 )
-from .energy import EnergyBalance, energy_balance
+from .energy import EnergyBalance, energy_balance, impulses_of_drives
 from .event import Event
 from .segment import Segment
 from .trajectory import Trajectory, closure_residuals
@@ -127,6 +127,11 @@ class Solution:
         """Completed bounce series of the transition stop."""
         stop = self.mechanism.transition_stop
         return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def drive_impulses(self) -> tuple[FloatArray, ...]:
+        """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
+        return impulses_of_drives(self.system, self.events)
 
     @cached_property
     def errors(self) -> tuple[EventError, ...]:

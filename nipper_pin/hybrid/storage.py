@@ -30,7 +30,7 @@ from .panel import Panel
 from .segment import Segment
 from .solution import Outcome, Solution
 
-FORMAT = 1
+FORMAT = 2
 # What reading an archive or a document can run into that is not what it should be.
 _DAMAGE = (
     OSError,
@@ -70,7 +70,7 @@ def save(solution: Solution, path: str | Path) -> Path:
         key = (id(event.q), id(event.v_before), id(event.v_after))
         if key not in states:
             states[key] = len(rows)
-            rows.append([event.q, event.v_before, event.v_after])
+            rows.append([event.q, event.v_before, event.v_after, event.delta])
         events.append({**_event_record(event), "state": states[key]})
     arrays["events"] = np.array(rows)
     document = {
@@ -213,11 +213,10 @@ def _event_record(event: Event) -> dict[str, Any]:
         "stops": event.stops,
         "P_N": event.P_N,
         "P_g": event.P_g.tolist(),
-        "P_drive": event.P_drive.tolist(),
         "energy_lost": event.energy_lost,
-        "energy_from_drives": event.energy_from_drives,
         "closed_before": sorted(event.closed_before),
         "closed_after": sorted(event.closed_after),
+        "series_error": event.series_error,
     }
 
 
@@ -249,7 +248,7 @@ def _solution(document: dict[str, Any], stored: Any) -> Solution:
         message = "the events do not belong to the stored states"
         raise ValueError(message)
     for record in document["events"]:
-        q, v_before, v_after = states[record["state"]]
+        q, v_before, v_after, delta = states[record["state"]]
         events.append(
             Event(
                 number=record["number"],
@@ -259,13 +258,13 @@ def _solution(document: dict[str, Any], stored: Any) -> Solution:
                 q=q,
                 v_before=v_before,
                 v_after=v_after,
+                delta=delta,
                 P_N=record["P_N"],
                 P_g=np.array(record["P_g"]),
-                P_drive=np.array(record["P_drive"]),
                 energy_lost=record["energy_lost"],
-                energy_from_drives=record["energy_from_drives"],
                 closed_before=frozenset(record["closed_before"]),
                 closed_after=frozenset(record["closed_after"]),
+                series_error=record["series_error"],
             )
         )
     return Solution(

@@ -156,9 +156,9 @@ class Phase:
     closed: frozenset[str]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Mechanism:
-    """A validated planar mechanism with closures, drives, springs and stops.
+    """A validated planar mechanism with closures, drives, springs and stops; equal to itself only.
 
     Attributes:
         name: Model name.

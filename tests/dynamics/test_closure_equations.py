@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from planar_tree import PlanarTree
 
+from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.simulate import simulate
@@ -137,7 +138,7 @@ def test_placement_caches_never_go_stale(states, make_system: MakeSystem) -> Non
             q, v = second.q[None], second.v[None]
             system.accelerations(second.motion, q, v, rows)
             _, G = system.body.closures(q)
-            system.body.impulse_response(second.q, G[0], second.v)
+            system.body.impulse_response(second.q, G[0], second.v, system.drive_armature)
             system.body.mass_matrix(second.q)
             system.body.inverse_dynamics(q, v, v)
             system.body.kinetic_energy(q, v)
@@ -145,7 +146,10 @@ def test_placement_caches_never_go_stale(states, make_system: MakeSystem) -> Non
             system.body.joint_wrenches(second.q, second.v, second.v, np.ones(len(G[0])))
 
         for question in (closures, accelerations, closures):
-            fresh = question(make_system(drive))
+            other_system = make_system(drive)
+            # Systems of one thread share their buffers; this one gets its own.
+            other_system.body = Multibody(other_system.mechanism)
+            fresh = question(other_system)
             disturb()
             for one, other in zip(question(used), fresh, strict=True):
                 assert np.array_equal(one, other)
@@ -162,7 +166,7 @@ def test_impulses_do_not_disturb_flight(states, make_system: MakeSystem) -> None
     for q in (state.q, other.q):
         G = system.body.closures(q[None])[1][0]
         z = np.linalg.lstsq(G, np.ones(len(G)), rcond=None)[0]
-        system.body.impulse_response(q, G, z)
+        system.body.impulse_response(q, G, z, system.drive_armature)
         assert np.array_equal(system.accelerations(*ask), first)
     again = system.body.closures(state.q[None])
     assert np.array_equal(again[0], gaps[0])

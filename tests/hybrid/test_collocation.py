@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.collocation import Arc, evaluate, nodes, tail
+from nipper_pin.hybrid.collocation import Series, evaluate, nodes, tail
 
 ORDERS = [3, 4, 5, 8, 12, 16]
 # Values and matrices are of order one; products of N terms leave N round-offs.
@@ -93,17 +93,22 @@ def test_double_integral_keeps_relative_precision_near_the_start() -> None:
     np.testing.assert_allclose((grid.twice @ values)[1:], 0.5 * inner**2, rtol=1e-12)
 
 
-def test_arc_is_the_same_polynomial_as_the_evaluation() -> None:
-    """Scalar evaluation by Clenshaw's recurrence equals start + slope sigma + double integral."""
+@pytest.mark.parametrize("power", [0, 1, 2])
+def test_deflated_series_are_the_double_integral_by_a_power(power: int) -> None:
+    """Coefficients of D(sigma) / sigma^power give D, its values and its slope, for a quartic D.
+
+    a = 12 sigma^2 - 6 sigma + 2 has D = sigma^4 - sigma^3 + sigma^2, so the quotients are known
+    polynomials with known slopes, at sigma = 0, too, where a division would fail.
+    """
     grid = nodes(9)
-    values = np.cos(3.0 * grid.sigma)
-    arc = Arc(values, 0.25, -1.5)
+    coefficients = grid.deflated[power] @ (12.0 * grid.sigma**2 - 6.0 * grid.sigma + 2.0)
+    wanted = np.polynomial.Polynomial([0.0, 0.0, 1.0, -1.0, 1.0][power:])
+    series = Series(coefficients)
     for sigma in (0.0, 0.013, 0.5, 0.97, 1.0):
-        place = np.array([sigma])
-        value = 0.25 - 1.5 * sigma + evaluate(values, place, 2)[0]
-        rate = -1.5 + evaluate(values, place, 1)[0]
-        assert arc.value(sigma) == pytest.approx(value, abs=TOLERANCE)
-        assert arc.rate(sigma) == pytest.approx(rate, abs=TOLERANCE)
+        value, slope = series.value_and_slope(sigma)
+        assert value == pytest.approx(wanted(sigma), abs=1e-14)
+        assert slope == pytest.approx(wanted.deriv()(sigma), abs=1e-12)
+        assert series.value(sigma) == value
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -12,7 +12,7 @@ from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.panel import Panel
-from nipper_pin.hybrid.segment import _gap_root
+from nipper_pin.hybrid.triggers import _gap_root
 
 MODEL = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
 

@@ -194,7 +194,8 @@ def test_an_inertial_cycle_runs_and_loses_drive_speed_in_impacts(nipper: Mechani
         event = max(solution.collisions, key=lambda item: item.impulse).event
         jumped = np.abs(event.v_after[driven] - event.v_before[driven])
         assert (jumped > 1e-6).all() if is_free else (jumped == 0.0).all()
-        assert (event.P_drive == 0.0).all() if is_free else (event.P_drive != 0.0).all()
+        taken = solution.drive_impulses[event.number - 1]
+        assert (taken == 0.0).all() if is_free else (taken != 0.0).all()
     stops = [item.stop for item in free.collisions]
     assert {"jaw", "steeve"} <= set(stops)
     # The shafts give a little: the first collision of the jaw comes at nearly the same index.
@@ -291,12 +292,13 @@ def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
     """Guards against: every rebound searched all segments, so 10,000 turns never ended.
 
     Copies of a turn share their arrays. The dynamics is evaluated for the tables of one turn, and
-    no more for those of 2,000: the evaluations of the solution's own system are counted.
+    no more for those of 2,000: the evaluations after the run are counted.
     """
     counts = []
     for cycles in (2, 2000):
         solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE, cycles=cycles))
+        before = solution.system.body.evaluations
         assert len(solution.collisions) % cycles == 0
         assert len(solution.errors) == len(solution.events)
-        counts.append(solution.system.body.evaluations)
-    assert counts[0] == counts[1]
+        counts.append(solution.system.body.evaluations - before)
+    assert counts[0] == counts[1] > 0

@@ -17,8 +17,8 @@ import nipper_pin
 from nipper_pin import Case, load, simulate
 solution = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle"))
 for event in solution.events:
-    for number in (event.t, *event.q, *event.v_before, *event.v_after, *event.P_g, *event.P_drive,
-                   *event.P_N.values(), event.energy_lost, event.energy_from_drives):
+    for number in (event.t, *event.q, *event.v_before, *event.v_after, *event.P_g, *event.delta,
+                   *event.P_N.values(), event.energy_lost, event.series_error):
         print(float(number).hex())
 """
 
@@ -34,10 +34,10 @@ def _bits() -> list[str]:
             *event.v_before,
             *event.v_after,
             *event.P_g,
-            *event.P_drive,
+            *event.delta,
             *event.P_N.values(),
             event.energy_lost,
-            event.energy_from_drives,
+            event.series_error,
         )
     ]
 

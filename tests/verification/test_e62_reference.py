@@ -91,7 +91,7 @@ def _pairs(
     assert len(computed) == len(reference)
     pairs = []
     for (collisions, _), rows in zip(computed, reference.values(), strict=True):
-        assert len(collisions) >= 5
+        assert len(collisions) >= 4
         flight = np.inf
         for collision, row in zip(collisions, rows, strict=False):
             assert collision.stop == row["stop"]

@@ -68,7 +68,7 @@ def test_shaft_speeds_jump_by_the_inverse_of_the_inertia(
     """
     held, inertial = runs
     shaft = held.mechanism.drives[0]
-    limit = held.events[0].P_drive[0]
+    limit = held.drive_impulses[0][0]
     jumps = [run.events[0].v_after[shaft.index] - run.events[0].v_before[shaft.index]
              for run in inertial]  # fmt: skip
     impulses = -shaft.reflected_inertia * SCALES * np.array(jumps)

@@ -1,0 +1,181 @@
+"""Triggers: where a gap closes or a contact force vanishes on a panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import ConstraintSet, System
+from ..errors import SimulationError
+from ..mechanism import Stop
+from .collocation import Series, evaluate, nodes
+from .panel import Panel, forces_at, state_at
+from .roots import first_descent, polish
+
+# Triggers nearer than this fraction of a turn are one event.
+_SIMULTANEOUS = 1e-13
+_SQUARES = np.arange(66, dtype=float) ** 2
+
+
+class TriggerKind(StrEnum):
+    """What a root function belongs to."""
+
+    GAP = "gap"
+    FORCE = "force"
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """A root: the gap of an open stop, or the force of a closed one, falls through zero.
+
+    Attributes:
+        t: Time [s].
+        kind: Gap or force.
+        stop: Name of the stop.
+    """
+
+    t: float
+    kind: TriggerKind
+    stop: str
+
+
+def triggers(
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    forces: FloatArray,
+    open_stops: list[Stop],
+) -> tuple[Trigger, ...]:
+    """Earliest triggers on a panel, simultaneous ones together."""
+    found = []
+    for stop in open_stops:
+        t = _gap_root(system, rows, panel, stop.index)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.GAP, stop.name))
+    closed = [stop for stop in system.mechanism.stops if stop.name in rows.closed]
+    for column, stop in enumerate(closed):
+        t = _force_root(system, rows, panel, forces[:, column], column)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
+    if not found:
+        return ()
+    earliest = min(trigger.t for trigger in found)
+    limit = earliest + _SIMULTANEOUS * system.shaft.period
+    return tuple(
+        replace(trigger, t=earliest)
+        for trigger in sorted(found, key=lambda item: item.stop)
+        if trigger.t <= limit
+    )
+
+
+def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> float | None:
+    """Time at which a gap falls through zero on a panel, or None."""
+    if panel.integrated:
+        return _flight_root(system, panel, index)
+    h = panel.h
+
+    def interpolant(sigma: float) -> float:
+        return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
+
+    def rough(t: float) -> tuple[float, float]:
+        q_v = np.stack([panel.q[:, index], panel.v[:, index]], axis=1)
+        gap_rate = evaluate(q_v, np.array([(t - panel.t) / h]), 0)[0]
+        return float(gap_rate[0]), float(gap_rate[1])
+
+    def exact(t: float) -> tuple[float, float]:
+        state = state_at(system, rows, panel, np.array([t]))
+        return float(state.q[0, index]), float(state.v[0, index])
+
+    grid = nodes(panel.order)
+    values = grid.sample_value @ panel.q[:, index]
+    return _polished(panel, first_descent(grid.samples, values, interpolant), rough, exact)
+
+
+def _flight_root(system: System, panel: Panel, index: int) -> float | None:
+    """Time at which a gap in flight falls through zero, or None.
+
+    Dividing out the zero at the start leaves the next one as the only one, to full precision.
+    """
+    grid, h, a = nodes(panel.order), panel.h, panel.a[:, index]
+    gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
+    power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
+    coefficients = h**2 * (grid.deflated[power] @ a)
+    if power == 0:
+        coefficients[0] += gap + 0.5 * h * rate
+        coefficients[1] += 0.5 * h * rate
+    elif power == 1:
+        coefficients[0] += h * rate
+    size = np.abs(coefficients)
+    if coefficients[0] > size[1:].sum():
+        # No Chebyshev polynomial exceeds one: positive throughout.
+        return None
+    series = Series(coefficients)
+    # The derivative of degree k is at most k^2: the gap by sigma^power falls throughout.
+    falling = -coefficients[1] > size[2:] @ _SQUARES[2 : len(size)]
+    if falling and series.value(0.0) > 0.0:
+        if series.value(1.0) > 0.0:
+            return None
+        bracket = 0.0, 1.0
+        guess = min(max(0.5 - 0.5 * float(coefficients[0] / coefficients[1]), 0.0), 1.0)
+        return panel.t + h * polish(series.value_and_slope, *bracket, guess)
+    values = h**2 * (grid.sample_twice[power] @ a)
+    if power < 2:
+        values += gap + h * rate * grid.samples if power == 0 else h * rate
+    if (values < 0.0).all():
+        name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
+        message = (
+            f"stop {name!r} is open but its gap starts to close from zero: the accelerations "
+            "contradict the closed stops; this is an error of the package, please report the case"
+        )
+        raise SimulationError(message, stop=name, gap=gap, rate=rate)
+    found = first_descent(grid.samples, values, series.value)
+    return None if found is None else panel.t + h * polish(series.value_and_slope, *found)
+
+
+def _force_root(
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    force: FloatArray,
+    column: int,
+) -> float | None:
+    """Time at which the force of a closed stop falls through zero on a panel, or None."""
+    grid = nodes(panel.order)
+    values = grid.sample_value @ force
+    if values[0] < 0.0:
+        # The force was zero to round-off when the stop was taken to be pressed.
+        return panel.t
+    slope = np.gradient(values, grid.samples) / panel.h
+
+    def interpolant(sigma: float) -> float:
+        return float(evaluate(force, np.array([sigma]), 0)[0])
+
+    def rough(t: float) -> tuple[float, float]:
+        sigma = (t - panel.t) / panel.h
+        return interpolant(sigma), float(np.interp(sigma, grid.samples, slope))
+
+    def exact(t: float) -> tuple[float, float]:
+        la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
+        return float(la_N[0, column]), rough(t)[1]
+
+    bracket = first_descent(grid.samples, values, interpolant)
+    return _polished(panel, bracket, rough, exact)
+
+
+def _polished(
+    panel: Panel,
+    bracket: tuple[float, float] | None,
+    *functions: Callable[[float], tuple[float, float]],
+) -> float | None:
+    """Root in a bracket, by one function after the other: the cheap ones find the start."""
+    if bracket is None:
+        return None
+    left, right = (panel.t + panel.h * sigma for sigma in bracket)
+    root = right
+    for function in functions:
+        root = polish(function, left, right, root)
+    return root
