@@ -64,7 +64,7 @@ def wheel(tmp_path_factory):
 def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
     code = {f"nipper_pin/{name}" for name in under("nipper_pin")}
     models = {f"nipper_pin/models/{name}" for name in under("models")}
-    assert {"nipper_pin/py.typed", "nipper_pin/cli.py"} <= code
+    assert {"nipper_pin/py.typed", "nipper_pin/cli/__init__.py"} <= code
     assert {"nipper_pin/models/e62/e62.urdf", "nipper_pin/models/e62/e62.toml"} <= models
     certified = {
         f"nipper_pin/reference/{path.name}" for path in (ROOT / "tests/reference").glob("*.json")

@@ -21,8 +21,8 @@ from itertools import pairwise
 from math import inf
 
 _MOST_POINTS = 8
-# The difference of two orders shows the error of the higher one up to a factor, unless it changes its
-# sign just there: then a part of the difference before stands for it.
+# The difference of two orders shows the error of the higher one up to a factor, unless it changes
+# its sign just there: then a part of the difference before stands for it.
 _SAFETY, _PART = 4.0, 0.01
 
 

@@ -1,0 +1,57 @@
+"""The command ``nipper-pin``: one file a subcommand."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from ..errors import InputError, NipperError
+from . import benchmark, check, simulate
+
+_RIGHT, _NOT_SIMULATED, _UNUSABLE, _INTERRUPTED = 0, 1, 2, 130
+_COMMANDS = {
+    "simulate": (simulate, "simulate a transition or whole cycles"),
+    "check": (check, "say what a model is, and what is wrong with it"),
+    "benchmark": (benchmark, "measure run time against error on this machine"),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Args:
+        arguments: Command-line arguments; those of the process by default.
+
+    Returns:
+        Exit status: 0 right, 1 the simulation could not be done, 2 unusable arguments or files.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        options.run(options)
+    except InputError as error:
+        return _complain(error, _UNUSABLE)
+    except NipperError as error:
+        return _complain(error, _NOT_SIMULATED)
+    except KeyboardInterrupt:
+        return _INTERRUPTED
+    except BrokenPipeError:
+        # The reader of a pipe may stop early; that is not a fault of the run.
+        sys.stderr.close()
+    return _RIGHT
+
+
+def _complain(error: NipperError, status: int) -> int:
+    sys.stderr.write(f"nipper-pin: {error.message}\n")
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="nipper-pin",
+        description="Simulate impact mechanisms: the nipper of a comber and its bouncing jaw.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (command, text) in _COMMANDS.items():
+        command.add_arguments(commands.add_parser(name, help=text))
+    return parser

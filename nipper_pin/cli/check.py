@@ -1,0 +1,28 @@
+"""``nipper-pin check``."""
+
+from __future__ import annotations
+
+import argparse
+
+from .arguments import add_model, load_mechanism, speed, write_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    add_model(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..study.check import check_model
+
+    mechanism = load_mechanism(options)
+    report = check_model(mechanism, speed(options, mechanism))
+    if options.json is not None:
+        write_json(report.record(), options.json)
+    if options.json != "-":
+        from rich.console import Console
+
+        from ..view.report import print_report
+
+        print_report(report, Console())
