@@ -1,8 +1,9 @@
 """The one degree of freedom that held drives leave, sampled from Pinocchio and solved compiled."""
 
 from .model import ReducedModel
+from .results import ReducedTransition, Status, TransitionBatch
 from .sampling import build, unfit
-from .transition import ReducedTransition, Status, TransitionBatch, transition, transitions
+from .transition import transition, transitions
 
 __all__ = [
     "ReducedModel",

@@ -151,6 +151,18 @@ def _others_open(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: F
 
 
 @compiled
+def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: int, u: float,
+               x: float, v: float, a0: float) -> float:  # fmt: skip
+    """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
+    h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
+    if x > 0.0 or u + h * case[SPEED] > case[TRAVEL_MOST]:
+        return h
+    contract(mixed, poly, poly.shape[0] - 1, case[TRAVEL_MOST], u + h * case[SPEED])
+    mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
+    return 2.0 * v / -mean if mean < 0.5 * a0 else h
+
+
+@compiled
 def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
             nodes: FloatArray, degree: int, u0: float, w: float, tolerance: float,
             touching: bool) -> tuple[float, ...]:  # fmt: skip
@@ -158,12 +170,13 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
 
     Returns:
         Status (AT_REST stands for a flight that came back), time, rate at the end, amplitude,
-        time of the peak, acceleration at the end, fastest rate, error of x'' by the solver.
+        time of the peak, acceleration at the end, fastest rate, and of all panels the largest
+        last change and steady error of x''.
     """
     speed, travel = case[SPEED], case[TRAVEL_MOST]
     t, x, v = 0.0, 0.0, w
-    amplitude = peak_time = fastest = residual = 0.0
-    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    amplitude = peak_time = fastest = changed = left = 0.0
+    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
@@ -173,11 +186,11 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
         if a0 < 0.0:
-            h = OVERSHOOT * (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
+            h = OVERSHOOT * _ballistic(case, mixed, poly, degree, u, x, v, a0)
         level = -1
-        error = 0.0
+        change = missing = 0.0
         for halving in range(_MOST_HALVINGS):
-            level, h, error = solve_panel(
+            level, h, change, missing = solve_panel(
                 grids, case, mixed, poly, nodes, degree, u, h, x, v, a0, halving == 0, tolerance
             )
             if level >= 0:
@@ -189,7 +202,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
             for j in range(LEVELS[0]):
                 highest = max(highest, nodes[NODE_X, j])
             return (LEFT_GAP if highest > case[HIGH] else UNRESOLVED), *failed
-        residual = max(residual, error)
+        changed, left = max(changed, change), max(left, missing)
         count = LEVELS[level]
         coefficients(grids, nodes, level)
         end = _first_zero(grids, nodes, level, h, x, v)
@@ -207,7 +220,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         if end >= 0.0:
             rate = rate_at(nodes, count, h, v, end)
             a = chebyshev(nodes, SERIES, 0, count, 2.0 * end - 1.0)
-            return AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, residual
+            return AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left
         t += h
         x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
     return UNRESOLVED, *failed

@@ -10,7 +10,7 @@ from ..arrays import FloatArray
 AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED = range(7)
 # Rows of the table of collisions.
 (
-    TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
+    TIME, ANGLE, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,
     TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR, REBOUND_ERROR,
 ) = range(13)  # fmt: skip
 COLUMNS = 13
@@ -19,14 +19,22 @@ EPS = 2.220446049250313e-16
 
 # First index of the operators: from the values at the nodes (second last index) to integrals from
 # 0 and double ones at the nodes, to Chebyshev coefficients of the interpolant and of the integrals,
-# and from the grid below to the nodes of this one; the nodes themselves.
-ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, SIGMA = range(7)
+# and from the grid below to the nodes of this one; to values, integrals and double ones at
+# probes between the nodes; the nodes themselves and then the probes.
+(
+    ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
+) = range(10)  # fmt: skip
+PROBES = 3
 # Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE = range(7)
 SCRATCH_ROWS = 7
 # Numbers of a case and its domain. `SCALE` takes x - low to [0, 2].
 SPEED, TRAVEL_MOST, LOW, HIGH, SCALE = range(5)
 CASE_NUMBERS = 5
+# Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns
+# are the powers of the rate.
+RESIDUAL, BY_X, BY_U, BY_V = range(4)
+SIZES = 4
 
 
 class Tables(NamedTuple):
@@ -44,10 +52,13 @@ class Tables(NamedTuple):
     high: float
     approach: float
     inertia_residual: float
+    touch_angle: float
+    sense: float
+    lever: float
 
 
 class Work(NamedTuple):
-    """Scratch arrays of one batch.
+    """Scratch arrays of one call, made in it: no two threads share them.
 
     Few arrays and no views of them go through the inner functions: each would cost as much in
     counted references as a short polynomial does in arithmetic.
@@ -60,6 +71,7 @@ class Work(NamedTuple):
             last row is for single points.
         nodes: Shape (SCRATCH_ROWS, N + 2).
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
+        sizes: Bounds of the case as polynomials of the rate, shape (SIZES, 3).
     """
 
     case: FloatArray
@@ -67,3 +79,4 @@ class Work(NamedTuple):
     poly: FloatArray
     nodes: FloatArray
     series: FloatArray
+    sizes: FloatArray

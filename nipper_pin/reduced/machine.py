@@ -1,4 +1,4 @@
-"""What the compiled code is given: grids, tables and scratch arrays."""
+"""The collocation grids that the compiled code is given."""
 
 from __future__ import annotations
 
@@ -7,22 +7,21 @@ from functools import cache
 import numpy as np
 
 from ..arrays import FloatArray
-from ..hybrid.collocation import nodes, prolonged
+from ..hybrid.collocation import evaluate, nodes, prolonged
 from .layout import (
-    CASE_NUMBERS,
     DOUBLE,
     INTEGRAL,
     LEVELS,
     ONCE,
+    PROBE,
+    PROBE_ONCE,
+    PROBE_TWICE,
+    PROBES,
     REFINE,
-    SCRATCH_ROWS,
     SIGMA,
     TWICE,
     VALUE,
-    Tables,
-    Work,
 )
-from .model import ReducedModel
 
 
 @cache
@@ -36,44 +35,21 @@ def grids() -> FloatArray:
     found = np.zeros((SIGMA + 1, len(LEVELS), finest, finest + 2))
     for level, count in enumerate(LEVELS):
         grid = nodes(count)
+        # In the middle between two nodes, as the zeros of what an interpolant misses are spaced.
+        # Polynomials of three degrees that cancel at one of the probes do not at all of them.
+        first, middle = (np.pi * (int((count - 1) / part) + 0.5) / (count - 1) for part in (4, 2))
+        probes = 0.5 * (1.0 - np.cos([first, middle, np.pi - first]))
         found[SIGMA, level, 0, :count] = grid.sigma
+        found[SIGMA, level, 1, :PROBES] = probes
         operators = [(ONCE, grid.once), (TWICE, grid.twice)]
         operators += zip((VALUE, INTEGRAL, DOUBLE), grid.integrals, strict=True)
+        operators += [
+            (kind, evaluate(np.eye(count), probes, integrations))
+            for integrations, kind in enumerate((PROBE, PROBE_ONCE, PROBE_TWICE))
+        ]
         if level:
             operators.append((REFINE, prolonged(np.eye(LEVELS[level - 1]), count)))
         for kind, operator in operators:
             to, start = operator.shape
             found[kind, level, :start, :to] = operator.T
     return found
-
-
-def tables(model: ReducedModel) -> Tables:
-    """Arrays of a model."""
-    return Tables(
-        equation=np.ascontiguousarray(model.equation),
-        gaps=np.ascontiguousarray(model.gaps),
-        inertia=np.ascontiguousarray(model.inertia),
-        residual=model.residual,
-        largest=model.largest,
-        steepest_x=model.steepest_x,
-        steepest_u=model.steepest_u,
-        travel=float(model.travel_rad),
-        low=float(model.gap_low),
-        high=float(model.gap_max),
-        approach=float(model.approach_rate),
-        inertia_residual=float(model.inertia_residual),
-    )
-
-
-def work(model: ReducedModel, most_collisions: int) -> Work:
-    """Scratch arrays for one batch."""
-    count_u, count_x = model.degrees
-    rows = (3 + len(model.other_stops)) * count_x
-    finest = LEVELS[-1]
-    return Work(
-        case=np.zeros(CASE_NUMBERS),
-        mixed=np.zeros((model.cells, count_u, rows)),
-        poly=np.zeros((finest + 1, rows)),
-        nodes=np.zeros((SCRATCH_ROWS, finest + 2)),
-        series=np.zeros((3, most_collisions)),
-    )

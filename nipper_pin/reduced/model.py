@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
 
 from ..arrays import FloatArray
+from .layout import Tables
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
 # F_k, and F_k times the coordinate of the spring.
@@ -84,3 +88,24 @@ class ReducedModel:
     def degrees(self) -> tuple[int, int]:
         """Coefficients along the travel in each cell, and along x."""
         return int(self.equation.shape[2]), int(self.equation.shape[3])
+
+    @cached_property
+    def tables(self) -> Tables:
+        """The arrays and numbers that compiled code reads."""
+        return Tables(
+            equation=np.ascontiguousarray(self.equation),
+            gaps=np.ascontiguousarray(self.gaps),
+            inertia=np.ascontiguousarray(self.inertia),
+            residual=self.residual,
+            largest=self.largest,
+            steepest_x=self.steepest_x,
+            steepest_u=self.steepest_u,
+            travel=float(self.travel_rad),
+            low=float(self.gap_low),
+            high=float(self.gap_max),
+            approach=float(self.approach_rate),
+            inertia_residual=float(self.inertia_residual),
+            touch_angle=float(self.touch_angle_rad),
+            sense=float(self.sense),
+            lever=float(self.lever),
+        )

@@ -14,6 +14,7 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,8 @@ from nipper_pin.reduced import ReducedModel, Status, build, transition, transiti
 
 CASES = ["450", "550", "650", "650_e0.05", "650_e0.25", "650_e0.5", "650_k7000", "650_k11000"]
 FINE = 1e-12
+# Relative errors below this are luck, not accuracy.
+LUCK = 16.0 * 2.220446049250313e-16
 
 
 def arguments(case: dict[str, Any]) -> dict[str, float]:
@@ -93,26 +96,25 @@ def test_stated_bound(
     assert worst <= found.error_bound
 
 
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("name", CASES)
 def test_stated_bound_is_not_empty(
-    model: ReducedModel, reference: dict[str, Any], tolerance: float
+    model: ReducedModel, reference: dict[str, Any], name: str, tolerance: float
 ) -> None:
-    """Over the certified cases the median bound is within 1e4 times the true worst of four.
+    """In no certified case is the bound a thousand times the true worst of four.
 
-    A single true error may be small by luck; half of eight independent ones are not.
+    A true error below 16 units of round-off is luck: it counts as that. A single quantity may cross
+    zero, the worst of four seldom does; measured ratios lie between 20 and 400.
     """
-    ratios = []
-    for name in CASES:
-        case = reference[name]
-        rows = case["collisions"]
-        found = transition(model, **arguments(case), tolerance=tolerance)
-        worst = max(
-            abs(found.duration / float(case["rest_time_s"]) - 1.0),
-            abs(found.rebound_amplitude[0] / float(rows[0]["rebound_amplitude"]) - 1.0),
-            *(abs(found.rebound_time[i] / float(rows[i]["rebound_time_s"]) - 1.0) for i in (0, 1)),
-        )
-        ratios.append(found.error_bound / max(worst, 4e-16))
-    assert np.median(ratios) < 1e4
+    case = reference[name]
+    rows = case["collisions"]
+    found = transition(model, **arguments(case), tolerance=tolerance)
+    worst = max(
+        abs(found.duration / float(case["rest_time_s"]) - 1.0),
+        abs(found.rebound_amplitude[0] / float(rows[0]["rebound_amplitude"]) - 1.0),
+        *(abs(found.rebound_time[i] / float(rows[i]["rebound_time_s"]) - 1.0) for i in (0, 1)),
+    )
+    assert found.error_bound < 1e3 * max(worst, LUCK)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
@@ -122,9 +124,8 @@ def test_stated_bound_on_random_parameters(
     """In 500 random cases no error exceeds its bound, from the tightest to the loosest tolerance.
 
     The truth is another, finer table solved to 1e-13: its own bounds, added here, are far below.
-    The bounds are not empty: for 19 of 20 cases the worst of four is within 1e4 times its error.
-    The others have flights that a grid resolves far better than its last coefficients show; a
-    single quantity, whose error may cross zero, is right by luck more often than all four.
+    The bounds are not empty: in 19 of 20 cases the bound is within 1e3 times the worst of four
+    (measured: within 300 times). The others are right by luck, as where errors cross zero.
     """
     random = np.random.default_rng(5)
     cases = {
@@ -159,10 +160,32 @@ def test_stated_bound_on_random_parameters(
             *np.abs(found.rebound_time / true.rebound_time - 1.0)[rest, :2].T,
         ]
     )
-    # Round-off is the least error that can be told apart from luck.
-    ratio = found.error_bound[rest] / np.maximum(worst, 4e-16)
+    ratio = found.error_bound[rest] / np.maximum(worst, LUCK)
     assert ratio.min() >= 1.0
-    assert np.quantile(ratio, 0.95) < 1e4
+    assert np.quantile(ratio, 0.95) < 1e3
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_stated_bound_of_the_limit(model: ReducedModel, e62: Mechanism, tolerance: float) -> None:
+    """Near the speed that lifts the jaw off, where a limit is hardest to know, its bound holds.
+
+    There x'' changes by its own size during the bounces, so that extrapolations agree by chance: a
+    bound from their difference alone is exceeded twelve times in this range.
+    """
+    random = np.random.default_rng(6)
+    cases = {
+        "speed_rpm": random.uniform(700.0, 800.0, 2000),
+        "restitution": random.uniform(0.25, 0.45, 2000),
+        "stiffness": random.uniform(5000.0, 16000.0, 2000),
+        "preload": random.uniform(0.006, 0.02, 2000),
+    }
+    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=1.75)
+    true = transitions(fine, tolerance=1e-13, **cases)
+    found = transitions(model, tolerance=tolerance, **cases)
+    rest = (true.status == Status.AT_REST) & (found.status == Status.AT_REST)
+    assert rest.sum() > 800
+    error = np.abs(found.duration - true.duration)[rest]
+    assert (error <= (found.duration_error + true.duration_error)[rest]).all()
 
 
 def test_direct_engine_on_random_parameters(model: ReducedModel) -> None:
@@ -245,6 +268,19 @@ def test_batch_equals_single(model: ReducedModel) -> None:
         assert np.isnan(batch.time[i, count:]).all()
 
 
+def test_threads(model: ReducedModel) -> None:
+    """Calls from several threads give the bits of calls from one: nothing is shared in a run."""
+    speeds = np.random.default_rng(4).uniform(400.0, 650.0, 200).tolist()
+
+    def solve(speed: float) -> bytes:
+        return transition(model, speed_rpm=speed).table.tobytes()
+
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(solve, speeds))
+    assert found == [solve(speed) for speed in speeds]
+    assert len(set(found)) == len(speeds)
+
+
 def test_leaving_the_domain(e62: Mechanism) -> None:
     """What leaves the domain is refused with its reason, and marked in a batch."""
     small = build(e62, travel_rad=0.5, gap_max=0.02)
@@ -276,6 +312,20 @@ def test_unusable_parameters(model: ReducedModel, key: str, value: Any) -> None:
     """A parameter out of range is refused by name."""
     with pytest.raises(InputError, match=key):
         transitions(model, **{"speed_rpm": 500.0, key: value})
+    with pytest.raises(InputError, match=key):
+        transition(model, **{"speed_rpm": 500.0, key: value})
+
+
+def test_one_case_a_call(model: ReducedModel) -> None:
+    """A single call takes one number; whole numbers and those of numpy are numbers."""
+    with pytest.raises(InputError, match="speed_rpm"):
+        transition(model, speed_rpm=[500.0, 600.0])  # type: ignore[arg-type]
+    expected = transition(model, speed_rpm=500.0, stiffness=9000.0, restitution=0.0)
+    for number in (int, np.float64, np.int64):
+        found = transition(
+            model, speed_rpm=number(500), stiffness=number(9000), restitution=number(0)
+        )
+        assert np.array_equal(found.table, expected.table)
 
 
 def test_worker_process(model: ReducedModel, tmp_path: Path) -> None:

@@ -1,0 +1,111 @@
+"""Parameters of cases, checked: numbers, columns of a batch, rows of spring values."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import FloatArray
+from ..errors import InputError
+
+
+def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:
+    """Check what all cases of a call share.
+
+    Args:
+        rest_rate: Threshold of rest [rad/s or m/s], or None.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions.
+
+    Raises:
+        InputError: One of them is out of range.
+    """
+    if not 1e-13 <= tolerance <= 1e-3 or max_collisions < 1:
+        message = "tolerance must lie in 1e-13 to 1e-3, and max_collisions be at least 1"
+        raise InputError(message, tolerance=tolerance, max_collisions=max_collisions)
+    if rest_rate is not None and not (math.isfinite(rest_rate) and rest_rate > 0.0):
+        message = f"rest_rate = {rest_rate!r} cannot be used: a finite rate above 0, or none"
+        raise InputError(message, rest_rate=rest_rate)
+
+
+def number(key: str, value: float, low: float, high: float, *, open_low: bool = False) -> float:
+    """One number, checked; what is not plainly right is judged like a column of a batch."""
+    if isinstance(value, float) and low < value < high:
+        return value
+    return float(column(key, [value], low, high, open_low=open_low)[0])
+
+
+def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) -> FloatArray:
+    """Values of all springs in one case, shape (springs,)."""
+    if value is None:
+        return default
+    if isinstance(value, float) and low <= value < math.inf:
+        return np.full(len(default), value)
+    given = np.asarray(value, dtype=np.float64)
+    row: FloatArray = spring_rows(
+        key, given if given.ndim == 0 else given[None], len(default), low
+    )[0]
+    return row
+
+
+def column(
+    key: str, value: ArrayLike, low: float, high: float, *, open_low: bool = False
+) -> FloatArray:
+    """One number a case, checked.
+
+    Args:
+        key: Name of the parameter, for messages.
+        value: A number or shape (n,).
+        low: Least value allowed, or the one above which all are with ``open_low``.
+        high: Largest value allowed.
+        open_low: Whether ``low`` itself is excluded.
+
+    Returns:
+        Shape (1,) or (n,).
+
+    Raises:
+        InputError: A value is out of range, or the array has another shape.
+    """
+    found = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    right = np.isfinite(found) & (found <= high) & ((found > low) if open_low else (found >= low))
+    if found.ndim != 1 or not right.all():
+        bound = "above" if open_low else "from"
+        allowed = f"finite numbers {bound} {low:g} to {high:g}, one a case"
+        message = f"{key} = {value!r} cannot be used: {allowed}"
+        raise InputError(message, key=key, value=value, allowed=allowed)
+    return found
+
+
+def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatArray:
+    """One row of spring values a case, checked.
+
+    Args:
+        key: Name of the parameter, for messages.
+        value: One number for all, shape (n,) with one spring or (springs,) with more, or
+            (n, springs).
+        springs: Number of springs.
+        low: Least value allowed.
+
+    Returns:
+        Shape (1 or n, springs).
+
+    Raises:
+        InputError: A value is out of range, or the array has another shape.
+    """
+    found = np.asarray(value, dtype=np.float64)
+    if found.ndim == 0:
+        found = np.full((1, springs), float(found))
+    elif found.ndim == 1:
+        found = found[:, None] if springs == 1 else found[None]
+    if (
+        found.ndim != 2
+        or found.shape[1] != springs
+        or not np.isfinite(found).all()
+        or (found < low).any()
+    ):
+        allowed = f"finite numbers from {low:g}, one for each of {springs} springs"
+        message = f"{key} = {value!r} cannot be used: {allowed}"
+        raise InputError(message, key=key, value=value, allowed=allowed)
+    return found

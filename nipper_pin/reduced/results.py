@@ -1,0 +1,157 @@
+"""What the reduced engine returns: one transition, or many of them as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import FloatArray
+from . import layout
+
+ENGINE = "reduced"
+
+
+class Status(IntEnum):
+    """How a transition ended."""
+
+    AT_REST = 0
+    """The stop came to rest: the only status with a duration."""
+    LEFT_TRAVEL = 1
+    """Still bouncing at the largest travel of the model."""
+    LEFT_GAP = 2
+    """A rebound went beyond the largest gap of the model."""
+    OTHER_STOP = 3
+    """Another stop closed, or nearly did."""
+    NOT_PRESSED = 4
+    """The stop came to rest, and nothing presses it shut."""
+    TOO_MANY_COLLISIONS = 5
+    """More collisions than asked for."""
+    UNRESOLVED = 6
+    """A flight could not be resolved."""
+
+
+REASONS = {
+    Status.LEFT_TRAVEL: (
+        "the stop is not at rest at the end of the reduced model, a travel of {travel:.4g} rad; "
+        "build it with a larger travel_rad, or use the direct engine"
+    ),
+    Status.LEFT_GAP: (
+        "a rebound leaves the reduced model, whose largest gap is {gap:.4g}; build it with a "
+        "larger gap_max, or use the direct engine"
+    ),
+    Status.OTHER_STOP: "another stop closes during the transition; use the direct engine",
+    Status.NOT_PRESSED: "the stop is not pressed shut when it is at rest; use the direct engine",
+    Status.TOO_MANY_COLLISIONS: (
+        "the stop is not at rest after {most} collisions; raise max_collisions, or end the series "
+        "by a rate (rest_rate)"
+    ),
+    Status.UNRESOLVED: "a flight cannot be resolved; use the direct engine",
+}
+
+
+class _Collisions(Protocol):
+    @property
+    def table(self) -> FloatArray: ...
+
+
+class _Row:
+    """One row of a table of collisions, read by its name."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def __get__(self, result: _Collisions, kind: type) -> FloatArray:
+        row: FloatArray = result.table[..., self._number, :]
+        return row
+
+
+class CollisionRows:
+    """Rows of a table of collisions, the last axis of which counts the collisions.
+
+    Attributes:
+        time: Times of the collisions from the first one [s].
+        cylinder_angle: psi there [rad].
+        approach_rate: Rate before [rad/s or m/s], negative.
+        separation_rate: Rate after.
+        impulse: Normal impulse at the contact point [N s].
+        energy_lost: Kinetic energy lost [J].
+        rebound_amplitude: Largest coordinate of the rebound after it.
+        rebound_time: Its time [s].
+        time_error: Bound on the error of ``time`` [s].
+        rate_error: Bound on the error of ``approach_rate``.
+        impulse_error: Bound on the error of ``impulse`` [N s].
+        amplitude_error: Bound on the error of ``rebound_amplitude``.
+        rebound_error: Bound on the error of ``rebound_time`` [s].
+    """
+
+    time = _Row(layout.TIME)
+    cylinder_angle = _Row(layout.ANGLE)
+    approach_rate = _Row(layout.APPROACH)
+    separation_rate = _Row(layout.SEPARATION)
+    impulse = _Row(layout.IMPULSE)
+    energy_lost = _Row(layout.ENERGY)
+    rebound_amplitude = _Row(layout.AMPLITUDE)
+    rebound_time = _Row(layout.REBOUND)
+    time_error = _Row(layout.TIME_ERROR)
+    rate_error = _Row(layout.RATE_ERROR)
+    impulse_error = _Row(layout.IMPULSE_ERROR)
+    amplitude_error = _Row(layout.AMPLITUDE_ERROR)
+    rebound_error = _Row(layout.REBOUND_ERROR)
+
+
+@dataclass(frozen=True, eq=False)
+class TransitionBatch(CollisionRows):
+    """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
+
+    Attributes:
+        model: Name of the model.
+        status: :class:`Status` of each case, shape (n,).
+        collisions: Number of collisions computed, shape (n,).
+        duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
+        duration_error: Bound on its error [s], shape (n,).
+        share: Share of the first two rebounds in the duration, shape (n,).
+        error_bound: Bound on the worst relative error of the first two rebound times, the first
+            amplitude and the duration, shape (n,).
+        table: All rows, shape (n, rows, most).
+        engine: The engine that computed it.
+    """
+
+    model: str
+    status: NDArray[np.int64]
+    collisions: NDArray[np.int64]
+    duration: FloatArray
+    duration_error: FloatArray
+    share: FloatArray
+    error_bound: FloatArray
+    table: FloatArray = field(repr=False)
+    engine: str = ENGINE
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedTransition(CollisionRows):
+    """One transition that came to rest; the rows have shape (collisions,).
+
+    Attributes:
+        model: Name of the model.
+        collisions: Number of collisions computed.
+        duration: Time from the first collision to rest [s].
+        duration_error: Bound on its error [s].
+        share: Share of the first two rebounds in the duration; NaN with fewer.
+        error_bound: Bound on the worst relative error of the first two rebound times, the first
+            amplitude and the duration.
+        table: All rows, shape (rows, collisions).
+        engine: The engine that computed it.
+    """
+
+    model: str
+    collisions: int
+    duration: float
+    duration_error: float
+    share: float
+    error_bound: float
+    table: FloatArray = field(repr=False)
+    engine: str = ENGINE

@@ -1,0 +1,377 @@
+"""Transitions of many cases of one mechanism, each by the engine that suits it.
+
+The reduced engine solves a transition a hundred times faster than the direct one, but has to sample
+its tables first and knows only what they cover. What it cannot do the direct engine does, case by
+case, and the result says which engine computed what.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import FloatArray
+from ..dynamics.system import DriveMode
+from ..errors import InputError, NipperError
+from ..hybrid.case import Case, Resolution
+from ..hybrid.event import EventKind
+from ..hybrid.simulate import simulate
+from ..hybrid.solution import Solution
+from ..mechanism import Mechanism
+from ..reduced import ReducedModel, Status, build, transitions, unfit
+from ..reduced import layout as rows
+from ..reduced.inputs import check_run, column, spring_rows
+from ..reduced.results import CollisionRows
+
+Engine = Literal["auto", "direct", "reduced"]
+
+# Cases from which the reduced engine is worth its start. That costs 50 ms for the tables and, once
+# a process, 310 ms for loading compiled code: 60 to 140 direct runs of 2.5 to 6 ms each. A fixed
+# number, so that the engine of a case does not depend on what a process did before.
+REDUCED_PAYS_FROM = 64
+# Cases of one batch, and columns of its table; few cases have more collisions.
+_BATCH, _COLUMNS = 4096, 32
+FAILED = "failed"
+_STATUS = {int(status): status.name.lower() for status in Status}
+_AT_REST, _TOO_MANY = _STATUS[Status.AT_REST], _STATUS[Status.TOO_MANY_COLLISIONS]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TransitionTable(CollisionRows):
+    """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
+
+    Attributes:
+        model: Name of the model.
+        why: Why the engine was chosen, and how many cases it left to the other one.
+        engine: Engine of each case, "reduced" or "direct", shape (n,).
+        outcome: How each case ended: "at_rest"; "no_rest" or "too_many_collisions"; "failed"; and,
+            if the reduced engine was forced, its :class:`~nipper_pin.reduced.Status` in lower case.
+        message: For each case why it failed, or why the reduced engine left it to the direct one;
+            empty for all others.
+        speed_rpm: Cylinder speed of each case [r/min], shape (n,).
+        restitution: e_N of the transition stop, shape (n,).
+        stiffness: Spring rates, shape (n, springs) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, shape (n, springs) [m or rad].
+        collisions: Collisions of the transition stop that were computed, shape (n,).
+        duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
+        duration_error: Stated error of it [s], shape (n,).
+        first_two_share: Share of the first two rebounds in the duration, NaN with fewer,
+            shape (n,).
+        table: All rows, shape (n, rows, most). The errors are bounds where the reduced engine
+            computed and estimates where the direct one did; see ``docs/accuracy.md``.
+    """
+
+    model: str
+    why: str
+    engine: NDArray[np.str_]
+    outcome: NDArray[np.str_]
+    message: tuple[str, ...] = field(repr=False)
+    speed_rpm: FloatArray
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    collisions: NDArray[np.int64]
+    duration: FloatArray
+    duration_error: FloatArray
+    first_two_share: FloatArray
+    table: FloatArray = field(repr=False)
+
+    def __len__(self) -> int:
+        """Number of cases."""
+        return len(self.duration)
+
+
+def transition_table(
+    mechanism: Mechanism,
+    *,
+    speed_rpm: ArrayLike,
+    restitution: ArrayLike | None = None,
+    stiffness: ArrayLike | None = None,
+    preload: ArrayLike | None = None,
+    rest_rate: float | None = None,
+    tolerance: float = 1e-10,
+    max_collisions: int = 256,
+    drive: DriveMode = DriveMode.HELD,
+    engine: Engine = "auto",
+) -> TransitionTable:
+    """Compute the transitions of many cases of one mechanism.
+
+    Args:
+        mechanism: The mechanism.
+        speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so is the restitution.
+        restitution: e_N of the transition stop; by default that of the mechanism.
+        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a case.
+        drive: Behaviour of the driven shafts.
+        engine: "auto": the reduced engine for :data:`REDUCED_PAYS_FROM` cases or more of a
+            mechanism that it can represent, the direct one for all others. "direct" or "reduced":
+            that one alone.
+
+    Returns:
+        The table. A case that cannot be simulated is marked in it.
+
+    Raises:
+        InputError: A parameter is out of range, or the reduced engine is asked for and cannot
+            represent the mechanism.
+    """
+    if engine not in ("auto", "direct", "reduced"):
+        message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
+        raise InputError(message, engine=engine)
+    if drive not in set(DriveMode):
+        message = f"drive = {drive!r} cannot be used: held or inertial"
+        raise InputError(message, drive=drive)
+    check_run(rest_rate, tolerance, max_collisions)
+    cases = _cases(mechanism, speed_rpm, restitution, stiffness, preload)
+    run = _Run(mechanism, cases, DriveMode(drive), rest_rate, tolerance, max_collisions)
+    model, why = _chosen(mechanism, run.drive, len(cases.speed_rpm), engine)
+    left = list(range(len(cases.speed_rpm)))
+    if model is not None:
+        left = run.reduced(model, keep_all=engine == "reduced")
+        if left:
+            why += f"; {len(left)} that its tables do not cover: direct"
+    for number in left:
+        run.direct(number)
+    return run.table(why)
+
+
+@dataclass(frozen=True)
+class _Cases:
+    speed_rpm: FloatArray
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+
+
+def _cases(
+    mechanism: Mechanism,
+    speed_rpm: ArrayLike,
+    restitution: ArrayLike | None,
+    stiffness: ArrayLike | None,
+    preload: ArrayLike | None,
+) -> _Cases:
+    """Parameters of all cases, checked and broadcast."""
+    springs = mechanism.springs
+    if restitution is None:
+        restitution = mechanism.stop(mechanism.transition_stop).restitution
+    if stiffness is None:
+        stiffness = np.array([[spring.stiffness for spring in springs]])
+    if preload is None:
+        preload = np.array([[spring.preload for spring in springs]])
+    speed = column("speed_rpm", speed_rpm, 0.0, np.inf, open_low=True)
+    e_N = column("restitution", restitution, 0.0, 1.0)
+    rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
+    lengths = spring_rows("preload", preload, len(springs), -np.inf)
+    try:
+        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1])
+    except ValueError as error:
+        message = f"the arrays of a table need the same number of cases: {error}"
+        raise InputError(message) from error
+    shape = (n, len(springs))
+    return _Cases(
+        np.broadcast_to(speed, (n,)).copy(),
+        np.broadcast_to(e_N, (n,)).copy(),
+        np.broadcast_to(rates, shape).copy(),
+        np.broadcast_to(lengths, shape).copy(),
+    )
+
+
+def _chosen(
+    mechanism: Mechanism, drive: DriveMode, count: int, engine: Engine
+) -> tuple[ReducedModel | None, str]:
+    """The reduced model, or None for the direct engine, and the reason."""
+    if engine == "direct":
+        return None, "direct: asked for"
+    if engine == "reduced":
+        return build(mechanism, drive=drive), "reduced: asked for"
+    reason = unfit(mechanism, drive)
+    if reason is not None:
+        return None, f"direct: {reason}"
+    if count < REDUCED_PAYS_FROM:
+        return None, f"direct: the reduced engine pays from {REDUCED_PAYS_FROM} cases on"
+    if find_spec("numba") is None:
+        return None, "direct: the reduced engine needs numba, which is not installed"
+    try:
+        return build(mechanism), f"reduced: {count} cases of one mechanism"
+    except NipperError as error:
+        return None, f"direct: {error.message}"
+
+
+class _Run:
+    """Results of all cases as they come in."""
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        cases: _Cases,
+        drive: DriveMode,
+        rest_rate: float | None,
+        tolerance: float,
+        max_collisions: int,
+    ) -> None:
+        n = len(cases.speed_rpm)
+        self.drive = drive
+        self._mechanism, self._cases = mechanism, cases
+        self._rest_rate, self._tolerance = rest_rate, tolerance
+        self._most = max_collisions
+        self._engine = np.full(n, "direct", dtype="U7")
+        self._outcome = np.full(n, FAILED, dtype="U24")
+        self._message = [""] * n
+        self._collisions = np.zeros(n, dtype=np.int64)
+        # Duration, its error, share.
+        self._rest = np.full((n, 3), np.nan)
+        # Numbers of cases and their rows, which are trimmed to their longest series.
+        self._rows: list[tuple[NDArray[np.int64], FloatArray]] = []
+
+    def reduced(self, model: ReducedModel, *, keep_all: bool) -> list[int]:
+        """Solve all cases by the reduced engine; returns those that it leaves to the other."""
+        chosen = np.arange(len(self._outcome))
+        for columns in sorted({min(_COLUMNS, self._most), self._most}):
+            for start in range(0, len(chosen), _BATCH):
+                self._batch(model, chosen[start : start + _BATCH], columns)
+            chosen = np.flatnonzero(self._outcome == _TOO_MANY)
+        if keep_all:
+            return []
+        left = np.flatnonzero(self._outcome != _AT_REST).tolist()
+        for number in left:
+            self._message[number] = f"the reduced engine: {self._outcome[number]}"
+        return [int(number) for number in left]
+
+    def _batch(self, model: ReducedModel, chosen: NDArray[np.int64], columns: int) -> None:
+        batch = transitions(
+            model,
+            speed_rpm=self._cases.speed_rpm[chosen],
+            restitution=self._cases.restitution[chosen],
+            stiffness=self._cases.stiffness[chosen],
+            preload=self._cases.preload[chosen],
+            rest_rate=self._rest_rate,
+            tolerance=self._tolerance,
+            max_collisions=columns,
+        )
+        self._engine[chosen] = "reduced"
+        self._outcome[chosen] = [_STATUS[status] for status in batch.status]
+        self._collisions[chosen] = batch.collisions
+        self._rest[chosen] = np.stack([batch.duration, batch.duration_error, batch.share], axis=1)
+        most = int(batch.collisions.max(initial=0))
+        self._rows.append((chosen, batch.table[:, :, :most].copy()))
+
+    def direct(self, number: int) -> None:
+        """Simulate one case by the direct engine."""
+        cases, stop = self._cases, self._mechanism.transition_stop
+        self._engine[number] = "direct"
+        self._outcome[number], self._collisions[number] = FAILED, 0
+        self._rest[number] = np.nan
+        block = np.empty((rows.COLUMNS, 0))
+        try:
+            mechanism = _changed(
+                self._mechanism,
+                float(cases.restitution[number]),
+                cases.stiffness[number],
+                cases.preload[number],
+            )
+            case = Case(
+                speed_rpm=float(cases.speed_rpm[number]),
+                drive=self.drive,
+                rest_rate=self._rest_rate,
+                resolution=Resolution(tolerance=self._tolerance),
+                max_collisions=self._most,
+            )
+            solution = simulate(mechanism, case)
+            block, rest = _collision_rows(solution, stop), _rest(solution, stop)
+        except NipperError as error:
+            self._message[number] = error.message
+        else:
+            self._rest[number] = rest
+            self._outcome[number] = solution.outcome.name.lower()
+            self._collisions[number] = block.shape[1]
+        self._rows.append((np.array([number]), block[None]))
+
+    def table(self, why: str) -> TransitionTable:
+        """The table of all cases."""
+        most = int(self._collisions.max(initial=0))
+        table = np.full((len(self._outcome), rows.COLUMNS, most), np.nan)
+        for chosen, block in self._rows:
+            # A case that was done again has fewer or more collisions than at first.
+            width = min(most, block.shape[2])
+            table[chosen] = np.nan
+            table[chosen, :, :width] = block[:, :, :width]
+        duration, error, share = self._rest.T.copy()
+        return TransitionTable(
+            model=self._mechanism.name,
+            why=why,
+            engine=self._engine,
+            outcome=self._outcome,
+            message=tuple(self._message),
+            speed_rpm=self._cases.speed_rpm,
+            restitution=self._cases.restitution,
+            stiffness=self._cases.stiffness,
+            preload=self._cases.preload,
+            collisions=self._collisions,
+            duration=duration,
+            duration_error=error,
+            first_two_share=share,
+            table=table,
+        )
+
+
+def _changed(
+    mechanism: Mechanism, restitution: float, stiffness: FloatArray, preload: FloatArray
+) -> Mechanism:
+    """The mechanism with other values; its tree does not depend on them and is not built again."""
+    stops = tuple(
+        replace(stop, restitution=restitution) if stop.name == mechanism.transition_stop else stop
+        for stop in mechanism.stops
+    )
+    springs = tuple(
+        replace(spring, stiffness=float(k), preload=float(p))
+        for spring, k, p in zip(mechanism.springs, stiffness, preload, strict=True)
+    )
+    return replace(mechanism, stops=stops, springs=springs)
+
+
+def _collision_rows(solution: Solution, stop: str) -> FloatArray:
+    """Collisions of one stop, shape (rows, collisions)."""
+    hits = [hit for hit in solution.collisions if hit.stop == stop]
+    found = np.full((rows.COLUMNS, len(hits)), np.nan)
+    errors = [solution.errors[hit.event.number - 1] for hit in hits]
+    for i, (hit, error) in enumerate(zip(hits, errors, strict=True)):
+        found[rows.TIME, i] = hit.t - hits[0].t
+        found[rows.ANGLE, i] = hit.cylinder_angle
+        found[rows.APPROACH, i] = hit.approach_rate
+        found[rows.SEPARATION, i] = hit.separation_rate
+        found[rows.IMPULSE, i] = hit.impulse
+        found[rows.ENERGY, i] = hit.energy_lost
+        found[rows.TIME_ERROR, i] = error.time
+        found[rows.RATE_ERROR, i] = error.impulse * abs(hit.approach_rate)
+        found[rows.IMPULSE_ERROR, i] = error.impulse * abs(hit.impulse)
+        if hit.rebound_amplitude is None or hit.rebound_time is None:
+            continue
+        # The next collision holds what this flight has left unresolved. Of a nearly ballistic
+        # flight the height goes with the square of the rate, the time with the rate.
+        after = errors[min(i + 1, len(hits) - 1)]
+        relative = max(error.impulse, after.impulse)
+        found[rows.AMPLITUDE, i] = hit.rebound_amplitude
+        found[rows.REBOUND, i] = hit.rebound_time
+        found[rows.AMPLITUDE_ERROR, i] = 2.0 * relative * hit.rebound_amplitude
+        found[rows.REBOUND_ERROR, i] = error.time + after.time + relative * hit.rebound_time
+    return found
+
+
+def _rest(solution: Solution, stop: str) -> tuple[float, float, float]:
+    """Duration, its stated error and the share of the first two rebounds; NaN without rest."""
+    ends = [
+        event.number
+        for event in solution.events
+        if event.kind is EventKind.REST and stop in event.stops
+    ]
+    if not ends or not solution.transitions:
+        return np.nan, np.nan, np.nan
+    found = solution.transitions[-1]
+    share = np.nan if found.first_two_share is None else found.first_two_share
+    return found.duration, float(solution.errors[ends[-1] - 1].time), share

@@ -1,0 +1,247 @@
+"""The table of many transitions: which engine computes what, and that it does not matter.
+
+The two engines share the mechanism and no code of the solution: one calls Pinocchio at every node,
+the other evaluates tables in compiled code. Where both state their errors, each checks the other.
+"""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
+from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.reduced import build, transitions
+from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TransitionTable, transition_table
+
+TESTS = Path(__file__).parents[1]
+STATED = {
+    "time": "time_error",
+    "approach_rate": "rate_error",
+    "impulse": "impulse_error",
+    "rebound_amplitude": "amplitude_error",
+    "rebound_time": "rebound_error",
+}
+
+
+def random_cases(count: int, seed: int) -> dict[str, Any]:
+    random = np.random.default_rng(seed)
+    return {
+        "speed_rpm": random.uniform(380.0, 680.0, count),
+        "restitution": random.uniform(0.02, 0.45, count),
+        "stiffness": random.uniform(7000.0, 12000.0, count),
+        "preload": random.uniform(0.009, 0.014, count),
+    }
+
+
+def test_engines_agree(e62: Mechanism) -> None:
+    """In random cases both engines agree within the sum of the errors that they state.
+
+    The stated errors are below 1e-7 of their quantities, so that agreement says something: a wrong
+    parameter, row or unit of one engine differs in the first digits.
+    """
+    cases = random_cases(25, 8)
+    found = {
+        engine: transition_table(e62, engine=engine, **cases)  # type: ignore[arg-type]
+        for engine in ("direct", "reduced")
+    }
+    direct, reduced = found["direct"], found["reduced"]
+    for engine, table in found.items():
+        assert (table.engine == engine).all()
+        assert (table.outcome == "at_rest").all()
+        assert table.why == f"{engine}: asked for"
+    both = min(direct.time.shape[1], reduced.time.shape[1])
+    for key, error in STATED.items():
+        one, other = getattr(direct, key)[:, :both], getattr(reduced, key)[:, :both]
+        known = np.isfinite(one) & np.isfinite(other)
+        assert known.sum() >= 25 * 5, key
+        stated = getattr(direct, error)[:, :both] + getattr(reduced, error)[:, :both]
+        assert (np.abs(one - other) <= stated)[known].all(), key
+        # The first collision's time is zero in both; its other values are not.
+        first = 1 if key == "time" else 0
+        assert (stated[:, first] < 1e-7 * np.abs(one[:, first])).all(), key
+    stated = direct.duration_error + reduced.duration_error
+    assert (np.abs(direct.duration - reduced.duration) <= stated).all()
+    assert (stated < 1e-8 * direct.duration).all()
+    for key, rel in (("first_two_share", 1e-8), ("cylinder_angle", 1e-9), ("energy_lost", 1e-7)):
+        one, other = (getattr(table, key)[..., :both] for table in (direct, reduced))
+        known = np.isfinite(one) & np.isfinite(other)
+        np.testing.assert_allclose(one[known], other[known], rtol=rel, atol=0.0, err_msg=key)
+
+
+def test_certified_reference(e62: Mechanism) -> None:
+    """Forced either way, the table holds the certified case within twice its stated errors.
+
+    Twice is what the direct engine's estimates promise (``docs/accuracy.md``); the reference has
+    its own derivation and arithmetic.
+    """
+    text = (TESTS / "reference" / "e62_transition.json").read_text(encoding="utf-8")
+    case = json.loads(text)["cases"]["650_k11000"]
+    names = {
+        "time": "time_s",
+        "approach_rate": "approach_rate",
+        "impulse": "impulse_lip_N_s",
+        "rebound_amplitude": "rebound_amplitude",
+        "rebound_time": "rebound_time_s",
+    }
+    for engine in ("direct", "reduced"):
+        table = transition_table(
+            e62, speed_rpm=650.0, stiffness=11000.0, engine=engine  # type: ignore[arg-type]
+        )  # fmt: skip
+        count = int(table.collisions[0])
+        for key, error in STATED.items():
+            expected = np.array([float(row[names[key]]) for row in case["collisions"][:count]])
+            off = np.abs(getattr(table, key)[0, :count] - expected) - 2e-16 * np.abs(expected)
+            assert (off <= 2.0 * getattr(table, error)[0, :count]).all(), (engine, key)
+        rest = float(case["rest_time_s"])
+        assert abs(table.duration[0] - rest) <= 2.0 * table.duration_error[0]
+
+
+def test_automatic_choice(e62: Mechanism) -> None:
+    """Few cases, inertial shafts and mechanisms with another freedom go to the direct engine."""
+    few = transition_table(e62, speed_rpm=[450.0, 600.0])
+    assert (few.engine == "direct").all()
+    assert str(REDUCED_PAYS_FROM) in few.why
+    many = transition_table(e62, speed_rpm=np.linspace(450.0, 600.0, REDUCED_PAYS_FROM))
+    assert (many.engine == "reduced").all()
+    assert many.why == f"reduced: {REDUCED_PAYS_FROM} cases of one mechanism"
+    off = np.abs(many.duration[[0, -1]] - few.duration)
+    assert (off <= many.duration_error[[0, -1]] + few.duration_error).all()
+    # The reason is the engine's own, and comes before anything is computed.
+    inertial = transition_table(
+        e62, speed_rpm=np.full(2, 500.0), drive=DriveMode.INERTIAL, engine="auto"
+    )
+    assert (inertial.engine == "direct").all()
+    assert "held drives" in inertial.why
+    held = transition_table(e62, speed_rpm=500.0)
+    # Shafts that give way change the impulse by far more than the engine's error.
+    assert abs(inertial.impulse[0, 0] / held.impulse[0, 0] - 1.0) > 1e-5
+    # Without the second drive two freedoms are left in flight.
+    description = deepcopy(dict(e62.description))
+    description["drives"] = {"pendulum": description["drives"]["pendulum"]}  # type: ignore[index]
+    free = from_sources(e62.name, e62.urdf, description, e62.mesh_folder)
+    loose = transition_table(free, speed_rpm=np.full(2, 400.0))
+    assert (loose.engine == "direct").all()
+    assert "one degree of freedom" in loose.why
+    assert (loose.outcome == "at_rest").all()
+    with pytest.raises(InputError, match="held drives"):
+        transition_table(e62, speed_rpm=500.0, drive=DriveMode.INERTIAL, engine="reduced")
+
+
+def test_outside_the_tables(e62: Mechanism) -> None:
+    """A case that leaves the tables is computed by the direct engine, bit for bit, and says so.
+
+    A run of the direct engine by its own door is the truth; the other cases stay with the tables.
+    """
+    speeds = np.linspace(450.0, 600.0, REDUCED_PAYS_FROM)
+    restitution = np.full(REDUCED_PAYS_FROM, 0.2)
+    speeds[40], restitution[40] = 560.0, 0.6
+    table = transition_table(e62, speed_rpm=speeds, restitution=restitution)
+    assert np.flatnonzero(table.engine == "direct").tolist() == [40]
+    assert "left_travel" in table.message[40]
+    assert table.why.endswith("1 that its tables do not cover: direct")
+    assert [text for text in table.message if text] == [table.message[40]]
+    mechanism = load("e62", {"stops.jaw.restitution": 0.6})
+    case = Case(speed_rpm=560.0, resolution=Resolution(tolerance=1e-10))
+    direct = simulate(mechanism, case)
+    assert table.outcome[40] == "at_rest"
+    assert table.duration[40] == direct.transitions[0].duration
+    assert table.time[40, 3] == direct.collisions[3].t
+    assert table.collisions[40] == direct.transitions[0].collisions
+    assert np.isfinite(table.time[40, : table.collisions[40]]).all()
+    forced = transition_table(e62, speed_rpm=speeds, restitution=restitution, engine="reduced")
+    assert forced.outcome[40] == "left_travel"
+    assert np.isnan(forced.duration[40])
+
+
+def test_order_does_not_matter(e62: Mechanism) -> None:
+    """Cases in another order give the same bits, with both engines in one table."""
+    cases = random_cases(REDUCED_PAYS_FROM, 9)
+    cases["speed_rpm"][[3, 20]], cases["restitution"][[3, 20]] = (560.0, 640.0), 0.6
+    order = np.random.default_rng(10).permutation(REDUCED_PAYS_FROM)
+    table = transition_table(e62, **cases)
+    mixed = transition_table(e62, **{key: values[order] for key, values in cases.items()})
+    assert set(table.engine) == {"direct", "reduced"}
+    for key in ("engine", "outcome", "collisions", "stiffness"):
+        assert np.array_equal(getattr(table, key)[order], getattr(mixed, key)), key
+    for key in ("duration", "duration_error", "first_two_share", "table"):
+        one, other = getattr(table, key)[order], getattr(mixed, key)
+        assert np.array_equal(one, other, equal_nan=True), key
+
+
+def test_failed_case_is_a_row() -> None:
+    """Cases that cannot be simulated are marked with their message; nothing is raised.
+
+    A cylinder that turns away from the closing jaw can start no transition, and has no tables.
+    """
+    away = load("e62", {"cylinder.direction": "counter-clockwise"})
+    for count in (2, REDUCED_PAYS_FROM):
+        table = transition_table(away, speed_rpm=np.linspace(400.0, 500.0, count))
+        assert table.why.startswith("direct: ")
+        assert (table.outcome == "failed").all()
+        assert all("not closing in the touch configuration" in text for text in table.message)
+        assert np.isnan(table.duration).all()
+        assert (table.collisions == 0).all()
+        assert table.time.shape == (count, 0)
+    assert "not closing in the touch configuration" in table.why
+
+
+def test_without_numba(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the compiler of the reduced engine the direct one does all, and says why."""
+    monkeypatch.setattr("nipper_pin.study.transitions.find_spec", lambda _name: None)
+    monkeypatch.setattr("nipper_pin.study.transitions.REDUCED_PAYS_FROM", 2)
+    table = transition_table(e62, speed_rpm=[450.0, 500.0])
+    assert "numba" in table.why
+    assert (table.engine == "direct").all()
+    assert (table.outcome == "at_rest").all()
+
+
+def test_no_rest(e62: Mechanism) -> None:
+    """Runs that do not come to rest keep their collisions and have no duration."""
+    table = transition_table(e62, speed_rpm=[450.0, 460.0], restitution=0.6, max_collisions=3)
+    assert (table.outcome == "too_many_collisions").all()
+    assert (table.collisions == 3).all()
+    assert np.isnan(table.duration).all()
+    assert np.isfinite(table.time).all()
+
+
+def test_long_series(e62: Mechanism) -> None:
+    """A series longer than the columns of a batch is solved again with more, and is the same."""
+    e, rate = 0.9, 1e-5
+    cases = {"speed_rpm": np.full(3, 120.0), "rest_rate": rate}
+    table = transition_table(e62, restitution=[0.2, e, 0.3], engine="reduced", **cases)
+    assert table.collisions[1] > 32
+    single = transitions(build(e62), restitution=e, max_collisions=256, **cases)
+    count = int(single.collisions[0])
+    assert count == table.collisions[1]
+    assert np.array_equal(table.time[1, :count], single.time[0, :count])
+    assert np.isnan(table.time[0, int(table.collisions[0]) :]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        ({"speed_rpm": -1.0}, "speed_rpm"),
+        ({"speed_rpm": [400.0, 500.0], "restitution": [0.1, 0.2, 0.3]}, "number of cases"),
+        ({"speed_rpm": 400.0, "engine": "fast"}, "auto, direct or reduced"),
+        ({"speed_rpm": 400.0, "drive": "loose"}, "held or inertial"),
+        ({"speed_rpm": 400.0, "tolerance": 0.1}, "tolerance"),
+        ({"speed_rpm": 400.0, "rest_rate": 0.0}, "rest_rate"),
+    ],
+)
+def test_unusable_parameters(e62: Mechanism, arguments: dict[str, Any], match: str) -> None:
+    """What cannot be used is refused before anything is computed."""
+    with pytest.raises(InputError, match=match):
+        transition_table(e62, **arguments)
+
+
+def test_empty_table(e62: Mechanism) -> None:
+    """No case gives a table without rows."""
+    table = transition_table(e62, speed_rpm=[])
+    assert isinstance(table, TransitionTable)
+    assert len(table) == 0
