@@ -101,7 +101,7 @@ def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
     if not matrix.size:
         return 1.0, matrix
     try:
-        inverse = np.linalg.inv(matrix)
+        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.inf, np.full_like(matrix, np.nan)
     return float(len(matrix) * np.abs(matrix).max() * np.abs(inverse).max()), inverse

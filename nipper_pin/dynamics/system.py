@@ -135,7 +135,7 @@ class System:
             v: Velocity, shape (nv,); its dependent rates count for nothing.
         """
         if not self._serves(split, jacobian):
-            return close_velocities(v[None], jacobian[None], split)[0]
+            return np.asarray(close_velocities(v[None], jacobian[None], split)[0])
         lifted = v.copy()
         lifted[split.columns] = 0.0
         lifted[split.columns] = -(self._inverse @ (jacobian @ lifted))

@@ -60,10 +60,10 @@ def nodes(order: int) -> Nodes:
     sigma = _lobatto(order)
     coefficients = _transform(order)
     # lbnd = -1 makes every integral vanish at sigma = 0; 1/2 is dx -> dsigma.
-    integrals = (
-        np.asarray(coefficients, dtype=np.float64),
-        chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5),
-        chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5),
+    integrals: tuple[FloatArray, FloatArray, FloatArray] = (
+        coefficients,
+        np.asarray(chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5), dtype=np.float64),
+        np.asarray(chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5), dtype=np.float64),
     )
     once = _basis(sigma, order + 1) @ integrals[1]
     twice = _basis(sigma, order + 2) @ integrals[2]
@@ -106,7 +106,7 @@ def _lobatto(order: int) -> FloatArray:
 
 def _transform(order: int) -> FloatArray:
     """Node values to Chebyshev coefficients, shape (order, order)."""
-    return np.asarray(np.linalg.inv(_basis(_lobatto(order), order)))
+    return np.asarray(np.linalg.inv(_basis(_lobatto(order), order)), dtype=np.float64)
 
 
 def _divided(double: FloatArray, sigma: FloatArray, power: int) -> FloatArray:
