@@ -14,6 +14,7 @@ from ..errors import ConvergenceError, SingularConfigurationError
 from .multibody import Multibody
 
 _MAX_ITERATIONS = 25
+_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 # Beyond this condition of the dependent closure columns, half of the digits of a velocity are lost.
 MAX_CONDITION = 1e8
 
@@ -83,18 +84,27 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
 def condition_number(matrix: FloatArray) -> float:
     """Condition number of a matrix without more rows than columns; infinite if it loses rank.
 
-    In the 1-norm for a square one, which is what nearly all are; in the 2-norm otherwise.
+    Of a square one, which is what nearly all are, as :func:`inverted`; in the 2-norm otherwise.
+    """
+    if len(matrix) in (0, matrix.shape[1]):
+        return inverted(matrix)[0]
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    return float(sizes[0] / sizes[-1]) if sizes.all() else np.inf
+
+
+def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
+    """Condition number and inverse of a square matrix; infinite if it is singular.
+
+    The number is rows times largest element times largest element of the inverse, which differs
+    from that in the 1-norm by a factor of no more than the number of rows.
     """
     if not matrix.size:
-        return 1.0
-    if len(matrix) < matrix.shape[1]:
-        sizes = np.linalg.svd(matrix, compute_uv=False)
-        return float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else np.inf
+        return 1.0, matrix
     try:
-        inverse = np.linalg.inv(matrix)
+        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
-        return np.inf
-    return float(np.abs(matrix).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max())
+        return np.inf, np.full_like(matrix, np.nan)
+    return float(len(matrix) * np.abs(matrix).max() * np.abs(inverse).max()), inverse
 
 
 def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
@@ -132,7 +142,7 @@ def close_positions(
     """
     q = q.copy()
     dependent = split.columns
-    tolerance = 16.0 * np.finfo(float).eps * body.reach_m
+    tolerance = _ROUND_OFF * body.reach_m
     best = np.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)

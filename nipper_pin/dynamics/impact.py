@@ -15,7 +15,6 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Stop
-from .assembly import close_velocities
 from .system import System
 
 _NO_RATE = 1e-13
@@ -189,9 +188,10 @@ def _impulses(
         return None
     m = len(jacobian)
     # Zero in the held coordinates: round-off there would become momentum of an infinite inertia.
-    z = np.zeros((1, system.body.nv))
-    z[0, stops] = [-jump for jump in jumps]
-    z = close_velocities(z, jacobian[None], split)[0]
+    z = np.zeros(system.body.nv)
+    for index, jump in zip(stops, jumps, strict=True):
+        z[index] = -jump
+    z = system.lift(jacobian, split, z)
     rows = np.zeros((m + len(stops), system.body.nv))
     rows[:m] = jacobian
     for row, index in enumerate(stops, start=m):

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import FloatArray
-from ..mechanism import DriveLaw, Geared, Mechanism
+from ..mechanism import DriveLaw, Mechanism
 
 Driven = tuple[FloatArray, FloatArray, FloatArray]
 """Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""
@@ -72,14 +72,5 @@ class ShaftMotion:
     @cached_property
     def _trains(self) -> list[tuple[DriveLaw, FloatArray]]:
         """Laws that stand on their own, each with what turns it into motion: (3, 1, drives)."""
-        by_rate = self.rate ** np.arange(3.0)[:, None]
-        trains: dict[int, tuple[DriveLaw, FloatArray]] = {}
-        for column, drive in enumerate(self.mechanism.drives):
-            law: DriveLaw = drive.law
-            ratio = 1.0
-            while isinstance(law, Geared):
-                ratio *= law.ratio
-                law = law.of
-            none = np.zeros((3, 1, len(self.mechanism.drives)))
-            trains.setdefault(id(law), (law, none))[1][:, :, column] = ratio * by_rate
-        return list(trains.values())
+        by_rate = self.rate ** np.arange(3.0)[:, None, None]
+        return [(law, ratios * by_rate) for law, ratios in self.mechanism.drive_trains]

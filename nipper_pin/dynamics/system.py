@@ -8,8 +8,8 @@ from enum import StrEnum
 import numpy as np
 
 from ..arrays import FloatArray
-from ..mechanism import Mechanism
-from .assembly import MAX_CONDITION, Partition, condition_number, partition
+from ..mechanism import Mechanism, Stop
+from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
 
@@ -30,6 +30,7 @@ class ConstraintSet:
     Attributes:
         closed: Names of the closed stops.
         stops: Coordinates of the closed stops, held at zero.
+        open: The other stops.
         given: Driven coordinates and closed stops: never dependent through the closures.
         armature: Inertia added to each joint in flight, shape (nv,).
         stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
@@ -39,6 +40,7 @@ class ConstraintSet:
 
     closed: frozenset[str]
     stops: tuple[int, ...]
+    open: tuple[Stop, ...]
     given: tuple[int, ...]
     armature: FloatArray
     stiffness: FloatArray
@@ -77,14 +79,15 @@ class System:
         self.free = np.ones(nv)
         if self.held:
             self.free[self.driven] = 0.0
-        self._stiffness, self._tension = np.zeros(nv), np.zeros(nv)
+        self._stiffness, self._preload = np.zeros(nv), np.zeros(nv)
         for spring in mechanism.springs:
             self._stiffness[spring.index] += spring.stiffness
-            self._tension[spring.index] += spring.stiffness * spring.preload
+            self._preload[spring.index] -= spring.stiffness * spring.preload
         self.body = multibody(mechanism)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
+        self._inverse = np.empty((0, 0))
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
@@ -104,8 +107,9 @@ class System:
             stiffness[held_stops] = 0.0
             prescribed = len(given) if self.held else len(stops)
             freedom = self.body.nv - self.body.closure_rows - prescribed
+            others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
             self._sets[closed] = ConstraintSet(
-                closed, stops, given, armature, stiffness, damping, freedom
+                closed, stops, others, given, armature, stiffness, damping, freedom
             )
         return self._sets[closed]
 
@@ -122,13 +126,29 @@ class System:
             known = self._splits[key] = partition(jacobian, given, preferred)
         return known
 
+    def lift(self, jacobian: FloatArray, split: Partition, v: FloatArray) -> FloatArray:
+        """One velocity that meets the closures, shape (nv,): dependent rates from independent ones.
+
+        Args:
+            jacobian: Closure Jacobian G, shape (m, nv).
+            split: What :meth:`split` gives for it.
+            v: Velocity, shape (nv,); its dependent rates count for nothing.
+        """
+        if not self._serves(split, jacobian):
+            return np.asarray(close_velocities(v[None], jacobian[None], split)[0])
+        lifted = v.copy()
+        lifted[split.columns] = 0.0
+        lifted[split.columns] = -(self._inverse @ (jacobian @ lifted))
+        return lifted
+
     def _serves(self, split: Partition, jacobian: FloatArray) -> bool:
-        """True if the closures determine the dependent coordinates; asked twice at every event."""
+        """True if the closures determine the dependent coordinates; asked often for one place."""
         place, dependent = self._checked
         if place is not jacobian or dependent != split.dependent:
-            if not condition_number(jacobian[:, split.columns]) < MAX_CONDITION:
+            condition, inverse = inverted(jacobian[:, split.columns])
+            if not condition < MAX_CONDITION:
                 return False
-            self._checked = jacobian, split.dependent
+            self._checked, self._inverse = (jacobian, split.dependent), inverse
         return True
 
     def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
@@ -148,7 +168,7 @@ class System:
 
     def spring_forces(self, q: FloatArray) -> FloatArray:
         """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
-        return np.asarray(-self._tension - self._stiffness * q)
+        return np.asarray(self._preload - self._stiffness * q)
 
     def spring_energy(self, q: FloatArray) -> FloatArray:
         """Energy stored in the springs [J], shape (N,)."""
@@ -171,7 +191,7 @@ class System:
         """
         q_law, v_law, a_law = motion
         tau = np.empty((len(q_law), self.body.nv))
-        tau[:] = -self._tension
+        tau[:] = self._preload
         if self.held:
             tau[:, self.driven] = INFINITE_INERTIA * a_law
         else:

@@ -60,10 +60,10 @@ def nodes(order: int) -> Nodes:
     sigma = _lobatto(order)
     coefficients = _transform(order)
     # lbnd = -1 makes every integral vanish at sigma = 0; 1/2 is dx -> dsigma.
-    integrals = (
-        np.asarray(coefficients, dtype=np.float64),
-        chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5),
-        chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5),
+    integrals: tuple[FloatArray, FloatArray, FloatArray] = (
+        coefficients,
+        np.asarray(chebyshev.chebint(coefficients, m=1, lbnd=-1, scl=0.5), dtype=np.float64),
+        np.asarray(chebyshev.chebint(coefficients, m=2, lbnd=-1, scl=0.5), dtype=np.float64),
     )
     once = _basis(sigma, order + 1) @ integrals[1]
     twice = _basis(sigma, order + 2) @ integrals[2]
@@ -106,7 +106,7 @@ def _lobatto(order: int) -> FloatArray:
 
 def _transform(order: int) -> FloatArray:
     """Node values to Chebyshev coefficients, shape (order, order)."""
-    return np.asarray(np.linalg.inv(_basis(_lobatto(order), order)))
+    return np.asarray(np.linalg.inv(_basis(_lobatto(order), order)), dtype=np.float64)
 
 
 def _divided(double: FloatArray, sigma: FloatArray, power: int) -> FloatArray:
@@ -121,7 +121,7 @@ def _divided(double: FloatArray, sigma: FloatArray, power: int) -> FloatArray:
 
 def _basis(sigma: FloatArray, count: int) -> FloatArray:
     """Chebyshev polynomials of degree 0 to count - 1 at sigma, shape (len(sigma), count)."""
-    angle = np.arccos(np.clip(2.0 * sigma - 1.0, -1.0, 1.0))
+    angle = np.arccos(np.maximum(np.minimum(2.0 * sigma - 1.0, 1.0), -1.0))
     return np.asarray(np.cos(angle[:, None] * np.arange(count)))
 
 
@@ -173,6 +173,11 @@ def _prolongation(coarse: int, fine: int) -> FloatArray:
     return np.asarray(_basis(nodes(fine).sigma, coarse) @ nodes(coarse).integrals[0])
 
 
+@cache
+def _squares(count: int) -> FloatArray:
+    return np.arange(count, dtype=float) ** 2
+
+
 class Series:
     """A Chebyshev series on [0, 1] for scalar evaluation in root searches.
 
@@ -183,6 +188,15 @@ class Series:
     def __init__(self, coefficients: FloatArray) -> None:
         """Keep the coefficients as plain numbers, which a loop of Python adds up fastest."""
         self.coefficients: list[float] = coefficients.tolist()
+
+        self.falls = -coefficients[1] > np.abs(coefficients[2:]) @ _squares(len(coefficients))[2:]
+        """True if the series falls throughout: a polynomial of degree k has a slope below k^2."""
+
+    def falls_once(self, left: float, right: float) -> tuple[float, float] | None:
+        """The bracket itself if the series is known to have one zero in it, a fall."""
+        if self.falls and self.value(left) > 0.0 >= self.value(right):
+            return left, right
+        return None
 
     def value(self, sigma: float) -> float:
         """Value at sigma."""

@@ -40,7 +40,8 @@ def pressed(
     """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
 
     g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest. The largest set that pushes
-    everywhere is taken.
+    everywhere is taken. One stop alone pushes if it would close without a force: its mass
+    W M^-1 W' is positive.
 
     Args:
         system: The system.
@@ -56,6 +57,12 @@ def pressed(
     Raises:
         SimulationError: No set satisfies the conditions.
     """
+    if len(at_rest) == 1:
+        (name,) = at_rest
+        free = system.constraint_set(frozenset())
+        if free.freedom > 0:
+            a = system.accelerations(motion, q[None], v[None], free)[0]
+            return at_rest if a[system.mechanism.stop(name).index] <= 0.0 else frozenset()
     for size in range(len(at_rest), -1, -1):
         for names in combinations(sorted(at_rest), size):
             rows = system.constraint_set(frozenset(names))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,19 +99,18 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    open_stops = [stop for stop in system.mechanism.stops if stop.name not in rows.closed]
     kinematic = rows.freedom == 0
     start = t
     longest = system.shaft.period / resolution.panels_per_turn
-    h = longest if kinematic else min(longest, _ballistic_length(q, v, a, open_stops))
+    h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t)
-        by_gap = sorted((abs(q[stop.index]), stop.index) for stop in open_stops)
+        by_gap = sorted((abs(q[stop.index]), stop.index) for stop in rows.open)
         split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
         panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
         panels.append(panel)
-        found = triggers(system, rows, panel, forces, open_stops)
+        found = triggers(system, rows, panel, forces)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
             exact = state_at(system, rows, panel, np.array([t_end]))
@@ -125,7 +125,9 @@ def advance(
         h = min(longest, advised)
 
 
-def _ballistic_length(q: FloatArray, v: FloatArray, a: FloatArray, open_stops: list[Stop]) -> float:
+def _ballistic_length(
+    q: FloatArray, v: FloatArray, a: FloatArray, open_stops: Sequence[Stop]
+) -> float:
     """Time [s] in which a body that leaves a stop at constant acceleration is back, and a bit."""
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]

@@ -20,9 +20,10 @@ from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .event import Event, EventKind
 from .phases import Closed, after_collision, after_release, pressed
-from .segment import Segment, TriggerKind, advance
+from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
+from .triggers import TriggerKind
 
 _ASSEMBLY_STEPS = 12
 _SAME_POSITION = 1e-9

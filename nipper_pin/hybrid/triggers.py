@@ -11,14 +11,12 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
-from ..mechanism import Stop
 from .collocation import Series, evaluate, nodes
 from .panel import Panel, forces_at, state_at
 from .roots import first_descent, polish
 
 # Triggers nearer than this fraction of a turn are one event.
 _SIMULTANEOUS = 1e-13
-_SQUARES = np.arange(66, dtype=float) ** 2
 
 
 class TriggerKind(StrEnum):
@@ -48,19 +46,18 @@ def triggers(
     rows: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
-    open_stops: list[Stop],
 ) -> tuple[Trigger, ...]:
     """Earliest triggers on a panel, simultaneous ones together."""
     found = []
-    for stop in open_stops:
+    for stop in rows.open:
         t = _gap_root(system, rows, panel, stop.index)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
-    closed = [stop for stop in system.mechanism.stops if stop.name in rows.closed]
-    for column, stop in enumerate(closed):
+    for column, index in enumerate(rows.stops):
         t = _force_root(system, rows, panel, forces[:, column], column)
         if t is not None:
-            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
+            name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
+            found.append(Trigger(t, TriggerKind.FORCE, name))
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
@@ -114,9 +111,7 @@ def _flight_root(system: System, panel: Panel, index: int) -> float | None:
         # No Chebyshev polynomial exceeds one: positive throughout.
         return None
     series = Series(coefficients)
-    # The derivative of degree k is at most k^2: the gap by sigma^power falls throughout.
-    falling = -coefficients[1] > size[2:] @ _SQUARES[2 : len(size)]
-    if falling and series.value(0.0) > 0.0:
+    if series.falls and series.value(0.0) > 0.0:
         if series.value(1.0) > 0.0:
             return None
         bracket = 0.0, 1.0

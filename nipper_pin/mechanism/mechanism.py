@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import UnknownNameError
 from .cylinder import Cylinder
-from .drives import DriveLaw
+from .drives import DriveLaw, Geared
 
 FloatArray = NDArray[np.float64]
 
@@ -210,6 +210,20 @@ class Mechanism:
         """Length that the round-off of a closure gap is proportional to [m]."""
         offsets = [placement.translation for placement in self.model.jointPlacements]
         return float(sum(np.linalg.norm(offset) for offset in offsets)) or 1.0
+
+    @cached_property
+    def drive_trains(self) -> tuple[tuple[DriveLaw, NDArray[np.float64]], ...]:
+        """Laws that stand on their own, each with the ratios of all drives to it, (1, drives)."""
+        trains: dict[int, tuple[DriveLaw, NDArray[np.float64]]] = {}
+        for column, drive in enumerate(self.drives):
+            law: DriveLaw = drive.law
+            ratio = 1.0
+            while isinstance(law, Geared):
+                ratio *= law.ratio
+                law = law.of
+            none = np.zeros((1, len(self.drives)))
+            trains.setdefault(id(law), (law, none))[1][0, column] = ratio
+        return tuple(trains.values())
 
     @property
     def links(self) -> tuple[str, ...]:

@@ -195,20 +195,20 @@ def test_bounces_close_a_series_at_its_limit() -> None:
     The limit is exact after the first two collisions, so any error of the bookkeeping shows.
     """
     g, e, w = 10.0, 0.5, 1.0
-    bounces = Bounces(w, 1e-12)
+    bounces = Bounces(e, w, g, 1e-12)
     t, over, amplitude = 0.0, False, 0.5 * w * w / g
     bounces.amplitude = amplitude
     while not over:
         t, w = t + 2.0 * w / g, e * w
-        over = bounces.add(t, w)
+        over = bounces.add(t, w, g)
     four = bounces.four(7)
     assert four == Four(0.2, pytest.approx(0.1), amplitude, pytest.approx(0.4, rel=1e-12), 7)
 
 
 def test_bounces_that_do_not_end_are_an_error() -> None:
     """Rebounds that do not get slower have no limit: the loop must not run for ever."""
-    bounces = Bounces(1.0, 1e-9)
+    bounces = Bounces(0.5, 1.0, 10.0, 1e-9)
     for number in range(1, MOST_COLLISIONS):
-        assert not bounces.add(float(number), 1.0)
+        assert not bounces.add(float(number), 1.0, 10.0)
     with pytest.raises(SimulationError, match="do not come to an end"):
-        bounces.add(float(MOST_COLLISIONS), 1.0)
+        bounces.add(float(MOST_COLLISIONS), 1.0, 10.0)

@@ -100,12 +100,12 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
             a = acceleration(self.last, 0.0, self.rate)
             new = (self.rate + 0.5 * a * late) * late, self.rate + a * late
             state.get_mutable_continuous_state().SetFromVector(new)
-            if self.bounces.add(self.last, self.rate):
+            if self.bounces.add(self.last, self.rate, -a):
                 return EventStatus.ReachedTermination(self, "at rest")
             return EventStatus.Succeeded()
 
     def run(setting: Setting) -> Four:
-        bounces = Bounces(rate, setting.value)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), setting.value)
         jaw = Jaw(bounces)
         simulator = Simulator(jaw)
         integrator = ResetIntegratorFromFlags(simulator, "runge_kutta5", _LONGEST_STEP)

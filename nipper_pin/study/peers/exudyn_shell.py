@@ -92,7 +92,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
 
     def run(setting: Setting) -> Four:
         t, w, steps, over = 0.0, rate, 0, False
-        bounces = Bounces(rate, _CLOSING)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), _CLOSING)
         while not over:
             fly(t, w, setting.value)
             steps += len(path) - 1
@@ -106,7 +106,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
             end = CubicHermiteSpline(times[-2:], th[-2:], slopes[-2:])
             t = float(end.roots(extrapolate=False).max())
             w = -p.restitution * float(end(t, 1))
-            over = bounces.add(t, w)
+            over = bounces.add(t, w, -acceleration(t, 0.0, w))
         return bounces.four(steps)
 
     # The first call initialises the solver.

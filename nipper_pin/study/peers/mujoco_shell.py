@@ -76,10 +76,16 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
             mujoco.mj_step(model, data)
             return float(data.qpos[jaw]), float(data.qvel[jaw])
 
+        def deceleration() -> float:
+            """Deceleration of the jaw at the start of a flight [rad/s^2]."""
+            mujoco.mj_forward(model, data)
+            return -float(data.qacc[jaw])
+
         mujoco.mj_resetData(model, data)
         data.qvel[:] = before
         w = rebound()
-        bounces = Bounces(w, closing(setting.value, p.psi_rate))
+        uncertain = closing(setting.value, p.psi_rate)
+        bounces = Bounces(p.restitution, w, deceleration(), uncertain)
         t, th, q, v = 0.0, 0.0, data.qpos.copy(), data.qvel.copy()
         over = False
         while not over:
@@ -102,7 +108,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
                         break
                 data.qpos[jaw] = new = 0.0
                 new_w = rebound()
-                over = bounces.add(data.time, new_w)
+                over = bounces.add(data.time, new_w, deceleration())
             t, th, w, q, v = data.time, new, new_w, data.qpos.copy(), data.qvel.copy()
         return bounces.four(4 * steps)
 

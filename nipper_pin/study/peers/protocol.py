@@ -88,13 +88,17 @@ class Bounces:
     """Collisions of the jaw as an event loop finds them.
 
     Attributes:
+        restitution: e_N of the jaw.
         rate: Rebound rate of the first collision [rad/s].
+        deceleration: Of the jaw after the first collision [rad/s^2].
         closing: Relative uncertainty of the limit at which the series is closed.
         amplitude: Largest jaw angle so far in the first rebound [rad].
         times: Times of the collisions [s]; the first is zero.
     """
 
+    restitution: float
     rate: float
+    deceleration: float
     closing: float
     amplitude: float = 0.0
     times: list[float] = field(default_factory=list)
@@ -102,15 +106,16 @@ class Bounces:
 
     def __post_init__(self) -> None:
         """Start with the first collision."""
-        self._series = BounceSeries("jaw", 0.0).bounced(0.0, self.rate)
+        self._series = BounceSeries("jaw", 0.0).bounced(0.0, self.rate, self.deceleration)
         self.times.append(0.0)
 
-    def add(self, t: float, rate: float) -> bool:
+    def add(self, t: float, rate: float, deceleration: float) -> bool:
         """Record a collision.
 
         Args:
             t: Its time [s].
             rate: Rebound rate [rad/s].
+            deceleration: Of the jaw after it [rad/s^2].
 
         Returns:
             True when the limit of the series is known well enough: the transition is over.
@@ -119,17 +124,17 @@ class Bounces:
             SimulationError: The bounces do not come to an end.
         """
         self.times.append(t)
-        self._series = self._series.bounced(t, rate)
+        self._series = self._series.bounced(t, rate, deceleration)
         if len(self.times) > MOST_COLLISIONS:
             message = "the bounces do not come to an end; take a smaller step or tolerance"
             raise SimulationError(message, collisions=len(self.times))
-        limit, error = self._series.limit()
+        limit, error = self._series.limit(self.restitution)
         # Both are infinite while the rates do not fall.
         return len(self.times) > 3 and isfinite(error) and error <= self.closing * limit
 
     def four(self, evaluations: int) -> Four:
         """Return the numbers of a finished series."""
-        limit, _ = self._series.limit()
+        limit, _ = self._series.limit(self.restitution)
         t = self.times
         return Four(t[1], t[2] - t[1], self.amplitude, limit, evaluations)
 

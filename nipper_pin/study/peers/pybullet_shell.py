@@ -88,7 +88,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=h, numSolverIterations=_ITERATIONS, numSubSteps=0, erp=0.2, **here
         )
-        bounces = Bounces(rate, h)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), h)
         t, th, w, steps, over = 0.0, 0.0, rate, 0, False
         place(t, w)
         while not over:
@@ -115,7 +115,8 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
                 t -= h * late
                 th, w = 0.0, -p.restitution * (w + late * (old_w - w))
                 place(t, w)
-                over = bounces.add(t, w) or w < -2.0 * h * acceleration(t, 0.0, w)
+                fall = -acceleration(t, 0.0, w)
+                over = bounces.add(t, w, fall) or w < 2.0 * h * fall
         return bounces.four(steps)
 
     return run

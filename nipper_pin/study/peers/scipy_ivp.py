@@ -49,7 +49,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
 
     def run(setting: Setting) -> Four:
         t, w, evaluations = 0.0, rate, 0
-        bounces = Bounces(rate, 0.1 * setting.value)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), 0.1 * setting.value)
         over = False
         while not over:
             start, first = t, len(bounces.times) == 1
@@ -74,7 +74,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
             # One more call gave the size of the flight.
             evaluations += solver.nfev + 1
             w = -p.restitution * approach
-            over = bounces.add(t, w)
+            over = bounces.add(t, w, -acceleration(t, 0.0, w))
         return bounces.four(evaluations)
 
     return run

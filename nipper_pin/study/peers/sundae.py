@@ -50,7 +50,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
 
     def run(setting: Setting) -> Four:
         t, w, evaluations = 0.0, rate, 0
-        bounces = Bounces(rate, setting.value)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), setting.value)
         over = False
 
         def equation(since: float, y: FloatArray, y_dot: FloatArray) -> None:
@@ -80,7 +80,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
                 found = solver.step(_LONGEST)
             t += float(found.t)
             w = -p.restitution * float(found.y[1])
-            over = bounces.add(t, w)
+            over = bounces.add(t, w, -acceleration(t, 0.0, w))
         return bounces.four(evaluations)
 
     return run

@@ -1,0 +1,117 @@
+"""Rebounds: how far a stop opens after a collision, and for how long."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..dynamics.system import System
+from .case import Resolution
+from .collocation import Series, nodes
+from .energy import pieces
+from .event import Event, EventKind
+from .panel import Panel
+from .roots import first_descent, polish
+from .segment import Segment, advance
+
+
+class Rebounds:
+    """Amplitudes and times of rebounds, found when asked for; those of copied turns only once.
+
+    Args:
+        system: The system.
+        segments: Segments in order of time.
+        events: Events in order of time.
+        resolution: How finely a motion is resolved that a run has left out.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        segments: Sequence[Segment],
+        events: Sequence[Event],
+        resolution: Resolution,
+    ) -> None:
+        """Store what a rebound is looked up in."""
+        self._system, self._resolution = system, resolution
+        self._segments, self._events = segments, events
+        self._starts = [segment.t_start for segment in segments]
+        self._known: dict[int, tuple[float | None, float | None]] = {}
+
+    def after(self, event: Event) -> tuple[float | None, float | None]:
+        """Amplitude and time of the rebound of the stop that a collision struck first."""
+        stop = self._system.mechanism.stop(event.stops[0])
+        if event.v_after[stop.index] <= 0.0:
+            return 0.0, 0.0
+        following = next(
+            (item for item in self._events[event.number :] if stop.name in item.P_N), None
+        )
+        if following is None:
+            return None, None
+        # Copies of a turn share their arrays.
+        key = id(event.q)
+        if key not in self._known:
+            left_out = following.kind is EventKind.REST and np.array_equal(following.q, event.q)
+            self._known[key] = (
+                self._followed(event, stop.name, stop.index)
+                if left_out
+                else (self._highest(event.t, following.t, stop.index), following.t - event.t)
+            )
+        return self._known[key]
+
+    def _highest(self, begin: float, end: float, index: int) -> float:
+        """Largest value of a coordinate between two times."""
+        highest = 0.0
+        for place in range(bisect_left(self._starts, begin), len(self._segments)):
+            segment = self._segments[place]
+            if segment.t_end > end:
+                break
+            highest = max(highest, _highest_of(segment, index))
+        return highest
+
+    def _followed(self, event: Event, name: str, index: int) -> tuple[float | None, float | None]:
+        """Rebound that a run leaves out because rest is known already."""
+        system = self._system
+        rows = system.constraint_set(event.closed_after - {name})
+        motion = system.shaft.driven(np.array([event.t]))
+        q, v = event.q, event.v_after
+        a = system.accelerations(motion, q[None], v[None], rows)[0]
+        _, jacobian = system.body.closures(q[None])
+        t_limit = event.t + system.shaft.period
+        reached = advance(system, rows, event.t, q, v, a, jacobian[0], t_limit, self._resolution)
+        if not reached.triggers:
+            return None, None
+        return _highest_of(reached.segment, index), reached.segment.t_end - event.t
+
+
+def _highest_of(segment: Segment, index: int) -> float:
+    """Largest value of a coordinate on a segment."""
+    return max((_highest(*piece, index) for piece in pieces(segment)), default=0.0)
+
+
+def _highest(panel: Panel, begin: float, end: float, index: int) -> float:
+    """Largest value of a coordinate on a part of a panel: at its ends or where its rate is zero."""
+    grid, h = nodes(panel.order), panel.h
+    left, right = (begin - panel.t) / h, (end - panel.t) / h
+    if panel.integrated:
+        a, gap, slope = panel.a[:, index], panel.q[0, index], h * panel.v[0, index]
+        coefficients = h**2 * (grid.integrals[2] @ a)
+        coefficients[:2] += gap + 0.5 * slope, 0.5 * slope
+        rates = h**2 * (grid.integrals[1] @ a)
+        rates[0] += slope
+    else:
+        coefficients = grid.integrals[0] @ panel.q[:, index]
+        rates = h * (grid.integrals[0] @ panel.v[:, index])
+    value, rate = Series(coefficients), Series(rates)
+    found = [value.value(left), value.value(right)]
+    bracket = rate.falls_once(left, right)
+    if bracket is None:
+        sampled = h * (grid.sample_value @ panel.v[:, index])
+        bracket = first_descent(grid.samples, sampled, rate.value)
+    if bracket is not None:
+        peak = polish(rate.value_and_slope, *bracket)
+        if left < peak < right:
+            found.append(value.value(peak))
+    return max(found)
