@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -235,7 +236,7 @@ class _Run:
             t_rest, error = (state.t if rate < self.case.rest_rate else np.inf), 0.0
         else:
             t_rest, error = self._limit(stop, series)
-        if not np.isfinite(t_rest):
+        if not math.isfinite(t_rest):
             return
         impact = arrest(self.system, state.q, state.v, state.jacobian, stop)
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
