@@ -64,7 +64,11 @@ def event_errors(
         while place < len(segments) and segments[place].t_end <= event.t:
             error = _carried(system, segments[place], stop.index, error, left_over)
             place += 1
-        found.append(replace(error, time=error.time + event.series_error))
+        # A rest lies beyond the end of the motion: what is left of its series has the error of its
+        # rate.
+        beyond = event.t - segments[place - 1].t_end if place else 0.0
+        left = max(beyond, 0.0) * error.impulse + event.series_error
+        found.append(replace(error, time=error.time + left))
     return tuple(found)
 
 

@@ -23,7 +23,10 @@ from math import inf
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a factor, unless it changes
 # its sign just there: then a part of the difference before stands for it.
-_SAFETY, _PART = 4.0, 0.03
+_SAFETY, _PART = 4.0, 0.02
+# Collisions with more than this part of the fastest rate are too far away to improve the limit, and
+# the little that they change says nothing about its error.
+_FAR = 0.5
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ class BounceSeries:
         previous, change, inverse_rates = inf, 0.0, 0.0
         for rate, (value, slope), (alpha, _) in zip(reversed(w), lines, pressing, strict=True):
             inverse_rates += 1.0 / rate
-            if alpha <= 0.0:
+            if alpha <= 0.0 or (rate > _FAR * self.fastest and best[1] < inf):
                 break
             # Adding a multiple of the product of (w - w_k) changes the slope, not the points.
             found = value + (slope + 2.0 / (alpha * (1.0 - e_N))) / inverse_rates

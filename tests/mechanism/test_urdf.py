@@ -200,7 +200,7 @@ def test_mesh_inside_the_folder(spoil) -> None:  # type: ignore[no-untyped-def]
             for _ in range(2)
         )
     )
-    (folder / "meshes").mkdir()
+    (folder / "meshes").mkdir(exist_ok=True)
     (folder / "meshes" / "plate.stl").write_text(
         "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
         "vertex 0 0.1 0\nendloop\nendfacet\nendsolid plate\n",
