@@ -30,15 +30,21 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from .hybrid.storage import load_case, load_solution, save, save_case
+    from .study.transitions import transition_table
 else:
-    # Archives and JSON are a tenth of the time of the import, and most runs write no file. Type
-    # checkers read the line above instead: with this function they would accept any name.
+    # Archives, JSON and tables of many runs are a part of the time of the import, and most runs
+    # need none. Type checkers read the lines above instead: with this function they would accept
+    # any name.
     def __getattr__(name: str) -> object:
-        """Import what reads and writes files when it is first asked for (PEP 562)."""
+        """Import what few runs need when it is first asked for (PEP 562)."""
         if name in ("load_case", "load_solution", "save", "save_case"):
             from .hybrid import storage
 
             return getattr(storage, name)
+        if name == "transition_table":
+            from .study.transitions import transition_table
+
+            return transition_table
         message = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(message)
 
@@ -78,4 +84,5 @@ __all__ = [
     "save",
     "save_case",
     "simulate",
+    "transition_table",
 ]
