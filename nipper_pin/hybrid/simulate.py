@@ -6,52 +6,27 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import assemble
 from ..dynamics.impact import Impact, arrest, collide, no_impact
-from ..dynamics.shaft import Driven, ShaftMotion
+from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..errors import InputError, SimulationError
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
+from .cycles import repeats
 from .event import Event, EventKind
 from .phases import Closed, after_collision, after_release, pressed
 from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
+from .state import State, initial_state
 from .triggers import TriggerKind
 
-_ASSEMBLY_STEPS = 12
-_SAME_POSITION = 1e-9
 _DROPPED = 100.0
-_NOW = np.zeros(1)
-
-
-class State(NamedTuple):
-    """State of a run between two segments.
-
-    Attributes:
-        t: Time [s].
-        q: Configuration, shape (nv,).
-        v: Velocity (right limit), shape (nv,).
-        jacobian: Closure Jacobian, shape (m, nv).
-        motion: Driven coordinates at this time, as one row.
-        closed: Closed stops.
-        series: Bounces that have not come to rest yet.
-    """
-
-    t: float
-    q: FloatArray
-    v: FloatArray
-    jacobian: FloatArray
-    motion: Driven
-    closed: Closed
-    series: BounceSeries | None = None
 
 
 def simulate(
@@ -109,7 +84,7 @@ class _Run:
         self.segments: list[Segment] = []
         self._collisions = 0
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
-        self.state = self._start()
+        self.state = initial_state(system, case.start_index)
 
     def transition(self) -> Outcome:
         """From the touch configuration, where the transition stop collides, to its rest."""
@@ -145,7 +120,7 @@ class _Run:
             if progress is not None:
                 progress(turn, cycles)
             current = self.segments[first_segment:]
-            if self.case.reuse_cycles and turn < cycles and self._repeats(previous, current):
+            if self.case.reuse_cycles and turn < cycles and repeats(self.system, previous, current):
                 self._copy(current, self.events[first_event:], cycles - turn)
                 if progress is not None:
                     progress(cycles, cycles)
@@ -313,58 +288,6 @@ class _Run:
         if not at_rest:
             return at_rest
         return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest)
-
-    def _start(self) -> State:
-        """The initial phase at time zero, assembled along the drives from the touch position."""
-        mechanism, shaft = self.mechanism, self.system.shaft
-        closed = mechanism.phase(mechanism.initial_phase).closed
-        stops = [stop.index for stop in mechanism.stops if stop.name in closed]
-        travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
-        # In the touch configuration all coordinates are zero: there is nothing to assemble.
-        times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if travel else _NOW
-        angles, rates, accelerations = shaft.driven(times)
-        given = [*shaft.indices, *stops]
-        path = np.zeros((len(times) - 1, len(given)))
-        path[:, : len(shaft.indices)] = angles[1:]
-        end_rates = np.zeros(len(given))
-        end_rates[: len(shaft.indices)] = rates[-1]
-        q, v, jacobian = assemble(self.system.body, path, given, end_rates)
-        for stop in mechanism.stops:
-            if stop.name not in closed and q[stop.index] < 0.0:
-                message = (
-                    f"stop {stop.name!r} would be {-q[stop.index]:.3g} beyond its contact at the "
-                    f"start, index {self.case.start_index:g}; start_index has to lie in phase "
-                    f"{mechanism.initial_phase}"
-                )
-                raise InputError(message, stop=stop.name, gap=float(q[stop.index]))
-        motion = (angles[-1:], rates[-1:], accelerations[-1:])
-        return State(0.0, q, v, jacobian, motion, closed)
-
-    def _repeats(self, previous: list[Segment], current: list[Segment]) -> bool:
-        """True if the turn after this one must equal this one.
-
-        With held drives a phase without freedom is determined by the cylinder angle alone, so two
-        turns that share such a phase at the same angle are equal from there on.
-        """
-        if not self.system.held:
-            return False
-        period = self.system.shaft.period
-        begin, end = self.system.shaft.driven(np.array([0.0, period]))[0]
-        if np.abs(end - begin).max(initial=0.0) > _SAME_POSITION:
-            # A drive that winds on does not come back with the cylinder.
-            return False
-        first, last = current[0], current[-1]
-        if first.kinematic and last.kinematic and first.closed == last.closed:
-            return True
-        return any(
-            old.kinematic
-            and new.kinematic
-            and old.closed == new.closed
-            and old.t_start + period < new.t_end
-            and new.t_start < old.t_end + period
-            for old in previous
-            for new in current
-        )
 
     def _copy(self, segments: list[Segment], events: list[Event], times: int) -> None:
         """Append copies of a turn."""

@@ -1,0 +1,44 @@
+"""Turns that must repeat: what is known of the next one is not computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..dynamics.system import System
+from .segment import Segment
+
+_SAME_POSITION = 1e-9
+
+
+def repeats(system: System, previous: Sequence[Segment], current: Sequence[Segment]) -> bool:
+    """True if the turn after this one must equal this one.
+
+    With held drives a phase without freedom is determined by the cylinder angle alone, so two
+    turns that share such a phase at the same angle are equal from there on.
+
+    Args:
+        system: The system.
+        previous: Segments of the turn before; none before the first.
+        current: Segments of this turn.
+    """
+    if not system.held:
+        return False
+    period = system.shaft.period
+    begin, end = system.shaft.driven(np.array([0.0, period]))[0]
+    if np.abs(end - begin).max(initial=0.0) > _SAME_POSITION:
+        # A drive that winds on does not come back with the cylinder.
+        return False
+    first, last = current[0], current[-1]
+    if first.kinematic and last.kinematic and first.closed == last.closed:
+        return True
+    return any(
+        old.kinematic
+        and new.kinematic
+        and old.closed == new.closed
+        and old.t_start + period < new.t_end
+        and new.t_start < old.t_end + period
+        for old in previous
+        for new in current
+    )
