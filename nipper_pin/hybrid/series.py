@@ -23,7 +23,7 @@ from math import inf
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a factor, unless it changes
 # its sign just there: then a part of the difference before stands for it.
-_SAFETY, _PART = 4.0, 0.02
+_SAFETY, _PART = 4.0, 0.015
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5

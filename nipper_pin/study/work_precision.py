@@ -33,7 +33,7 @@ from .certified import Certified
 from .timing import Timing, timed
 
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
-QUICK_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+QUICK_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 
 Motion = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
 
