@@ -23,6 +23,8 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 demo: $(BASE)
 	$(SIMULATE) --out out/demo-transition
 	$(SIMULATE) --window cycle --out out/demo-cycle
+	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --exaggerate 10 --html out/demo.html
+	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
 test: $(DEV)
 	$(BIN)/python -m pytest $(PYTEST_ARGS)

@@ -7,12 +7,17 @@ import sys
 from collections.abc import Sequence
 
 from ..errors import InputError, NipperError
-from . import benchmark, check, simulate
+from . import benchmark, check, identify, plot, simulate, study, sweep, view
 
 _RIGHT, _NOT_SIMULATED, _UNUSABLE, _INTERRUPTED = 0, 1, 2, 130
 _COMMANDS = {
     "simulate": (simulate, "simulate a transition or whole cycles"),
+    "view": (view, "show a run in the browser, or write it as one page"),
     "check": (check, "say what a model is, and what is wrong with it"),
+    "study": (study, "do the published study again and write its report"),
+    "identify": (identify, "find numbers of a model from published ratios or measured rebounds"),
+    "sweep": (sweep, "compute many scenarios, on all processors or on a cluster"),
+    "plot": (plot, "draw the results of a sweep"),
     "benchmark": (benchmark, "measure run time against error on this machine"),
 }
 

@@ -114,7 +114,9 @@ def collision_geometry(
     Returns:
         Geometry model whose objects carry the names of the collision elements.
     """
-    if "<mesh" in text:
+    # Meshes that are only drawn are no concern of Pinocchio, and need not be there.
+    solids = (part.partition("</collision>")[0] for part in text.split("<collision")[1:])
+    if any("<mesh" in solid for solid in solids):
         text = _absolute_meshes(text, mesh_folder, file)
     geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
     # Pinocchio numbers the shapes of each link in the order of the file.
@@ -125,8 +127,8 @@ def collision_geometry(
 
 
 def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> str:
-    """Write absolute mesh paths, which is what Pinocchio finds without a package."""
+    """Write absolute paths of collision meshes, which is what Pinocchio finds without a package."""
     root = ElementTree.fromstring(text)
-    for mesh in root.iter("mesh"):
+    for mesh in root.iterfind(".//collision//mesh"):
         mesh.set("filename", str(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file)))
     return ElementTree.tostring(root, encoding="unicode")

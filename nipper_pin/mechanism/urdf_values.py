@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +12,7 @@ from ..arrays import FloatArray
 from ..errors import ModelError
 
 _TOLERANCE = 1e-9
+_INSIDE = "a path relative to the model folder that stays inside it"
 _ATTRIBUTES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
 
 
@@ -119,7 +120,13 @@ def check_shapes(
                 allowed = f"one geometry out of {', '.join((*_ATTRIBUTES, 'mesh'))}"
                 raise ModelError(file=file, key=key, value=found, allowed=allowed)
             if solids[0].tag == "mesh":
-                mesh_path(solids[0].get("filename", ""), mesh_folder, key, file)
+                filename = solids[0].get("filename", "")
+                if tag == "collision":
+                    mesh_path(filename, mesh_folder, key, file)
+                else:
+                    # Only a viewer opens it. A run, also one saved on another machine, does not
+                    # depend on pictures, and a load does not wait for the file system.
+                    _check_inside(filename, key, file)
             else:
                 _check_sizes(solids[0], key, file)
     return tuple(names)
@@ -141,6 +148,14 @@ def _check_sizes(solid: ElementTree.Element, key: str, file: str) -> None:
             )
 
 
+def _check_inside(filename: str, key: str, file: str) -> None:
+    """Refuse the path of a mesh that leaves the model folder by its very words."""
+    path = PurePosixPath(filename)
+    outside = path.is_absolute() or ".." in path.parts or ":" in filename or "\\" in filename
+    if not filename or outside:
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
+
+
 def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     """Path of a mesh, which must be a file inside the model folder.
 
@@ -153,11 +168,10 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     Raises:
         ModelError: The path leaves the folder or names no file.
     """
-    inside = bool(filename) and ":" not in filename and "\\" not in filename
-    path = (mesh_folder / filename).resolve() if inside else mesh_folder
-    if not inside or not path.is_relative_to(mesh_folder.resolve()):
-        allowed = "a path relative to the model folder that stays inside it"
-        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+    _check_inside(filename, key, file)
+    path = (mesh_folder / filename).resolve()
+    if not path.is_relative_to(mesh_folder.resolve()):
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     if not path.is_file():
         allowed = f"a mesh file in the model folder {mesh_folder}"
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)

@@ -34,10 +34,7 @@ def test_stop_along_its_joint_has_no_contact() -> None:
 def test_lips_that_do_not_touch(spoil, lift_mm: float) -> None:  # type: ignore[no-untyped-def]
     height = -0.03502955916540127 + 1e-3 * lift_mm
     folder = spoil(
-        urdf=tuple(
-            ("0.082409829417841 0 -0.03502955916540127", f"0.082409829417841 0 {height!r}")
-            for _ in range(2)
-        )
+        urdf=(("0.082409829417841 0 -0.03502955916540127", f"0.082409829417841 0 {height!r}"),)
     )
     with pytest.raises(ModelError) as caught:
         load(folder)
@@ -56,10 +53,7 @@ def test_lips_that_do_not_touch(spoil, lift_mm: float) -> None:  # type: ignore[
 def test_contact_of_a_general_shape_is_close(spoil) -> None:  # type: ignore[no-untyped-def]
     """A lip whose section is found by the general search, here a sphere of the same radius."""
     folder = spoil(
-        urdf=tuple(
-            ('<cylinder radius="0.0015" length="0.19"/>', '<sphere radius="0.0015"/>')
-            for _ in range(2)
-        )
+        urdf=(('<cylinder radius="0.0015" length="0.19"/>', '<sphere radius="0.0015"/>'),)
     )
     contact = load(folder).stop("jaw").contact
     assert contact is not None
@@ -82,11 +76,7 @@ def test_bodies_that_make_no_contact(overrides: dict[str, object], words: str) -
 
 def test_opening_must_part_the_bodies(spoil) -> None:  # type: ignore[no-untyped-def]
     """The upper lip below the lower one."""
-    folder = spoil(
-        urdf=tuple(
-            ("0.082409829417841 0 -0.03502955916540127", "0.0815 0 -0.0384") for _ in range(2)
-        )
-    )
+    folder = spoil(urdf=(("0.082409829417841 0 -0.03502955916540127", "0.0815 0 -0.0384"),))
     with pytest.raises(ModelError, match="must move the upper body away") as caught:
         load(folder)
     assert caught.value.evidence["key"] == "stops.jaw.contact"

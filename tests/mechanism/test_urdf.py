@@ -1,6 +1,7 @@
 """Mistakes in the URDF, and its agreement with another reader."""
 
 import logging
+import shutil
 
 import numpy as np
 import pinocchio as pin
@@ -20,7 +21,7 @@ FOOT = '<link name="rocker_foot"/>'
 PLATE = '<collision name="bottom_plate">'
 
 LINK = "link top_nipper"
-SHAPE = "link bottom_nipper visual bottom_lip"
+SHAPE = "link bottom_nipper collision bottom_lip"
 CLASH = "link bottom_nipper collision name"
 
 # Old text, new text, key, value (... if it is not worth repeating), words of what is allowed.
@@ -194,19 +195,23 @@ def test_continuous_joint_has_one_coordinate(spoil) -> None:  # type: ignore[no-
 
 
 def test_mesh_inside_the_folder(spoil) -> None:  # type: ignore[no-untyped-def]
-    folder = spoil(
-        urdf=tuple(
-            ('<box size="0.07 0.22 0.002"/>', '<mesh filename="meshes/plate.stl"/>')
-            for _ in range(2)
-        )
-    )
-    (folder / "meshes").mkdir(exist_ok=True)
+    folder = spoil(urdf=(('<box size="0.07 0.22 0.002"/>', '<mesh filename="meshes/plate.stl"/>'),))
     (folder / "meshes" / "plate.stl").write_text(
         "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
         "vertex 0 0.1 0\nendloop\nendfacet\nendsolid plate\n",
         encoding="utf-8",
     )
     assert load(folder).stop("jaw").contact is not None
+
+
+def test_a_mesh_that_is_only_drawn_may_be_missing(spoil) -> None:  # type: ignore[no-untyped-def]
+    """A run loads where the pictures are not; a path out of the folder is refused all the same."""
+    folder = spoil()
+    shutil.rmtree(folder / "meshes")
+    assert load(folder).model == load("e62").model
+    for name in ("../a.stl", "/a.stl", "package://a.stl", "b/../../a.stl", ""):
+        with pytest.raises(ModelError, match="stays inside"):
+            load(spoil(urdf=(('"meshes/rockers.stl"', f'"{name}"'),)))
 
 
 def test_another_reader_agrees(caplog: pytest.LogCaptureFixture) -> None:

@@ -1,0 +1,90 @@
+"""``nipper-pin identify``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from .arguments import write_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "problem",
+        nargs="?",
+        metavar="PROBLEM.toml",
+        help="free numbers, targets and limits (default: the published ratios, model e62)",
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the starts")
+    parser.add_argument(
+        "--starts", type=int, default=4, metavar="N", help="number of starts (default 4)"
+    )
+    parser.add_argument(
+        "--profiles",
+        type=int,
+        default=2,
+        metavar="N",
+        help="profile likelihoods of the N numbers that are determined best (default 2)",
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
+    )
+    parser.add_argument("--out", metavar="DIR", help="write the identified model into a folder")
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..study.identify import (
+        determinability,
+        identify,
+        profile,
+        read_problem,
+        record,
+        write_model,
+    )
+
+    problem = read_problem(options.problem)
+    with _progress() as advance:
+        fit = identify(
+            problem,
+            starts=options.starts,
+            seed=options.seed,
+            workers=options.workers,
+            progress=advance,
+        )
+    known = determinability(fit.objective, fit.best.z)
+    chosen = [path for path, _ in known.ranked()][: max(0, options.profiles)]
+    profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
+    if options.out is not None:
+        write_model(fit, options.out)
+    if options.json is not None:
+        write_json(record(fit, known, profiles), options.json)
+    if options.json != "-":
+        from rich.console import Console
+
+        from ..view.identify_report import print_fit
+
+        print_fit(fit, known, profiles, Console())
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int, float], None] | None]:
+    """Progress of the starts, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starts", total=None)
+
+        def advance(done: int, total: int, cost: float) -> None:
+            text = f"starts (least cost {cost:.4g})"
+            bar.update(task, completed=done, total=total, description=text)
+
+        yield advance

@@ -1,0 +1,39 @@
+"""``nipper-pin plot``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument("folder", metavar="DIR", help="folder of a sweep")
+    parser.add_argument(
+        "--quantity",
+        action="append",
+        metavar="NAME",
+        help="what to draw (default: the first quantity of the study); may be repeated",
+    )
+    parser.add_argument("--x", metavar="NAME", help="parameter across, of the level lines")
+    parser.add_argument("--y", metavar="NAME", help="parameter upwards, of the level lines")
+    parser.add_argument(
+        "--format", choices=["svg", "png"], default="svg", help="of the figures (default svg)"
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder of the figures (default DIR/plots)")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..view.sweep_plots import plot_sweep
+
+    written = plot_sweep(
+        options.folder,
+        quantities=options.quantity,
+        across=options.x,
+        upwards=options.y,
+        kind=options.format,
+        target=options.out,
+    )
+    for path in written:
+        sys.stdout.write(f"{path}\n")

@@ -1,0 +1,39 @@
+"""Identification: numbers of a model from published ratios or from measured rebounds."""
+
+from .determine import Determinability, Profile, determinability, profile
+from .fit import Descent, Fit, identify
+from .geometry import Sources
+from .objective import Objective
+from .parameters import read_values, with_values
+from .problem import Free, Limits, Problem, read_problem
+from .record import record
+from .targets import QUANTITIES, Condition, Target, predict, read_measured
+from .working import WorkingCycle, working_cycle
+from .write import write_model
+
+__all__ = [
+    "QUANTITIES",
+    "Condition",
+    "Descent",
+    "Determinability",
+    "Fit",
+    "Free",
+    "Limits",
+    "Objective",
+    "Problem",
+    "Profile",
+    "Sources",
+    "Target",
+    "WorkingCycle",
+    "determinability",
+    "identify",
+    "predict",
+    "profile",
+    "read_measured",
+    "read_problem",
+    "read_values",
+    "record",
+    "with_values",
+    "working_cycle",
+    "write_model",
+]

@@ -1,0 +1,165 @@
+"""An identified model as a folder that every command accepts, its provenance stated."""
+
+from __future__ import annotations
+
+import copy
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from ...errors import InputError
+from ...mechanism import Mechanism, load
+from ...mechanism.urdf import parse_xml
+from .fit import Fit
+from .parameters import with_values
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def write_model(fit: Fit, folder: str | Path) -> Mechanism:
+    """Write the identified model.
+
+    Args:
+        fit: The fit.
+        folder: Folder to write; its name becomes the model's. It may exist if it is empty.
+
+    Returns:
+        The mechanism, read back from the files.
+
+    Raises:
+        InputError: The folder cannot be written, or holds something else.
+    """
+    target = Path(folder).resolve()
+    name = target.name
+    problem = fit.objective.problem
+    sources = with_values(problem.sources, fit.values)
+    document: dict[str, Any] = {**sources.document}
+    document["title"] = f"{problem.title} (identified: an estimate, not the maker's data)"
+    document["provenance"] = _provenance(fit, document.get("provenance", {}))
+    heading = [
+        f"Identified by nipper-pin identify: {problem.title}",
+        f"from the model {problem.sources.name}, {len(fit.descents)} starts, seed {fit.seed}.",
+        "AN ESTIMATE: fitted to the targets, which does not validate it. Never the maker's data.",
+    ]
+    text = "".join(f"# {line}\n" for line in heading) + "\n" + toml(document)
+    try:
+        if target.is_dir() and any(target.iterdir()):
+            message = f"{target} is not empty; name a new folder for the identified model"
+            raise InputError(message, folder=str(target))
+        target.mkdir(parents=True, exist_ok=True)
+        root = _renamed(sources.urdf, name, heading)
+        if any(item.path.startswith("points.") for item in problem.free):
+            _show_collision_shapes(root)
+        _copy_meshes(root, Path(sources.folder), target)
+        urdf = '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+        (target / f"{name}.urdf").write_text(urdf, encoding="utf-8")
+        (target / f"{name}.toml").write_text(text, encoding="utf-8")
+    except OSError as error:
+        message = f"{target}: {error}; name a folder that can be written"
+        raise InputError(message, folder=str(target)) from error
+    return load(target)
+
+
+def _provenance(fit: Fit, old: object) -> dict[str, str]:
+    """Where every number comes from; identified ones first."""
+    problem = fit.objective.problem
+    found: dict[str, str] = {}
+    for item in problem.free:
+        value = fit.values[item.path]
+        found[item.path] = (
+            f"identified: {value:.9g} between {item.low:g} and {item.high:g} (before: "
+            f"{item.start:.9g}) from {len(problem.targets)} targets; not measured, not the maker's"
+        )
+    if isinstance(old, Mapping):
+        for key, words in old.items():
+            found.setdefault(str(key), str(words))
+    return found
+
+
+def _renamed(text: str, name: str, heading: list[str]) -> ElementTree.Element:
+    """The URDF under its new name, its comments replaced."""
+    root = parse_xml(text, f"{name}.urdf")
+    root.set("name", name)
+    # The comments of the model that was started from tell of other numbers.
+    comments = [item for item in root.iter() if not isinstance(item.tag, str)]
+    for parent in list(root.iter()):
+        for item in comments:
+            if item in list(parent):
+                parent.remove(item)
+    note = ElementTree.Comment("\n  " + "\n  ".join(heading) + "\n")
+    note.tail = "\n"
+    root.insert(0, note)
+    return root
+
+
+def _show_collision_shapes(root: ElementTree.Element) -> None:
+    """Let moved links show their plain bodies: meshes were drawn for the old places of the pins."""
+    for link in root.findall("link"):
+        drawn = [item for item in link.findall("visual") if item.find("geometry/mesh") is not None]
+        if not drawn:
+            continue
+        # Half-redrawn links would show a part twice.
+        for item in link.findall("visual"):
+            link.remove(item)
+        for shape in link.findall("collision"):
+            picture = copy.deepcopy(shape)
+            picture.tag = "visual"
+            link.append(picture)
+
+
+def _copy_meshes(root: ElementTree.Element, old: Path, new: Path) -> None:
+    for mesh in root.iter("mesh"):
+        file = mesh.get("filename", "")
+        if "://" in file or Path(file).is_absolute():
+            continue
+        (new / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(old / file, new / file)
+
+
+def toml(document: Mapping[str, Any]) -> str:
+    """Write plain data as TOML; it reads back equal.
+
+    Args:
+        document: Tables, lists of tables, and values.
+    """
+    lines: list[str] = []
+    _table(document, (), lines)
+    return "\n".join(lines) + "\n"
+
+
+def _table(table: Mapping[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
+    """Values first: what follows a heading in TOML belongs to it."""
+    inner: list[tuple[str, str, Mapping[str, Any]]] = []
+    for key, value in table.items():
+        heading = ".".join(map(_key, (*path, key)))
+        if isinstance(value, Mapping):
+            inner.append((key, f"[{heading}]", value))
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            inner.extend((key, f"[[{heading}]]", item) for item in value)
+        else:
+            lines.append(f"{_key(key)} = {_value(value)}")
+    for key, heading, item in inner:
+        lines.extend(("", heading))
+        _table(item, (*path, key), lines)
+
+
+def _key(key: str) -> str:
+    return key if _BARE.fullmatch(key) else _quoted(key)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return repr(value)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

@@ -1,0 +1,70 @@
+"""A map of the transition time over speed, restitution and spring rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...mechanism import INDEX_PER_TURN, Mechanism
+from ..transitions import transition_table
+from .published import Published
+
+SPEEDS_RPM = np.linspace(400.0, 700.0, 61)
+RESTITUTIONS = np.linspace(0.02, 0.32, 61)
+_RATES = (0, 2, 4)
+
+
+@dataclass(frozen=True)
+class DesignMap:
+    """Transition times.
+
+    Attributes:
+        stiffnesses: Spring rates [N/m], shape (n,).
+        durations: Transition times over RESTITUTIONS and SPEEDS_RPM [s], shape (n, m, l).
+        cases: Transitions that were computed.
+        engine: The engine that computed them, and why.
+    """
+
+    stiffnesses: FloatArray
+    durations: FloatArray
+    cases: int
+    engine: str
+
+    @property
+    def index_units(self) -> FloatArray:
+        """The same in units of the comber's index, 40 to a turn, shape (n, m, l)."""
+        return self.durations * SPEEDS_RPM / 60.0 * INDEX_PER_TURN
+
+    def record(self) -> dict[str, Any]:
+        """Return a thinned map as plain data."""
+        return {
+            "speed_rpm": SPEEDS_RPM[::10].tolist(),
+            "restitution": RESTITUTIONS[::10].tolist(),
+            "stiffness_N_per_m": self.stiffnesses.tolist(),
+            "transition_time_s": [
+                [[None if np.isnan(t) else float(t) for t in row] for row in panel]
+                for panel in self.durations[:, ::10, ::10]
+            ],
+        }
+
+
+def design_map(mechanism: Mechanism, conditions: Published) -> DesignMap:
+    """Compute the map for the smallest, the middle and the largest published spring rate.
+
+    Args:
+        mechanism: The mechanism; its preload length is kept.
+        conditions: The published numbers.
+    """
+    rates = np.array([conditions.stiffnesses[i] for i in _RATES])
+    grid = np.meshgrid(rates, RESTITUTIONS, SPEEDS_RPM, indexing="ij")
+    table = transition_table(
+        mechanism,
+        speed_rpm=grid[2].ravel(),
+        restitution=grid[1].ravel(),
+        stiffness=grid[0].ravel(),
+        tolerance=1e-9,
+    )
+    return DesignMap(rates, table.duration.reshape(grid[0].shape), len(table), table.why)

@@ -1,0 +1,126 @@
+"""Everything of the published study in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ...hybrid.case import Case
+from ...hybrid.simulate import simulate
+from ...hybrid.solution import Solution
+from ...mechanism import Mechanism
+from .counts import Counts, collision_counts
+from .designs import DesignMap, design_map
+from .drives import DriveComparison, compare_drives
+from .fixed_step import FixedStep, fixed_step
+from .kinematics import Kinematics, kinematics
+from .phase_one import PhaseOne, phase_one
+from .published import Published, published
+from .ratios import Ratio, ratios
+from .shares import Shares, shares
+from .studies import Studies, run_studies
+
+NOTE = (
+    "Numbers of the model are an estimate of the E62 class identified from the published ratios, "
+    "never the maker's data; that they agree with these ratios validates nothing."
+)
+NEAR, FAR = 0.04, 0.10
+
+
+@dataclass(frozen=True)
+class PaperStudy:
+    """The published study done again, and the questions that it leaves open.
+
+    Attributes:
+        mechanism: The mechanism.
+        published: What was published.
+        studies: Transitions over speed, restitution and spring rate.
+        ratios: Published ratios beside ours.
+        motions: Transitions at the published speeds, with their motion.
+        kinematics: Phases 1 and 2 over a turn.
+        counts: Numbers of collisions against the threshold.
+        drives: Held and inertial shafts.
+        phase_one: Whether the steeve stays on its stop.
+        fixed_step: The published scheme against ours.
+        shares: Shares of the first two rebounds over the restitution.
+        designs: Map of the transition time.
+    """
+
+    mechanism: Mechanism
+    published: Published
+    studies: Studies
+    ratios: tuple[Ratio, ...]
+    motions: tuple[Solution, ...]
+    kinematics: Kinematics
+    counts: Counts
+    drives: DriveComparison
+    phase_one: PhaseOne
+    fixed_step: FixedStep
+    shares: Shares
+    designs: DesignMap
+
+    def within(self, deviation: float) -> int:
+        """Number of ratios that deviate by no more than this."""
+        return sum(abs(item.relative_deviation) <= deviation for item in self.ratios)
+
+    def record(self) -> dict[str, Any]:
+        """Return the study as plain data, SI units."""
+        return {
+            "model": self.mechanism.name,
+            "title": self.mechanism.title,
+            "note": NOTE,
+            "source": self.published.source,
+            "ratios": [item.record() for item in self.ratios],
+            "agreement": {
+                "of": len(self.ratios),
+                "within_4_percent": self.within(NEAR),
+                "within_10_percent": self.within(FAR),
+            },
+            "studies": {study.name: study.record() for study in self.studies},
+            "collision_counts": self.counts.record(),
+            "kinematics": self.kinematics.record(),
+            "drives": self.drives.record(),
+            "phase_1": self.phase_one.record(),
+            "fixed_step": self.fixed_step.record(),
+            "shares": self.shares.record(),
+            "transition_time_map": self.designs.record(),
+        }
+
+
+def paper_study(mechanism: Mechanism, say: Callable[[str], None] | None = None) -> PaperStudy:
+    """Do the published study again and answer what it leaves open.
+
+    Args:
+        mechanism: The E62, or another set of numbers for it.
+        say: Told what is being done.
+
+    Raises:
+        InputError: The mechanism is not of the kind that the study is about.
+        SimulationError: A transition or turn cannot be simulated.
+    """
+    tell = say or (lambda _: None)
+    given = published()
+    tell("three studies")
+    studies = run_studies(mechanism, given)
+    tell("held and inertial shafts")
+    drives = compare_drives(mechanism, given)
+    tell("phases 1 and 2")
+    turns, stop = kinematics(mechanism, given.speeds_rpm), phase_one(mechanism, given.speeds_rpm)
+    tell("fixed steps as published")
+    steps = fixed_step(mechanism, given)
+    tell("maps")
+    return PaperStudy(
+        mechanism=mechanism,
+        published=given,
+        studies=studies,
+        ratios=ratios(studies, given),
+        motions=tuple(simulate(mechanism, Case(speed_rpm=speed)) for speed in given.speeds_rpm),
+        kinematics=turns,
+        counts=collision_counts(studies, given),
+        drives=drives,
+        phase_one=stop,
+        fixed_step=steps,
+        shares=shares(mechanism, given),
+        designs=design_map(mechanism, given),
+    )

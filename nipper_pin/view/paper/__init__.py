@@ -1,0 +1,1 @@
+"""The published study as figures, tables and one page. Import ``files``; it brings matplotlib."""

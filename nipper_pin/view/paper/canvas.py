@@ -1,0 +1,90 @@
+"""Figures of the report: one size and look, and the forms in which they are written."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ..style import SMALL, WIDTH_IN
+
+MARK = "estimate of the E62 class identified from the published ratios; not the maker's data"
+# Of the height, for the line that says so.
+_FOOT_IN = 0.16
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One numbered figure.
+
+    Attributes:
+        name: Name of its files.
+        title: What it shows, in a few words.
+        caption: What is to be seen, with the numbers.
+        figure: The picture.
+    """
+
+    name: str
+    title: str
+    caption: str
+    figure: Figure
+
+    @cached_property
+    def svg(self) -> str:
+        """The figure as an SVG document, the same bytes for the same numbers."""
+        stream = io.StringIO()
+        with rc_context({"svg.fonttype": "path", "svg.hashsalt": self.name}):
+            self.figure.savefig(stream, format="svg", metadata={"Date": None, "Title": self.title})
+        return stream.getvalue()
+
+    @property
+    def inline_svg(self) -> str:
+        """The figure as an element of a page that holds several of them.
+
+        Identifiers get the figure's name in front, so that no two figures share one.
+        """
+        text = self.svg[self.svg.index("<svg") :]
+        text = re.sub(r"<metadata>.*?</metadata>\s*", "", text, flags=re.DOTALL)
+        text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{self.name}-", text)
+        head, tail = text.split(">", 1)
+        head = re.sub(r'\s(width|height)="[^"]*"', "", head)
+        return f'{head} role="img" aria-label="{self.title}">{tail}'
+
+    @property
+    def pdf(self) -> bytes:
+        """The figure as a PDF document."""
+        stream = io.BytesIO()
+        with rc_context({"pdf.fonttype": 42}):
+            self.figure.savefig(stream, format="pdf", metadata={"CreationDate": None})
+        return stream.getvalue()
+
+
+def new_figure(height_in: float) -> Figure:
+    """Return an empty figure that says what its numbers are.
+
+    Args:
+        height_in: Height [in].
+    """
+    figure = Figure(figsize=(WIDTH_IN, height_in), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    foot = _FOOT_IN / height_in
+    figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - foot))  # type: ignore[union-attr, call-arg]
+    figure.text(0.995, 0.02 / height_in, MARK, ha="right", va="bottom", fontsize=6.0, color="0.45")
+    return figure
+
+
+def letter(axes: Axes, text: str) -> None:
+    """Mark a panel in its upper left corner, outside."""
+    axes.set_title(text, loc="left", fontsize=SMALL, fontweight="bold")
+
+
+def grid(axes: Axes) -> None:
+    """Thin lines behind the curves."""
+    axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)

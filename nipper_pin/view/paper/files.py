@@ -1,0 +1,55 @@
+"""The study as files: the page, every figure as SVG and PDF, every table as CSV, and JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ...errors import InputError
+from ...hybrid.storage import complete_file
+from ...study.paper import PaperStudy
+from .report import material, report_html
+from .supplements import Supplements
+
+
+def write_paper(
+    study: PaperStudy, folder: str | Path, supplements: Supplements | None = None
+) -> list[Path]:
+    """Write the study; each file appears only when it is complete.
+
+    Args:
+        study: The study.
+        folder: Folder, made if it does not exist; files of the same names are replaced.
+        supplements: Results of other studies, to be shown after it.
+
+    Returns:
+        The files, ``report.html`` first.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{target}: cannot be made a folder ({error.strerror})"
+        raise InputError(message, folder=str(target)) from error
+    added = supplements or Supplements()
+    content = material(study, added)
+    record = study.record()
+    if added.sensitivities is not None:
+        record["sensitivities"] = added.sensitivities.record()
+    document = json.dumps(record, indent=1, allow_nan=False) + "\n"
+    files: dict[str, bytes] = {
+        "report.html": report_html(study, added, content).encode(),
+        "study.json": document.encode(),
+    }
+    for plate in content.plates:
+        files[f"{plate.name}.svg"] = plate.svg.encode()
+        files[f"{plate.name}.pdf"] = plate.pdf
+    for table in content.tables:
+        files[f"{table.name}.csv"] = table.csv_text().encode()
+    for name, data in files.items():
+        with complete_file(target / name) as partial:
+            partial.write_bytes(data)
+    return [target / name for name in files]

@@ -1,0 +1,135 @@
+"""Figures of phases 1 and 2 over a turn: the oscillating guide, the links, jaw and steeve."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ...arrays import FloatArray
+from ...mechanism import INDEX_PER_TURN
+from ...study.paper import PaperStudy
+from ..style import LINES, SMALL, TINTS, tidy
+from .canvas import Plate, grid, letter, new_figure
+
+DEGREES = math.degrees(1.0)
+_DASHES = ("-", "--", ":", "-.")
+
+
+def kinematic_plates(study: PaperStudy) -> list[Plate]:
+    """Draw the guide, the links, and jaw and steeve."""
+    return [_guide(study), _links(study), _stops(study)]
+
+
+def _guide(study: PaperStudy) -> Plate:
+    turn = study.kinematics
+    figure = new_figure(5.8)
+    panels = figure.subplots(3, 1, sharex=True)
+    order, index = _order(study)
+    drive = study.mechanism.drives[0].name
+    for i, guide in enumerate(turn.guides):
+        rows = (DEGREES * guide.angle, guide.rate, guide.acceleration)
+        for axes, values in zip(panels, rows, strict=True):
+            axes.plot(index, values[order, 0], color=LINES[i], linestyle=_DASHES[i], linewidth=1.3,
+                      label=f"{guide.speed_rpm:g} r/min")  # fmt: skip
+    names = ("angle [deg]", "rate [rad/s]", "acceleration [rad/s$^2$]")
+    for number, (axes, name) in enumerate(zip(panels, names, strict=True)):
+        _phases(study, axes)
+        letter(axes, f"({'abc'[number]})")
+        grid(axes)
+        tidy(axes, "", f"{drive}\n{name}")
+    panels[1].legend(fontsize=SMALL, frameon=False, ncols=3)
+    tidy(panels[-1], "index of the comb cycle (40 to a turn)", f"{drive}\n{names[-1]}")
+    swing = DEGREES * float(np.ptp(turn.guides[0].angle[:, 0]))
+    peak = float(np.abs(turn.guides[-1].acceleration[:, 0]).max())
+    return Plate(
+        "guide",
+        "Oscillating guide over a turn",
+        f"Angle, rate and acceleration of the {drive} shaft, driven by the oscillating guide. It "
+        f"swings by {swing:.2f} degrees whatever the speed; at "
+        f"{turn.guides[-1].speed_rpm:g} r/min its acceleration reaches {peak:.0f} rad/s². "
+        "Shaded: jaw closed.",
+        figure,
+    )
+
+
+def _links(study: PaperStudy) -> Plate:
+    turn = study.kinematics
+    figure = new_figure(3.8)
+    axes = figure.add_subplot()
+    order, index = _order(study)
+    for i, link in enumerate(study.mechanism.links):
+        axes.plot(index, DEGREES * turn.link_angles[order, i], color=LINES[i % len(LINES)],
+                  linestyle=_DASHES[i // len(LINES)], linewidth=1.3,
+                  label=link.replace("_", " "))  # fmt: skip
+    _phases(study, axes)
+    grid(axes)
+    tidy(axes, "index of the comb cycle (40 to a turn)", "rotation from the touch position [deg]")
+    figure.legend(loc="outside upper center", ncols=4, fontsize=SMALL, frameon=False)
+    return Plate(
+        "links",
+        "Rotation of the links over a turn",
+        "Rotation of every link from the touch configuration, counter-clockwise in the side view, "
+        "through phases 1 and 2. Positions do not depend on the speed. Where the jaw is closed "
+        "(shaded) top and bottom nipper turn together; where it is open the two halves of the "
+        "steeve do, and always, since they slide straight.",
+        figure,
+    )
+
+
+def _stops(study: PaperStudy) -> Plate:
+    turn = study.kinematics
+    figure = new_figure(6.0)
+    panels = figure.subplots(3, 2, sharex=True)
+    order, index = _order(study)
+    columns = (("jaw angle", "deg", "rad/s", "rad/s$^2$", DEGREES, 1.0, turn.stop_jaw),
+               ("stroke s", "mm", "m/s", "m/s$^2$", 1e3, 1.0, turn.stop_steeve))  # fmt: skip
+    for column, (name, unit, rate, acceleration, factor, other, place) in enumerate(columns):
+        rows = (("q", unit, factor), ("v", rate, other), ("a", acceleration, other))
+        for row, (quantity, text, scale) in enumerate(rows):
+            axes = panels[row, column]
+            values = scale * turn.of_phases(quantity, place)[order]
+            if quantity != "q":
+                values = _broken(turn.is_open[order], values)
+            axes.plot(index, values, color=LINES[column], linewidth=1.3)
+            _phases(study, axes)
+            grid(axes)
+            letter(axes, f"({'abcdef'[2 * row + column]})")
+            kind = ("", "rate of ", "acceleration of ")[row]
+            tidy(axes, "", f"{kind}{name}\n[{text}]")
+    for axes in panels[-1]:
+        axes.set_xlabel("index (40 to a turn)", fontsize=SMALL)
+    return Plate(
+        "jaw_and_steeve",
+        "Jaw angle and steeve stroke over a turn",
+        f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "
+        f"closes at index {turn.closing_index:.2f} and would open at {turn.opening_index:.2f}; it "
+        f"opens to {DEGREES * turn.largest_jaw_angle:.1f} degrees, and the steeve telescopes by "
+        f"{1e3 * turn.largest_stroke:.2f} mm. At the change of phase the rates jump: that jump is "
+        "the impact.",
+        figure,
+    )
+
+
+def _order(study: PaperStudy) -> tuple[np.ndarray, FloatArray]:
+    """Order of the places by their index in one turn from 0, and that index."""
+    index = study.kinematics.index[:-1] % INDEX_PER_TURN
+    order = np.argsort(index)
+    return order, index[order]
+
+
+def _broken(is_open: np.ndarray, values: FloatArray) -> FloatArray:
+    """Values with a gap where the phase changes, so that no line is drawn through a jump."""
+    shown = values.copy()
+    shown[1:][np.diff(is_open.astype(int)) != 0] = np.nan
+    return shown
+
+
+def _phases(study: PaperStudy, axes: Axes) -> None:
+    """Shade where the jaw is closed."""
+    turn = study.kinematics
+    axes.axvspan(0.0, turn.opening_index, facecolor=TINTS[1], alpha=0.45, linewidth=0, zorder=0)
+    axes.axvspan(turn.closing_index, INDEX_PER_TURN, facecolor=TINTS[1], alpha=0.45, linewidth=0,
+                 zorder=0)  # fmt: skip
+    axes.set_xlim(0.0, INDEX_PER_TURN)

@@ -1,0 +1,155 @@
+"""Figures 11 to 14 of the published study."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from ...study.paper import PaperStudy
+from ...study.paper.counts import counted
+from ...study.paper.studies import Study
+from ..sampling import sample_coordinates
+from ..style import LINES, MARKERS, SMALL, tidy
+from .canvas import Plate, grid, letter, new_figure
+
+DEGREES = math.degrees(1.0)
+# Thresholds at which collisions are counted in figures and tables [rad/s].
+THRESHOLDS = (0.001, 0.02, 0.06)
+
+
+def published_plates(study: PaperStudy) -> list[Plate]:
+    """Draw figures 11, 12, 13 and 14."""
+    return [_angle(study), _impulses(study), _restitution(study), _stiffness(study)]
+
+
+def _angle(study: PaperStudy) -> Plate:
+    figure = new_figure(5.4)
+    panels = figure.subplots(len(study.motions), 1, sharex=True, sharey=True)
+    jaw = study.mechanism.stop(study.mechanism.transition_stop)
+    durations = 1e3 * study.studies.speed.durations
+    for number, (axes, solution) in enumerate(zip(panels, study.motions, strict=True)):
+        t, q = sample_coordinates(solution, *solution.trajectory.span)
+        axes.plot(1e3 * t, DEGREES * q[:, jaw.index], color=LINES[0], linewidth=1.3)
+        at = [1e3 * item.t for item in solution.collisions]
+        axes.plot(at, np.zeros(len(at)), "|", color="black", markersize=8.0)
+        axes.plot(durations[number], 0.0, "s", color="black", markersize=3.5)
+        letter(axes, f"({'abc'[number]})  {solution.case.speed_rpm:g} r/min")
+        grid(axes)
+        tidy(axes, "", "jaw angle [deg]")
+    tidy(panels[-1], "time from the first collision [ms]", "jaw angle [deg]")
+    shown = ", ".join(f"{value:.3f}" for value in durations)
+    return Plate(
+        "figure_11",
+        "Jaw angle during the transition",
+        "Jaw angle against time from the first collision at three speeds (figure 11 of the paper). "
+        "Strokes mark collisions, the square the time of rest as the limit of the series: "
+        f"{shown} ms.",
+        figure,
+    )
+
+
+def _impulses(study: PaperStudy) -> Plate:
+    figure = new_figure(3.2)
+    linear, log = figure.subplots(1, 2)
+    table = study.studies.speed.bounces
+    for i, speed in enumerate(study.studies.speed.values):
+        impulse = table.impulse[i][np.isfinite(table.impulse[i])][:8]
+        number = np.arange(1, len(impulse) + 1)
+        style = {"color": LINES[i], "marker": MARKERS[i], "markersize": 4.0, "linewidth": 1.0}
+        for axes in (linear, log):
+            axes.plot(number, impulse, label=f"{speed:g} r/min", **style)
+    log.set_yscale("log")
+    for axes, text in ((linear, "(a)"), (log, "(b)  logarithmic")):
+        letter(axes, text)
+        grid(axes)
+        tidy(axes, "number of the collision", "impulse [N s]")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    linear.legend(fontsize=SMALL, frameon=False)
+    first = ", ".join(f"{value:.3f}" for value in table.impulse[:, 0])
+    return Plate(
+        "figure_12",
+        "Impulse of each collision",
+        "Normal impulse at the lips in each collision, one series a speed (figure 12 of the "
+        f"paper). The first impulses, {first} N s, are proportional to the speed, because with "
+        "held shafts nothing but the approach rate sets them; from one collision to the next they "
+        "fall by nearly the restitution.",
+        figure,
+    )
+
+
+def _restitution(study: PaperStudy) -> Plate:
+    data = study.studies.restitution
+    figure = new_figure(3.2)
+    time, number = figure.subplots(1, 2)
+    time.plot(data.values, 1e3 * data.durations, color=LINES[0], marker="o", markersize=4.0,
+              linewidth=1.2, label="ours")  # fmt: skip
+    published = 1.0 + study.published.ratios["restitution.transition_time_increase"]
+    time.plot(data.values[-1], 1e3 * data.durations[0] * published, "x", color="black",
+              label="published ratio on our first value")  # fmt: skip
+    time.legend(fontsize=SMALL, frameon=False)
+    letter(time, "(a)")
+    grid(time)
+    tidy(time, "restitution e [-]", "transition time [ms]")
+    _draw_counts(number, data)
+    tidy(number, "restitution e [-]", "collisions")
+    for axes in (time, number):
+        axes.set_xticks(data.values)
+    speed = study.published.common_speed_rpm
+    return Plate(
+        "figure_13",
+        "Transition over the restitution",
+        f"(a) Transition time and (b) number of collisions against the restitution at {speed:g} "
+        "r/min (figure 13 of the paper). The number depends on the separation rate at which one "
+        "stops to count.",
+        figure,
+    )
+
+
+def _stiffness(study: PaperStudy) -> Plate:
+    data = study.studies.stiffness
+    figure = new_figure(3.2)
+    time, number = figure.subplots(1, 2)
+    rates = 1e-3 * data.values
+    series = (
+        ("transition", data.durations, None),
+        ("first rebound", data.times[:, 0], "stiffness.first_rebound_time_change"),
+        ("second rebound", data.times[:, 1], "stiffness.second_rebound_time_change"),
+    )
+    for i, (label, values, ratio) in enumerate(series):
+        time.plot(rates, 1e3 * values, color=LINES[i], marker=MARKERS[i], markersize=4.0,
+                  linewidth=1.2, label=label)  # fmt: skip
+        if ratio is not None:
+            change = 1.0 + study.published.ratios[ratio]
+            time.plot(rates[-1], 1e3 * values[0] * change, "x", color="black", zorder=5)
+    time.set_ylim(0.0, 1.25e3 * float(data.durations.max()))
+    time.legend(fontsize=SMALL, frameon=False, ncols=2)
+    letter(time, "(a)")
+    grid(time)
+    tidy(time, "spring rate [N/mm]", "time [ms]")
+    _draw_counts(number, data, 1e-3)
+    tidy(number, "spring rate [N/mm]", "collisions")
+    speed = study.published.common_speed_rpm
+    return Plate(
+        "figure_14",
+        "Transition over the spring rate",
+        f"(a) Times and (b) number of collisions against the spring rate at {speed:g} r/min, the "
+        "preload length kept (figure 14 of the paper). Crosses: published ratios applied to our "
+        "value at the smallest rate.",
+        figure,
+    )
+
+
+def _draw_counts(panel: Axes, data: Study, factor: float = 1.0) -> None:
+    numbers = counted(data.rates, np.array(THRESHOLDS))
+    for i, threshold in enumerate(THRESHOLDS):
+        panel.plot(factor * data.values, numbers[i], color=LINES[i], marker=MARKERS[i],
+                   markersize=4.0, linewidth=1.0, linestyle="--",
+                   label=f"threshold {threshold:g} rad/s")  # fmt: skip
+    panel.set_ylim(0.0, 1.45 * numbers.max())
+    panel.yaxis.set_major_locator(MaxNLocator(integer=True))
+    panel.legend(fontsize=SMALL, frameon=False)
+    letter(panel, "(b)")
+    grid(panel)

@@ -1,0 +1,213 @@
+"""Figures of what the published study leaves open."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from ...study.paper import PaperStudy
+from ...study.paper.designs import RESTITUTIONS, SPEEDS_RPM
+from ...study.paper.drives import FACTORS
+from ...study.paper.phase_one import PRELOADS
+from ...study.paper.phase_one import SPEEDS_RPM as STOP_SPEEDS
+from ..style import LINES, MARKERS, SMALL, tidy
+from .canvas import Plate, grid, letter, new_figure
+
+
+def question_plates(study: PaperStudy) -> list[Plate]:
+    """Draw one figure for each open question."""
+    return [
+        _thresholds(study), _drives(study), _stop_force(study), _fixed_step(study),
+        _shares(study), _designs(study),
+    ]  # fmt: skip
+
+
+def _thresholds(study: PaperStudy) -> Plate:
+    counts = study.counts
+    figure = new_figure(3.4)
+    number, time = figure.subplots(1, 2)
+    values = study.studies.restitution.values
+    for i, column in enumerate((0, 2, 4)):
+        number.step(counts.thresholds, counts.restitution[:, column], where="post",
+                    color=LINES[i], linewidth=1.3, label=f"e = {values[column]:g}")  # fmt: skip
+    for low, high in counts.rebounds_match:
+        number.axvspan(low, high, facecolor="0.85", linewidth=0, zorder=0,
+                       label="rebounds +300 %")  # fmt: skip
+    number.set_xscale("log")
+    number.yaxis.set_major_locator(MaxNLocator(integer=True))
+    number.legend(fontsize=SMALL, frameon=False)
+    tidy(number, "threshold [rad/s]", "collisions")
+    time.semilogx(counts.thresholds, counts.time_increase, color=LINES[0], linewidth=1.3,
+                  label="stop at the threshold")  # fmt: skip
+    durations = study.studies.restitution.durations
+    time.axhline(durations[-1] / durations[0] - 1.0, color=LINES[1], linestyle="--", linewidth=1.1,
+                 label="limit of the series")  # fmt: skip
+    time.axhline(study.published.ratios["restitution.transition_time_increase"], color="black",
+                 linestyle=":", linewidth=1.1, label="published")  # fmt: skip
+    time.legend(fontsize=SMALL, frameon=False)
+    tidy(time, "threshold [rad/s]", "increase of the\ntransition time [-]")
+    for axes, text in ((number, "(a)"), (time, "(b)")):
+        letter(axes, text)
+        grid(axes)
+    return Plate(
+        "thresholds",
+        "Collisions and transition time over the threshold",
+        "(a) Number of collisions against the separation rate at which one stops to count, for "
+        "three restitutions. Shaded: where the number of rebounds grows as published. (b) Increase "
+        "of the transition time from the smallest to the largest restitution when the transition "
+        "ends at that collision; beyond the end of the line one of the two transitions has no "
+        "length.",
+        figure,
+    )
+
+
+def _drives(study: PaperStudy) -> Plate:
+    figure = new_figure(3.3)
+    panels = figure.subplots(1, 2, sharex=True)
+    names = (("first_amplitude", "first rebound amplitude"), ("transition_time", "transition time"))
+    for axes, (name, text), mark in zip(panels, names, "ab", strict=True):
+        for i, speed in enumerate(study.published.speeds_rpm):
+            rows = [item for item in study.drives.effects if item.speed_rpm == speed]
+            axes.loglog(FACTORS, [100.0 * getattr(item, name) for item in rows], color=LINES[i],
+                        marker=MARKERS[i], markersize=4.0, linewidth=1.1,
+                        label=f"{speed:g} r/min")  # fmt: skip
+        axes.axvline(1.0, color="0.5", linewidth=0.8, linestyle=":")
+        letter(axes, f"({mark})")
+        grid(axes)
+        tidy(axes, "shaft inertia by that of the model [-]", f"change of the\n{text} [%]")
+    panels[0].legend(fontsize=SMALL, frameon=False)
+    worst = 100.0 * max(item.first_amplitude for item in study.drives.effects if item.factor == 1.0)
+    return Plate(
+        "drives",
+        "Inertial shafts beside held ones",
+        "Change of (a) the first rebound amplitude and (b) the transition time when an impact is "
+        "free to change the speed of the shafts, against their reflected inertia. With the model's "
+        f"own inertias (dotted) the amplitude grows by at most {worst:.2f} %; the change falls "
+        "with the inertia, so held shafts are the limit.",
+        figure,
+    )
+
+
+def _stop_force(study: PaperStudy) -> Plate:
+    stop = study.phase_one
+    figure = new_figure(3.6)
+    curve, chart = figure.subplots(1, 2)
+    for i, speed in enumerate(study.published.speeds_rpm):
+        curve.plot(stop.index, stop.force(stop.preload_m, speed), color=LINES[i], linewidth=1.3,
+                   label=f"{speed:g} r/min")  # fmt: skip
+    curve.axhline(0.0, color="black", linewidth=0.8)
+    curve.legend(fontsize=SMALL, frameon=False)
+    tidy(curve, "index (40 to a turn)", "stop force with the jaw open [N]")
+    forces = stop.smallest_forces()
+    preloads = 1e3 * PRELOADS
+    filled = chart.contourf(STOP_SPEEDS, preloads, forces, levels=12, cmap="RdBu",
+                            vmin=-np.abs(forces).max(), vmax=np.abs(forces).max())  # fmt: skip
+    figure.colorbar(filled, ax=chart).set_label("smallest stop force [N]", fontsize=SMALL)
+    limit = [stop.threshold_rpm(float(p)) for p in PRELOADS]
+    chart.plot(limit, preloads, color="black", linewidth=1.6, label="lets go beyond")
+    for item in stop.releases:
+        stays = item.index is None
+        chart.plot(item.speed_rpm, 1e3 * stop.preload_m, "s" if stays else "X", markersize=6.0,
+                   color="black", markeredgecolor="white", markeredgewidth=0.6)  # fmt: skip
+    chart.set_xlim(STOP_SPEEDS[0], STOP_SPEEDS[-1])
+    chart.legend(fontsize=SMALL, loc="lower right")
+    tidy(chart, "cylinder speed [r/min]", "preload [mm]")
+    letter(curve, "(a)")
+    letter(chart, "(b)")
+    grid(curve)
+    return Plate(
+        "stop_force",
+        "Force on the steeve's stop in phase 1",
+        f"(a) Force of the stop while the jaw is open, preload {1e3 * stop.preload_m:g} mm, as if "
+        "it could pull. (b) Its smallest value over speed and preload; right of the line the "
+        "steeve leaves its stop. With the model's preload that begins at "
+        f"{stop.threshold_rpm(stop.preload_m):.1f} r/min. Marks: simulated turns, squares where "
+        "it stays, crosses where it lets go.",
+        figure,
+    )
+
+
+def _fixed_step(study: PaperStudy) -> Plate:
+    figure = new_figure(3.6)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    labels = ("first rebound time", "second rebound time", "first amplitude", "transition time")
+    for axes, rule, mark in zip(panels, study.fixed_step.rules, "ab", strict=True):
+        for i, label in enumerate(labels):
+            axes.loglog(rule.steps_s, np.abs(rule.errors[:, i]), color=LINES[i], marker=MARKERS[i],
+                        markersize=4.0, linewidth=1.1, label=label)  # fmt: skip
+        steps = rule.steps_s[[0, -1]]
+        axes.loglog(steps, steps / steps[0] * 3e-3, color="black", linestyle=":", linewidth=1.0,
+                    label="order 1")  # fmt: skip
+        letter(axes, f"({mark})  {rule.name}")
+        grid(axes)
+        tidy(axes, "step [s]", "relative error")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5,
+                  fontsize=SMALL, frameon=False)  # fmt: skip
+    return Plate(
+        "fixed_step",
+        "Error of fixed steps",
+        "Relative errors of the fixed-step scheme against our solution for two explicit rules; "
+        "the study does not say which it uses. The smallest step is the published one.",
+        figure,
+    )
+
+
+def _shares(study: PaperStudy) -> Plate:
+    data = study.shares
+    figure = new_figure(3.5)
+    axes, rest = figure.subplots(1, 2)
+    axes.plot(data.restitutions, data.ballistic, color="black", linestyle="--", linewidth=1.2,
+              label="$1 - e^2$")  # fmt: skip
+    for i, speed in enumerate(data.speeds_rpm):
+        axes.plot(data.restitutions, data.shares[i], color=LINES[i], linewidth=1.2,
+                  label=f"{speed:g} r/min")  # fmt: skip
+        rest.plot(data.restitutions, 100.0 * (data.shares[i] - data.ballistic), color=LINES[i],
+                  linewidth=1.2)  # fmt: skip
+        value = study.published.ratios[f"speed.first_two_share_{speed:g}"]
+        common = study.published.common_restitution
+        axes.plot(common, value, "x", color=LINES[i], markersize=6.0)
+        rest.plot(common, 100.0 * (value - 1.0 + common**2), "x", color=LINES[i], markersize=6.0)
+    axes.plot([], [], "x", color="0.3", label="published")
+    axes.legend(fontsize=SMALL, frameon=False)
+    tidy(axes, "restitution e [-]", "share of the first two rebounds [-]")
+    tidy(rest, "restitution e [-]", "difference from $1 - e^2$\n[points of %]")
+    for panel, text in ((axes, "(a)"), (rest, "(b)")):
+        letter(panel, text)
+        grid(panel)
+    return Plate(
+        "shares",
+        "Share of the first two rebounds",
+        "(a) Share of the first two rebounds in the transition time against the restitution, and "
+        "1 - e², what a constant closing force gives. (b) The difference: the closing force "
+        "changes during the longer rebounds.",
+        figure,
+    )
+
+
+def _designs(study: PaperStudy) -> Plate:
+    data = study.designs
+    figure = new_figure(3.8)
+    panels = figure.subplots(1, len(data.stiffnesses), sharex=True, sharey=True)
+    most = float(np.nanmax(data.durations)) * 1e3
+    levels = np.arange(0.0, most + 1.0)
+    for number, axes in enumerate(panels):
+        times = 1e3 * data.durations[number]
+        filled = axes.contourf(SPEEDS_RPM, RESTITUTIONS, times, levels=levels, cmap="YlOrBr",
+                               alpha=0.75)  # fmt: skip
+        lines = axes.contour(SPEEDS_RPM, RESTITUTIONS, times, levels=levels, colors="black",
+                             linewidths=0.8)  # fmt: skip
+        axes.clabel(lines, fmt="%g", fontsize=SMALL - 1.0)
+        index = axes.contour(SPEEDS_RPM, RESTITUTIONS, data.index_units[number],
+                             levels=[1.0, 2.0, 3.0, 4.0], colors=LINES[0], linewidths=0.9,
+                             linestyles="--")  # fmt: skip
+        axes.clabel(index, fmt="%g", fontsize=SMALL - 1.0)
+        letter(axes, f"({'abc'[number]})  {1e-3 * data.stiffnesses[number]:g} N/mm")
+        tidy(axes, "speed [r/min]", "restitution e [-]" if number == 0 else "")
+    figure.colorbar(filled, ax=list(panels)).set_label("transition time [ms]", fontsize=SMALL)
+    return Plate(
+        "designs",
+        "Transition time over speed, restitution and spring rate",
+        "Full lines: transition time in ms. Dashed: the same in units of the index, 40 to a turn, "
+        "the part of the cycle in which the jaw does not hold. The preload length is kept.",
+        figure,
+    )

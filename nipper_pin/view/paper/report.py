@@ -1,0 +1,161 @@
+"""The study as one page that needs nothing else: no network, no files, figures inside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from ...study.paper import PaperStudy
+from ...study.paper.study import FAR, NEAR, NOTE
+from ...study.sensitivity import conclusions
+from ..reading import digits, spring_text
+from .canvas import MARK, Plate
+from .kinematic_figures import kinematic_plates
+from .published_figures import published_plates
+from .question_figures import question_plates
+from .supplements import (
+    Supplements,
+    identification_tables,
+    sensitivity_plate,
+    sensitivity_table,
+)
+from .tables import (
+    Table,
+    count_table,
+    drive_table,
+    force_table,
+    percent,
+    published_tables,
+    ratio_table,
+    rest_table,
+    step_table,
+    stop_table,
+)
+
+_TEMPLATE = "report.html.j2"
+
+
+@dataclass(frozen=True)
+class Material:
+    """Figures and tables of the report.
+
+    Attributes:
+        plates: Figures in the order of their numbers.
+        tables: Tables in the order of theirs.
+    """
+
+    plates: tuple[Plate, ...]
+    tables: tuple[Table, ...]
+
+
+def material(study: PaperStudy, supplements: Supplements) -> Material:
+    """Draw all figures and fill all tables."""
+    plates = [*published_plates(study), *kinematic_plates(study), *question_plates(study)]
+    tables = [
+        ratio_table(study.ratios),
+        *published_tables(study),
+        count_table(study),
+        rest_table(study),
+        drive_table(study),
+        ratio_table(study.drives.ratios, "ratios_inertial_shafts", "The same with inertial shafts"),
+        stop_table(study),
+        step_table(study),
+        force_table(study),
+    ]
+    if supplements.sensitivities is not None:
+        plates.append(sensitivity_plate(supplements.sensitivities))
+        tables.append(sensitivity_table(supplements.sensitivities))
+    if supplements.identification is not None:
+        tables.extend(identification_tables(supplements.identification))
+    return Material(tuple(plates), tuple(tables))
+
+
+def report_html(study: PaperStudy, supplements: Supplements, content: Material) -> str:
+    """Return the page.
+
+    Args:
+        study: The study.
+        supplements: Results of other studies.
+        content: Their figures and tables.
+    """
+    # Templates are loaded by those who write a report, not by those who draw a figure.
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("nipper_pin.view.paper", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    plates = {
+        plate.name: {"number": i, "plate": plate, "svg": plate.inline_svg}
+        for i, plate in enumerate(content.plates, start=1)
+    }
+    tables = {
+        table.name: {"number": i, "table": table} for i, table in enumerate(content.tables, start=1)
+    }
+    template = environment.get_template(_TEMPLATE)
+    return template.render(
+        study=study,
+        plates=plates,
+        tables=tables,
+        note=NOTE,
+        mark=MARK,
+        near=NEAR,
+        far=FAR,
+        springs=spring_text(study.mechanism),
+        version=version("nipper-pin"),
+        facts=_facts(study),
+        digits=digits,
+        percent=percent,
+        intervals=_intervals,
+        conclusions=conclusions(found) if (found := supplements.sensitivities) else (),
+        sensitivities=supplements.sensitivities,
+        identification=supplements.identification,
+    )
+
+
+def _facts(study: PaperStudy) -> dict[str, Any]:
+    """Numbers that the text needs and no table holds."""
+    studies, given = study.studies, study.published
+    common = given.speeds_rpm.index(given.common_speed_rpm)
+    worst = max(study.ratios, key=lambda item: abs(item.relative_deviation))
+    own = [item for item in study.drives.effects if item.factor == 1.0]
+    steps = {rule.name: rule for rule in study.fixed_step.rules}
+    released = [item for item in study.phase_one.releases if item.index is not None]
+    low, high = given.restitutions[0], given.restitutions[-1]
+    return {
+        "worst": worst,
+        "duration_ms": 1e3 * float(studies.speed.durations[common]),
+        "share": float(studies.speed.shares[common]),
+        "limit_increase": math.log(low) / math.log(high) - 1.0,
+        "lever_mm": 1e3 * study.mechanism.stop(study.mechanism.transition_stop).lever,
+        "drive_amplitude": max(abs(item.first_amplitude) for item in own),
+        "drive_time": max(abs(item.transition_time) for item in own),
+        "drive_ratio": max(
+            abs(inertial.ours / held.ours - 1.0)
+            for inertial, held in zip(study.drives.ratios, study.ratios, strict=True)
+        ),
+        "threshold_rpm": study.phase_one.threshold_rpm(study.phase_one.preload_m),
+        "released": released,
+        "forward": float(abs(steps["forward"].errors[-1, -1])),
+        "semi_implicit": float(abs(steps["semi-implicit"].errors[-1, -1])),
+        "rules": study.fixed_step.rules,
+        "time_range_ms": [
+            1e3 * float(np.nanmin(study.designs.durations)),
+            1e3 * float(np.nanmax(study.designs.durations)),
+        ],
+    }
+
+
+def _intervals(items: Sequence[tuple[float, float]]) -> str:
+    """Intervals of thresholds as text."""
+    if not items:
+        return "none"
+    return ", ".join(f"{low:.3g} to {high:.3g}" for low, high in items)

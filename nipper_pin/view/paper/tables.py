@@ -1,0 +1,278 @@
+"""Tables of the report, each as numbers for a CSV file and as text for people."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...study.paper import PaperStudy
+from ...study.paper.counts import counted
+from ...study.paper.ratios import Ratio
+from ...study.paper.studies import Study
+from ..reading import digits
+
+DEGREES = math.degrees(1.0)
+COUNTED_AT = (1e-4, 1e-3, 0.005, 0.02, 0.05, 0.06, 0.08, 0.1, 0.3, 0.9)
+SHOWN_FACTORS = (0.1, 1.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column.
+
+    Attributes:
+        key: Name with the unit, in CSV files.
+        heading: The same for people, who may see another unit.
+        show: From the number to text.
+    """
+
+    key: str
+    heading: str
+    show: Callable[[Any], str] = str
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table.
+
+    Attributes:
+        name: Name of its file.
+        title: What it holds.
+        columns: Columns.
+        rows: Numbers in SI units, one tuple a row.
+    """
+
+    name: str
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    @property
+    def shown(self) -> list[list[str]]:
+        """Rows as text."""
+        return [
+            [column.show(value) for column, value in zip(self.columns, row, strict=True)]
+            for row in self.rows
+        ]
+
+    def csv_text(self) -> str:
+        """Return the table as CSV, numbers as they are."""
+        stream = io.StringIO()
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow([column.key for column in self.columns])
+        for row in self.rows:
+            writer.writerow([v.item() if isinstance(v, np.generic) else v for v in row])
+        return stream.getvalue()
+
+
+def percent(value: float, decimals: int = 1) -> str:
+    """Signed percentage."""
+    # Round-off below zero does not show as minus zero.
+    return f"{round(100.0 * value, decimals) + 0.0:+.{decimals}f} %"
+
+
+def _scaled(factor: float) -> Callable[[Any], str]:
+    return lambda value: "-" if value is None else digits(factor * float(value))
+
+
+def _percent_or_none(value: float | None) -> str:
+    return "-" if value is None else percent(value, 0)
+
+
+def _general(value: float) -> str:
+    return f"{value:g}"
+
+
+_AMPLITUDES = (
+    Column("first_amplitude_rad", "A<sub>1</sub> [deg]", _scaled(DEGREES)),
+    Column("second_amplitude_rad", "A<sub>2</sub> [deg]", _scaled(DEGREES)),
+)
+_TIMES = (
+    Column("first_time_s", "T<sub>1</sub> [ms]", _scaled(1e3)),
+    Column("second_time_s", "T<sub>2</sub> [ms]", _scaled(1e3)),
+    Column("transition_time_s", "transition [ms]", _scaled(1e3)),
+)
+
+
+def ratio_table(
+    items: Sequence[Ratio], name: str = "ratios", title: str = "Published ratios beside ours"
+) -> Table:
+    """Published ratios beside ours."""
+    return Table(
+        name,
+        title,
+        (
+            Column("name", "ratio", _readable),
+            Column("published", "published", _general),
+            Column("ours", "ours", digits),
+            Column("relative_deviation", "deviation", percent),
+        ),
+        tuple((i.name, i.published, i.ours, i.relative_deviation) for i in items),
+    )
+
+
+def published_tables(study: PaperStudy) -> list[Table]:
+    """Tables 3, 4 and 5 of the paper."""
+    studies = study.studies
+    share = Column("first_two_share", "share of the first two", lambda v: f"{100.0 * v:.2f} %")
+    stated = Column("published_share", "published", lambda v: f"{100.0 * v:.2f} %")
+    shares = [
+        study.published.ratios[f"speed.first_two_share_{value:g}"] for value in studies.speed.values
+    ]
+    rows = [(*row, value) for row, value in zip(_rows(studies.speed), shares, strict=True)]
+    return [
+        Table("table_3", "Rebounds over the speed (table 3 of the paper)",
+              (Column("speed_rpm", "speed [r/min]", _general), *_AMPLITUDES, *_TIMES, share,
+               stated), tuple(rows)),
+        Table("table_4", "Rebounds over the restitution (table 4 of the paper)",
+              (Column("restitution", "e [-]", _general), *_AMPLITUDES, *_TIMES, share),
+              _rows(studies.restitution)),
+        Table("table_5", "Rebounds over the spring rate (table 5 of the paper)",
+              (Column("stiffness_N_per_m", "k [N/mm]", _scaled(1e-3)), *_AMPLITUDES, *_TIMES,
+               share), _rows(studies.stiffness)),
+    ]  # fmt: skip
+
+
+def count_table(study: PaperStudy) -> Table:
+    """Collisions by threshold and restitution."""
+    data = study.studies.restitution
+    counts = counted(data.rates, np.array(COUNTED_AT))
+    stiff = counted(study.studies.stiffness.rates, np.array(COUNTED_AT))
+    columns = [Column("threshold_rad_s", "threshold [rad/s]", _general)]
+    columns += [Column(f"collisions_e_{value:g}", f"e = {value:g}") for value in data.values]
+    columns += [
+        Column("increase", "increase", lambda v: percent(v, 0)),
+        Column("rebounds_increase", "of the rebounds", _percent_or_none),
+        Column("stiffness_from", "over k, least"),
+        Column("stiffness_to", "most"),
+    ]
+    rows = []
+    for threshold, row, other in zip(COUNTED_AT, counts, stiff, strict=True):
+        bounces = row - 1
+        growth = float(bounces[-1] / bounces[0] - 1.0) if bounces[0] else None
+        ends = (int(other.min()), int(other.max()))
+        rows.append((threshold, *row.tolist(), float(row[-1] / row[0] - 1.0), growth, *ends))
+    return Table("collision_counts", "Number of collisions over the threshold", tuple(columns),
+                 tuple(rows))  # fmt: skip
+
+
+def rest_table(study: PaperStudy) -> Table:
+    """Transition times by a threshold beside the limit, at the common speed and restitution."""
+    given = study.published
+    speeds = study.studies.speed
+    case = given.speeds_rpm.index(given.common_speed_rpm)
+    limit = float(speeds.durations[case])
+    rows = []
+    for threshold in COUNTED_AT:
+        number = int(counted(speeds.rates[case : case + 1], np.array([threshold]))[0, 0])
+        end = float(speeds.bounces.time[case, number - 1])
+        rows.append((threshold, number, end, limit - end, 1.0 - end / limit))
+    return Table(
+        "rest_time",
+        f"Transition time by a threshold, {given.common_speed_rpm:g} r/min, "
+        f"e = {given.common_restitution:g}",
+        (
+            Column("threshold_rad_s", "threshold [rad/s]", _general),
+            Column("collisions", "collisions"),
+            Column("time_s", "time [ms]", _scaled(1e3)),
+            Column("missing_s", "missing to the limit [µs]", _scaled(1e6)),
+            Column("missing_share", "of the limit", lambda v: f"{100.0 * v:.2g} %"),
+        ),
+        tuple(rows),
+    )
+
+
+def drive_table(study: PaperStudy) -> Table:
+    """Effects of inertial shafts, for some inertias."""
+    shown = [item for item in study.drives.effects if item.factor in SHOWN_FACTORS]
+    change = lambda v: percent(v, 3)  # noqa: E731
+    return Table(
+        "drives",
+        "Inertial shafts: change against held ones",
+        (
+            Column("speed_rpm", "speed [r/min]", _general),
+            Column("inertia_factor", "inertia factor", _general),
+            Column("first_impulse_change", "first impulse", lambda v: percent(v, 4)),
+            Column("first_amplitude_change", "A<sub>1</sub>", change),
+            Column("second_amplitude_change", "A<sub>2</sub>", change),
+            Column("transition_time_change", "transition", change),
+            Column("shaft_rate_jump", "shaft's rate jumps by", lambda v: f"{100.0 * v:.4f} %"),
+        ),
+        tuple((i.speed_rpm, i.factor, i.first_impulse, i.first_amplitude, i.second_amplitude,
+               i.transition_time, i.shaft_jump) for i in shown),
+    )  # fmt: skip
+
+
+def stop_table(study: PaperStudy) -> Table:
+    """What the steeve does in a turn at the published speeds."""
+    stop = study.phase_one
+    return Table(
+        "steeve_stop",
+        "The steeve's stop in phase 1, simulated turns",
+        (
+            Column("speed_rpm", "speed [r/min]", _general),
+            Column("smallest_force_N", "smallest force [N]", digits),
+            Column("release_index", "lets go at index",
+                   lambda v: "stays closed" if v is None else f"{v:.3f}"),
+            Column("lift_m", "lift [µm]", lambda v: "-" if v == 0.0 else digits(1e6 * v)),
+            Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(1e3 * v)),
+        ),
+        tuple((i.speed_rpm, float(stop.force(stop.preload_m, i.speed_rpm).min()), i.index,
+               i.lift_m, i.duration_s) for i in stop.releases),
+    )  # fmt: skip
+
+
+def step_table(study: PaperStudy) -> Table:
+    """Errors of the fixed-step scheme."""
+    error = lambda v: f"{v:+.1e}"  # noqa: E731
+    return Table(
+        "fixed_step",
+        "Relative errors of fixed steps",
+        (
+            Column("rule", "rule"),
+            Column("step_s", "step [µs]", _scaled(1e6)),
+            Column("first_time_error", "T<sub>1</sub>", error),
+            Column("second_time_error", "T<sub>2</sub>", error),
+            Column("first_amplitude_error", "A<sub>1</sub>", error),
+            Column("transition_time_error", "transition", error),
+        ),
+        tuple((rule.name, float(step), *errors.tolist())
+              for rule in study.fixed_step.rules
+              for step, errors in zip(rule.steps_s, rule.errors, strict=True)),
+    )  # fmt: skip
+
+
+def force_table(study: PaperStudy) -> Table:
+    """Published ratios beside those of a constant closing force."""
+    constant = study.shares.ballistic_ratios
+    return Table(
+        "constant_force",
+        "What a constant closing force alone would give",
+        (
+            Column("name", "ratio", _readable),
+            Column("constant_force", "constant force", digits),
+            Column("ours", "ours", digits),
+            Column("published", "published", _general),
+        ),
+        tuple((i.name, constant[i.name], i.ours, i.published)
+              for i in study.ratios if i.name in constant),
+    )  # fmt: skip
+
+
+def _rows(data: Study) -> tuple[tuple[Any, ...], ...]:
+    return tuple(
+        (float(value), *data.amplitudes[i].tolist(), *data.times[i].tolist(),
+         float(data.durations[i]), float(data.shares[i]))
+        for i, value in enumerate(data.values)
+    )  # fmt: skip
+
+
+def _readable(name: str) -> str:
+    study, _, quantity = name.partition(".")
+    return f"{study}: {quantity.replace('_', ' ')}"

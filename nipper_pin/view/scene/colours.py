@@ -1,0 +1,25 @@
+"""Colours of phases and arrows, from Okabe and Ito's palette."""
+
+from __future__ import annotations
+
+from ...mechanism import Mechanism
+
+# The hues of the plots, strong enough for solids; what is white there is yellow here.
+_PHASES = ("#F0E442", "#56B4E9", "#E69F00", "#009E73", "#CC79A7")
+_UNNAMED = "#777777"
+ARROW = "#D55E00"
+PLAIN = "#9AA0A8"
+
+
+def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:
+    """Colour of the phase with these closed stops, as in #RRGGBB."""
+    for place, phase in enumerate(mechanism.phases):
+        if phase.closed == closed:
+            return _PHASES[place % len(_PHASES)]
+    return _UNNAMED
+
+
+def channels(colour: str) -> tuple[float, float, float]:
+    """Red, green and blue of #RRGGBB, 0 to 1."""
+    red, green, blue = bytes.fromhex(colour.removeprefix("#"))
+    return red / 255.0, green / 255.0, blue / 255.0

@@ -1,0 +1,185 @@
+"""A solution sampled for a film: where the links stand in each frame, and what is read off."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import close_positions, partition
+from ...errors import ConvergenceError, InputError, SingularConfigurationError
+from ...hybrid.solution import Solution
+from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
+from ..reading import shown_until
+from .pace import Pace, pace
+
+LARGEST_EXAGGERATION = 50.0
+_LONGEST_STRETCH = 1e5
+# An exaggerated gap grows no further than this; a jaw that is open further is drawn as it is.
+_DRAWN_ANGLE = math.radians(6.0)
+_DRAWN_STROKE = 0.03  # of the reach of the mechanism
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """How a solution is shown.
+
+    Attributes:
+        slow: Stretch of time around events, 1 to 1e5 [-].
+        exaggerate: Factor on the gap of the transition stop in the drawing, 1 to 50 [-].
+
+    Raises:
+        InputError: A value is out of range.
+    """
+
+    slow: float = 1000.0
+    exaggerate: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Validate."""
+        for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
+            value = getattr(self, key)
+            if not 1.0 <= value <= most:
+                message = f"view: {key} = {value:g} cannot be used: 1 to {most:g}"
+                raise InputError(message, key=key, value=value)
+
+
+@dataclass(frozen=True)
+class Film:
+    """Frames of a solution.
+
+    Attributes:
+        solution: The solution.
+        look: How it is shown.
+        pace: Times of the frames on both clocks.
+        q: Configurations of the machine, shape (K, nv) [rad or m].
+        drawn: Configurations of the drawing; those of the machine unless gaps are exaggerated.
+        position: Origins of the links (x, z), shape (K, links, 2) [m].
+        angle: Rotation of the links, counter-clockwise, shape (K, links) [rad].
+        turned: Rotation of the cylinder since the touch configuration, shape (K,) [rad].
+        phase: Place of the frame's phase in ``solution.phases``, shape (K,).
+        index: Index on the comber's scale, shape (K,).
+        force: By stop: normal force [N] (N m along a hinge without contact), shape (K,).
+    """
+
+    solution: Solution
+    look: Look
+    pace: Pace
+    q: FloatArray
+    drawn: FloatArray
+    position: FloatArray
+    angle: FloatArray
+    turned: FloatArray
+    phase: NDArray[np.intp]
+    index: FloatArray
+    force: dict[str, FloatArray]
+
+
+def film(solution: Solution, look: Look) -> Film:
+    """Sample a solution.
+
+    Args:
+        solution: The solution.
+        look: How it is shown.
+
+    Returns:
+        The frames.
+
+    Raises:
+        InputError: The solution has no motion, or its gap cannot be drawn larger.
+    """
+    if shown_until(solution) <= 0.0:
+        message = (
+            "the run has no motion to show: the stop comes to rest in its first collision; "
+            "use --window cycle or a higher restitution"
+        )
+        raise InputError(message, outcome=solution.outcome.name)
+    mechanism, frames = solution.mechanism, pace(solution, look.slow)
+    motion = solution.trajectory.evaluate(frames.machine)
+    drawn = exaggerated(solution, motion.q, look.exaggerate)
+    position, angle = _poses(solution, drawn)
+    cylinder = mechanism.cylinder
+    starts = [item.t_start for item in solution.phases]
+    turns = cylinder.sense * (motion.cylinder_angle - cylinder.reference_angle_rad) / math.tau
+    return Film(
+        solution=solution,
+        look=look,
+        pace=frames,
+        q=motion.q,
+        drawn=drawn,
+        position=position,
+        angle=angle,
+        turned=motion.cylinder_angle - cylinder.angle_at_touch_rad,
+        phase=np.maximum(np.searchsorted(starts, frames.machine, side="right") - 1, 0),
+        index=(cylinder.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN,
+        force=solution.trajectory.reactions(frames.machine).contacts,
+    )
+
+
+def bouncing_stop(mechanism: Mechanism) -> Stop | None:
+    """The stop whose bouncing is the transition; None in a mechanism without one."""
+    name = mechanism.transition_stop
+    return next((stop for stop in mechanism.stops if stop.name == name), None)
+
+
+def drawn_limit(mechanism: Mechanism) -> float:
+    """Gap up to which the transition stop is exaggerated [rad or m]."""
+    index = mechanism.stop(mechanism.transition_stop).index
+    kind = next(joint.kind for joint in mechanism.joints if joint.index == index)
+    return _DRAWN_ANGLE if kind == "revolute" else _DRAWN_STROKE * mechanism.reach_m
+
+
+def exaggerated(solution: Solution, q: FloatArray, factor: float) -> FloatArray:
+    """Configurations with the gap of the transition stop enlarged and the loops closed again.
+
+    The gap x is drawn as max(x, min(factor x, limit)), with a limit of 6 degrees or 3 % of the
+    mechanism's reach; the shafts stand where they are and all other links follow.
+
+    Args:
+        solution: The solution that the configurations belong to.
+        q: Configurations of the machine, shape (K, nv).
+        factor: Factor on the gap [-].
+
+    Returns:
+        Configurations to draw, shape (K, nv).
+
+    Raises:
+        InputError: There is no such stop, or the loops of this mechanism leave its gap no
+            freedom of its own.
+    """
+    if factor == 1.0:
+        return q
+    mechanism, body = solution.mechanism, solution.system.body
+    stop = bouncing_stop(mechanism)
+    if stop is None:
+        message = f"{mechanism.name} has no transition stop whose gap could be drawn larger"
+        raise InputError(message, exaggerate=factor)
+    gap = q[:, stop.index]
+    guess = q.copy()
+    guess[:, stop.index] = np.maximum(gap, np.minimum(factor * gap, drawn_limit(mechanism)))
+    given = [*(drive.index for drive in mechanism.drives), stop.index]
+    try:
+        _, jacobian = body.closures(q[:1])
+        return close_positions(body, guess, partition(jacobian[0], given, []))[0]
+    except (ConvergenceError, SingularConfigurationError) as error:
+        message = (
+            f"the gap of stop {stop.name} cannot be drawn {factor:g} times as large, because the "
+            f"loops do not close there ({error}); use a smaller factor"
+        )
+        raise InputError(message, exaggerate=factor) from error
+
+
+def _poses(solution: Solution, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Origins (x, z) and continuous angles of the links in every frame."""
+    body = solution.system.body
+    position = np.empty((len(q), len(solution.mechanism.joints), 2))
+    angle = np.empty(position.shape[:2])
+    for row, q_row in enumerate(q):
+        for link, placement in enumerate(body.placements(q_row)):
+            position[row, link] = placement.translation[[0, 2]]
+            # About -y, which is counter-clockwise in the side view.
+            angle[row, link] = math.atan2(placement.rotation[2, 0], placement.rotation[0, 0])
+    return position, np.unwrap(angle, axis=0)

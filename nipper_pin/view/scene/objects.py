@@ -1,0 +1,166 @@
+"""Solids and arrows as objects of meshcat."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import meshcat.commands as commands
+import meshcat.geometry as geometry
+import numpy as np
+import pinocchio as pin
+
+from ...arrays import FloatArray
+from ...errors import InputError
+from ...mechanism import Mechanism, Stop
+from ...mechanism.tree import joint_placements
+from ..reading import force_unit
+from .colours import ARROW, channels
+from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis
+
+ROOT = "nipper"
+ARROW_LENGTH = 0.18  # of the reach of the mechanism, for the largest impulse
+_READERS = {
+    ".stl": geometry.StlMeshGeometry,
+    ".obj": geometry.ObjMeshGeometry,
+    ".dae": geometry.DaeMeshGeometry,
+}
+# meshcat's cylinders stand along y, those of a URDF along z.
+_UPRIGHT = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
+
+
+def body_path(mechanism: Mechanism, body: int) -> str:
+    """Path of the node that moves as a link, the cylinder or the frame."""
+    names = {FIXED: "frame", CYLINDER: "cylinder"}
+    return f"{ROOT}/{names.get(body) or mechanism.joints[body].child}"
+
+
+def solid_path(mechanism: Mechanism, solid: Solid) -> str:
+    """Path of the node that holds a solid."""
+    return f"{body_path(mechanism, solid.body)}/{solid.name}"
+
+
+def solid_commands(mechanism: Mechanism, solid: Solid) -> Iterator[dict[str, object]]:
+    """Commands that put a solid in its place.
+
+    Raises:
+        InputError: The mesh is of a format that meshcat does not read.
+    """
+    path = solid_path(mechanism, solid)
+    place = solid.placement.copy()
+    axis = cylinder_axis(mechanism)
+    if solid.body == CYLINDER and axis is not None:
+        place[[0, 2], 3] -= axis
+    place[:3, :3] = place[:3, :3] * solid.scale
+    if solid.kind == "cylinder":
+        place = place @ _UPRIGHT
+    yield _object(path, _shape(solid), solid.colour)
+    yield _transform(path, place)
+
+
+def arrow_path(mechanism: Mechanism, stop: Stop) -> str:
+    """Path of the node that is scaled with the impulse of a stop."""
+    model = mechanism.model
+    order = [model.getJointId(joint.name) for joint in mechanism.joints]
+    parent = model.parents[_joint(mechanism, stop)]
+    body = order.index(parent) if parent else FIXED
+    return f"{body_path(mechanism, body)}/impulse_{stop.name}"
+
+
+def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:
+    """Stops whose impulses are drawn: all whose impulse is a force by time, and not a moment."""
+    return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop.name) == "N")
+
+
+def arrow_commands(mechanism: Mechanism, stop: Stop) -> Iterator[dict[str, object]]:
+    """Commands that put the arrow of a stop in its place, at its largest size.
+
+    The arrow of a lip contact shows the impulse on the opening lip; that of a stop along a slide
+    the impulse on the child link.
+    """
+    path = arrow_path(mechanism, stop)
+    long = ARROW_LENGTH * mechanism.reach_m
+    shaft, head, thick = 0.72 * long, 0.28 * long, 0.022 * long
+    up = _upward(0.5 * shaft), _upward(shaft + 0.5 * head)
+    yield _transform(path, _arrow_place(mechanism, stop))
+    yield _object(f"{path}/shaft", geometry.Cylinder(shaft, thick), channels(ARROW), glow=True)
+    yield _transform(f"{path}/shaft", up[0])
+    cone = geometry.Cylinder(head, radiusTop=0.0, radiusBottom=3.0 * thick)
+    yield _object(f"{path}/head", cone, channels(ARROW), glow=True)
+    yield _transform(f"{path}/head", up[1])
+
+
+def _joint(mechanism: Mechanism, stop: Stop) -> int:
+    """Identity of the joint that a stop acts on in Pinocchio's model."""
+    name = next(joint.name for joint in mechanism.joints if joint.index == stop.index)
+    return int(mechanism.model.getJointId(name))
+
+
+def _arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
+    """Placement in the parent link of the stop's joint; the arrow points along its y axis."""
+    model, joint = mechanism.model, _joint(mechanism, stop)
+    world = joint_placements(model)
+    if stop.contact is not None:
+        point, direction = stop.contact.point, stop.contact.normal
+    else:
+        jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
+        point, direction = world[joint].translation, jacobian[:3, stop.index]
+    place = np.eye(4)
+    place[:3, 1] = direction / np.linalg.norm(direction)
+    place[:3, 2] = (0.0, 1.0, 0.0)
+    place[:3, 0] = np.cross(place[:3, 1], place[:3, 2])
+    place[:3, 3] = point
+    return np.asarray(world[model.parents[joint]].inverse().homogeneous @ place)
+
+
+def _upward(distance: float) -> FloatArray:
+    place = np.eye(4)
+    place[1, 3] = distance
+    return place
+
+
+def _shape(solid: Solid) -> geometry.Geometry:
+    if solid.path is None:
+        if solid.kind == "box":
+            return geometry.Box(list(solid.sizes))
+        if solid.kind == "sphere":
+            return geometry.Sphere(solid.sizes[0])
+        return geometry.Cylinder(solid.sizes[1], solid.sizes[0])
+    reader = _READERS.get(solid.path.suffix.lower())
+    if reader is None:
+        message = (
+            f"{solid.path.name}: the viewer reads meshes in {', '.join(_READERS)}; convert this one"
+        )
+        raise InputError(message, file=str(solid.path))
+    return reader.from_file(str(solid.path))
+
+
+def _object(
+    path: str, shape: geometry.Geometry, colour: Colour, *, glow: bool = False
+) -> dict[str, object]:
+    number = int.from_bytes(bytes(round(255.0 * part) for part in colour))
+    kind = geometry.MeshBasicMaterial if glow else geometry.MeshPhongMaterial
+    # Both sides: a spring that is drawn shorter, or a mirrored mesh, turns its faces round.
+    material = kind(color=number, side=2) if glow else kind(color=number, side=2, shininess=40)
+    command: dict[str, Any] = commands.SetObject(shape, material, _Path(path)).lower()
+    for item in command["object"]["geometries"]:
+        # The viewer complains of the name that this version of the library still writes.
+        if item["type"] == "_meshfile":
+            item["type"] = "_meshfile_geometry"
+    return command
+
+
+def _transform(path: str, place: FloatArray) -> dict[str, object]:
+    command: dict[str, object] = commands.SetTransform(place, _Path(path)).lower()
+    command["matrix"] = [float(value) for value in place.T.flatten()]
+    return command
+
+
+class _Path:
+    """The one thing that meshcat's commands ask of a path."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def lower(self) -> str:
+        return f"/{self._text}"

@@ -1,0 +1,86 @@
+"""How fast a film runs: slow around events, quick between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.solution import Solution
+from ..reading import shown_until
+
+FRAMES_PER_SECOND = 30.0
+FASTEST = 50.0
+_MOST_FRAMES = 6000
+_MARGIN = 0.01  # of a turn: slow motion begins so long before an event
+_JOINED = 0.07  # of a turn: between events closer than this it goes on
+_FLANK = 17
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Frames of a film on both clocks.
+
+    Attributes:
+        playback: Time on the viewer's clock [s], shape (K,), growing from 0.
+        machine: Time of the solution [s], shape (K,).
+        stretch: Seconds of playback in a second of the machine, shape (K,).
+    """
+
+    playback: FloatArray
+    machine: FloatArray
+    stretch: FloatArray
+
+    def playback_at(self, t: FloatArray | float) -> FloatArray:
+        """Playback time of a machine time [s]; frames stand at all events."""
+        return np.asarray(np.interp(t, self.machine, self.playback))
+
+
+def pace(solution: Solution, slow: float) -> Pace:
+    """Choose the frames of a film.
+
+    Args:
+        solution: The solution; of many turns only those that pictures show.
+        slow: Stretch of time around events [-]. Between them it is at most ``FASTEST``.
+
+    Returns:
+        Frames, evenly spaced in playback, with one more at every event.
+    """
+    end = shown_until(solution)
+    events = np.array([event.t for event in solution.events if event.t <= end])
+    knots, stretch = _profile(events, end, solution.shaft.period, slow)
+    slopes = 0.5 * (stretch[1:] + stretch[:-1])
+    playback = np.concatenate([[0.0], np.cumsum(slopes * np.diff(knots))])
+    count = min(int(FRAMES_PER_SECOND * playback[-1]) + 2, _MOST_FRAMES)
+    machine = np.interp(np.linspace(0.0, playback[-1], count), playback, knots)
+    machine[-1] = end
+    machine = np.unique(np.concatenate([machine, events]))
+    place = np.clip(np.searchsorted(knots, machine, side="right") - 1, 0, len(slopes) - 1)
+    return Pace(np.interp(machine, knots, playback), machine, slopes[place])
+
+
+def _profile(
+    events: FloatArray, end: float, period: float, slow: float
+) -> tuple[FloatArray, FloatArray]:
+    """Knots [s] and the stretch there: ``slow`` around groups of events, with short flanks."""
+    quick, margin = min(slow, FASTEST), _MARGIN * period
+    groups: list[list[float]] = []
+    for t in events:
+        if groups and t - groups[-1][1] < _JOINED * period:
+            groups[-1][1] = t
+        else:
+            groups.append([t, t])
+    ramp = np.linspace(0.0, 1.0, _FLANK)
+    # Equal ratios from knot to knot: the eye judges a speed by its ratio to the last one.
+    rise = quick * (slow / quick) ** ramp
+    values = np.concatenate([rise, rise[::-1]])
+    places = [
+        np.concatenate([first - margin * (2.0 - ramp), last + margin * (1.0 + ramp)])
+        for first, last in groups
+    ]
+    knots = np.unique(np.clip(np.concatenate([[0.0, end], *places]), 0.0, end))
+    stretch = np.full(len(knots), quick)
+    for place in places:
+        stretch = np.maximum(stretch, np.interp(knots, place, values, left=quick, right=quick))
+    return knots, stretch

@@ -1,0 +1,103 @@
+"""What the page says beside the picture: numbers of every frame, phases and collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...mechanism import Stop
+from ..reading import case_text, digits, force_name, force_unit, phase_name, units_of
+from .colours import phase_colour
+from .film import Film, drawn_limit
+
+_DIGITS = 6
+_ROUND_OFF = 1e-12
+NOTE = (
+    "Shapes are illustrations built on the model's dimensions; {source}"
+    "the arrow at a stop is its impulse, in proportion to the largest one."
+)
+
+
+def readings(film: Film) -> dict[str, object]:
+    """Everything that the page writes, as plain data.
+
+    Args:
+        film: The film.
+    """
+    solution, pace = film.solution, film.pace
+    mechanism = solution.mechanism
+    starts = pace.playback_at(np.array([item.t_start for item in solution.phases]))
+    last = pace.machine[-1]
+    return {
+        "title": mechanism.title or mechanism.name,
+        "case": case_text(solution),
+        "note": _note(film),
+        "playback": _numbers(pace.playback),
+        "duration": float(pace.playback[-1]),
+        "columns": [
+            {"label": label, "unit": unit, "values": _numbers(values)}
+            for label, unit, values in _columns(film)
+        ],
+        "phase_of_frame": film.phase.tolist(),
+        "phases": [
+            {"name": f"phase {phase_name(mechanism, item.closed)}", "start": float(start),
+             "colour": phase_colour(mechanism, item.closed)}
+            for item, start in zip(solution.phases, starts, strict=True)
+            if item.t_start <= last
+        ],
+        "collisions": [
+            {"at": float(pace.playback_at(item.t)),
+             "text": f"last: collision {item.number} ({item.stop}): impulse {digits(item.impulse)} "
+                     f"{force_unit(mechanism, item.stop)} s"}
+            for item in solution.collisions if item.t <= last
+        ],
+    }  # fmt: skip
+
+
+def _columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
+    """Label, unit and values of the numbers that follow the film."""
+    mechanism, pace = film.solution.mechanism, film.pace
+    yield "index", "", film.index
+    yield "time", "ms", 1e3 * pace.machine
+    yield "slow motion 1 :", "", pace.stretch
+    for stop in mechanism.stops:
+        units = units_of(mechanism, stop.index)
+        gap = film.q[:, stop.index]
+        yield f"{stop.name} {units.noun}", units.coordinate, units.coordinate_factor * gap
+        if stop.contact is not None:
+            yield f"{stop.name} gap at the contact", "mm", 1e3 * stop.lever * gap
+        yield _force(film, stop), force_unit(mechanism, stop.name), film.force[stop.name]
+
+
+def _force(film: Film, stop: Stop) -> str:
+    return f"{stop.name} {force_name(film.solution.mechanism, stop.name).partition(' [')[0]}"
+
+
+def _note(film: Film) -> str:
+    source = ""
+    if "estimate" in film.solution.mechanism.title:
+        source = "these dimensions are estimates, not the maker's drawings; "
+    note = NOTE.format(source=source)
+    if film.look.exaggerate > 1.0:
+        stop = film.solution.mechanism.transition_stop
+        note += (
+            f" The {stop} gap is drawn {film.look.exaggerate:g} times as large, up to "
+            f"{_limit(film)}, and the other links follow it; numbers are those of the machine."
+        )
+    return note
+
+
+def _limit(film: Film) -> str:
+    """What an exaggerated gap is drawn up to, with its unit."""
+    mechanism = film.solution.mechanism
+    units = units_of(mechanism, mechanism.stop(mechanism.transition_stop).index)
+    limit = units.coordinate_factor * drawn_limit(mechanism)
+    return f"{limit:.3g} {units.coordinate}"
+
+
+def _numbers(values: FloatArray) -> list[float]:
+    """Rounded numbers; round-off beside the largest of them is zero."""
+    least = _ROUND_OFF * float(np.abs(values).max(initial=0.0))
+    return [float(f"{value:.{_DIGITS}g}") if abs(value) > least else 0.0 for value in values]

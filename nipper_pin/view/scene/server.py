@@ -1,0 +1,73 @@
+"""Serves one page to browsers on this machine until it is interrupted."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+from ...errors import InputError
+
+HOST = "127.0.0.1"
+
+
+def serve(page: str, port: int, *, browser: bool) -> None:
+    """Serve a page until Ctrl-C, and say where on stdout.
+
+    Args:
+        page: The HTML.
+        port: Port of this machine; 0 for any that is free.
+        browser: Whether to open the page in the user's browser.
+
+    Raises:
+        InputError: The port cannot be used.
+    """
+    content = page.encode()
+
+    class Handler(_Handler):
+        body = content
+
+    try:
+        server = _Server((HOST, port), Handler)
+    except (OSError, OverflowError) as error:
+        message = (
+            f"port {port} cannot be used ({getattr(error, 'strerror', None) or error}): "
+            "another program may hold it; name another one, or --port 0 for any that is free"
+        )
+        raise InputError(message, port=port) from error
+    with server:
+        address = f"http://{HOST}:{server.server_port}/"
+        try:
+            sys.stdout.write(f"the scene is at {address} ; Ctrl-C ends\n")
+            sys.stdout.flush()
+            if browser:
+                webbrowser.open(address)
+            server.serve_forever(poll_interval=0.1)
+        except KeyboardInterrupt:
+            sys.stdout.write("\n")
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    # Elsewhere than on Unix this would let two servers share a port.
+    allow_reuse_address = os.name == "posix"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    body: bytes
+
+    def do_GET(self) -> None:
+        """Send the page."""
+        if self.path.partition("?")[0] != "/":
+            self.send_error(404)
+            return
+        self.send_response(200)
+        self.send_header("Content-Type", "text/html; charset=utf-8")
+        self.send_header("Content-Length", str(len(self.body)))
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        self.wfile.write(self.body)
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002
+        """Say nothing about every request."""

@@ -1,0 +1,187 @@
+"""What a mechanism is drawn with: the visuals of its URDF, or the best stand-in for them.
+
+Two conventions tie visuals to what the URDF cannot say. A visual of the root link named
+``cylinder_...`` turns with the cylinder, whose axis is the crank axis of an oscillating guide. A
+mesh named ``spring_<name>...`` is one unit long in z, scaled to its length at q = 0, and is drawn
+shorter by the coordinate of the spring of that name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from ...arrays import FloatArray
+from ...mechanism import Mechanism, OscillatingGuide
+from ...mechanism.urdf_values import mesh_path, numbers, origin, rotation_from_rpy
+from .colours import PLAIN, channels
+
+Colour = tuple[float, float, float]
+FIXED, CYLINDER = -1, -2
+
+
+@dataclass(frozen=True)
+class Solid:
+    """One drawn shape.
+
+    Attributes:
+        name: Name, unique in its body.
+        body: Place of the moving link in ``mechanism.joints``, ``FIXED`` or ``CYLINDER``.
+        kind: "mesh", "box", "cylinder" or "sphere".
+        sizes: Box: edges; cylinder: radius and length; sphere: radius [m].
+        path: Mesh file, or None.
+        placement: In the frame of the body, shape (4, 4) [m].
+        scale: Of a mesh, shape (3,).
+        colour: Red, green, blue, 0 to 1.
+        spring: Place in q of the spring that the mesh shows, or None.
+    """
+
+    name: str
+    body: int
+    kind: str
+    sizes: tuple[float, ...]
+    path: Path | None
+    placement: FloatArray
+    scale: FloatArray
+    colour: Colour
+    spring: int | None = None
+
+
+def cylinder_axis(mechanism: Mechanism) -> tuple[float, float] | None:
+    """Axis (x, z) that drawn parts of the cylinder turn about [m]; None if no drive tells it."""
+    for drive in mechanism.drives:
+        if isinstance(drive.law, OscillatingGuide):
+            return drive.law.crank_axis
+    return None
+
+
+def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
+    """Everything that a mechanism is drawn with.
+
+    A link whose visuals are missing, or whose mesh files are, is drawn by its collision shapes;
+    one without any shape by bars between its joints.
+
+    Args:
+        mechanism: The mechanism.
+
+    Raises:
+        ModelError: A shape of the URDF cannot be read.
+    """
+    robot = ElementTree.fromstring(mechanism.urdf)
+    colours = {
+        item.get("name", ""): _colour(item)
+        for item in robot.findall("material")
+        if item.find("color") is not None
+    }
+    order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
+    found: list[Solid] = []
+    for link in robot.findall("link"):
+        frame = mechanism.model.frames[mechanism.model.getFrameId(link.get("name", ""))]
+        body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
+        for tag in ("visual", "collision"):
+            shapes = list(_shapes(mechanism, link, tag, body, frame.placement, colours))
+            if shapes:
+                found += shapes
+                break
+    drawn = {item.body for item in found}
+    for body in range(len(order)):
+        if body not in drawn:
+            found += _bars(mechanism, body, order[body])
+    return tuple(found)
+
+
+def _shapes(
+    mechanism: Mechanism,
+    link: ElementTree.Element,
+    tag: str,
+    body: int,
+    frame: pin.SE3,
+    colours: dict[str, Colour],
+) -> Iterator[Solid]:
+    file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
+    springs = {f"spring_{spring.name}": spring.index for spring in mechanism.springs}
+    for place, element in enumerate(link.findall(tag)):
+        name = element.get("name") or f"{link.get('name')}_{place}"
+        key = f"link {link.get('name')} {tag} {name}"
+        shape = next(item for item in element.iterfind("geometry/*") if isinstance(item.tag, str))
+        path, sizes, scale = None, np.zeros(0), np.ones(3)
+        if shape.tag == "mesh":
+            if not (folder / shape.get("filename", "")).is_file():
+                continue
+            path = mesh_path(shape.get("filename", ""), folder, key, file)
+            scale = numbers(shape, "scale", 3, "1 1 1", f"{key} scale", file)
+        elif shape.tag == "box":
+            sizes = numbers(shape, "size", 3, None, key, file)
+        else:
+            attributes = ("radius", "length") if shape.tag == "cylinder" else ("radius",)
+            sizes = np.array([float(shape.get(item, "nan")) for item in attributes])
+        xyz, rpy = origin(element, key, file)
+        local = np.eye(4)
+        local[:3, :3], local[:3, 3] = rotation_from_rpy(rpy), xyz
+        turns = body == FIXED and name.startswith("cylinder_") and cylinder_axis(mechanism)
+        yield Solid(
+            name=name,
+            body=CYLINDER if turns else body,
+            kind=shape.tag,
+            sizes=tuple(float(size) for size in sizes),
+            path=path,
+            placement=frame.homogeneous @ local,
+            scale=scale,
+            colour=_material(element, colours),
+            spring=next((springs[item] for item in springs if name.startswith(item)), None)
+            if shape.tag == "mesh"
+            else None,
+        )
+
+
+def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
+    """Bars from the joint of a link to all that hangs on it, or to its centre of mass."""
+    model = mechanism.model
+    ends = [
+        np.array(placement.translation)
+        for placement, parent in zip(model.jointPlacements, model.parents, strict=True)
+        if parent == joint
+    ]
+    cut = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
+    ends += [
+        np.array(frame.placement.translation)
+        for frame in model.frames
+        if frame.parentJoint == joint and frame.name in cut
+    ]
+    thick = 0.02 * mechanism.reach_m
+    ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]
+    one = np.ones(3)
+    grey = channels(PLAIN)
+    bars = [Solid("joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, grey)]
+    for place, end in enumerate(ends):
+        length = float(np.linalg.norm(end))
+        along = end / length
+        matrix = np.eye(4)
+        matrix[:3, 2], matrix[:3, 1] = along, (0.0, 1.0, 0.0)
+        matrix[:3, 0] = np.cross(matrix[:3, 1], along)
+        matrix[:3, 3] = 0.5 * end
+        bars.append(
+            Solid(f"bar_{place}", body, "cylinder", (thick, length), None, matrix, one, grey)
+        )
+    return bars
+
+
+def _material(element: ElementTree.Element, colours: dict[str, Colour]) -> Colour:
+    material = element.find("material")
+    if material is None:
+        return channels(PLAIN)
+    if material.find("color") is not None:
+        return _colour(material)
+    return colours.get(material.get("name", ""), channels(PLAIN))
+
+
+def _colour(material: ElementTree.Element) -> Colour:
+    colour = material.find("color")
+    text = colour.get("rgba", "") if colour is not None else ""
+    red, green, blue, *_ = (float(part) for part in text.split())
+    return red, green, blue

@@ -1,0 +1,153 @@
+"""The animation: what changes in a film, as tracks of three.js that meshcat plays.
+
+meshcat's own ``Animation`` takes one frame of one object at a time; a film has thousands, so the
+same structure is written here from whole arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import umsgpack
+
+from ...arrays import FloatArray
+from .colours import channels, phase_colour
+from .film import Film, bouncing_stop
+from .objects import arrow_path, arrow_stops, body_path, solid_path
+from .solids import CYLINDER, Solid, cylinder_axis
+
+HELD = 0.6  # seconds of playback that the arrow of an impulse is shown
+_FADE = 0.4
+_JUMP = 1e-3
+_FLOAT32 = 0x17  # meshcat's code for a typed array in a message
+
+
+def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
+    """The command that loads and plays the animation of a film.
+
+    Args:
+        film: The film.
+        solids: What the mechanism is drawn with.
+    """
+    clips = [*_bodies(film), *_springs(film, solids), *_phases(film, solids), *_arrows(film)]
+    return {
+        "type": "set_animation",
+        "path": "",
+        "animations": clips,
+        "options": {"play": True, "repetitions": float("inf")},
+    }
+
+
+def _bodies(film: Film) -> Iterator[dict[str, object]]:
+    """Position and rotation of all links and of the cylinder."""
+    mechanism, t = film.solution.mechanism, film.pace.playback
+    heights = _heights(film)
+    for body in range(len(mechanism.joints)):
+        x, z = film.position[:, body].T
+        yield _clip(
+            body_path(mechanism, body),
+            t,
+            ("position", "vector3", np.column_stack([x, np.full(len(x), heights[body]), z])),
+            ("quaternion", "quaternion", _quaternions(film.angle[:, body])),
+        )
+    axis = cylinder_axis(mechanism)
+    if axis is not None:
+        place = np.tile([axis[0], 0.0, axis[1]], (len(t), 1))
+        yield _clip(
+            body_path(mechanism, CYLINDER),
+            t,
+            ("position", "vector3", place),
+            ("quaternion", "quaternion", _quaternions(film.turned)),
+        )
+
+
+def _heights(film: Film) -> list[float]:
+    """Place of each link's origin across the plane [m]; it never changes."""
+    placements = film.solution.system.body.placements(film.q[0])
+    return [float(placement.translation[1]) for placement in placements]
+
+
+def _quaternions(angle: FloatArray) -> FloatArray:
+    """Rotations about -y, shape (K, 4), in three.js's order x, y, z, w."""
+    zero = np.zeros(len(angle))
+    return np.column_stack([zero, -np.sin(0.5 * angle), zero, np.cos(0.5 * angle)])
+
+
+def _springs(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:
+    """Length of springs: a coil that is one unit long is scaled along its axis."""
+    for solid in solids:
+        if solid.spring is not None:
+            scale = np.tile(solid.scale, (len(film.drawn), 1))
+            scale[:, 2] -= film.drawn[:, solid.spring]
+            path = solid_path(film.solution.mechanism, solid)
+            yield _clip(path, film.pace.playback, ("scale", "vector3", scale))
+
+
+def _phases(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:
+    """Colour of the link that opens the transition stop, by phase."""
+    mechanism = film.solution.mechanism
+    stop = bouncing_stop(mechanism)
+    if stop is None:
+        return
+    body = next(place for place, item in enumerate(mechanism.joints) if item.index == stop.index)
+    colours = [channels(phase_colour(mechanism, item.closed)) for item in film.solution.phases]
+    starts = film.pace.playback_at(np.array([item.t_start for item in film.solution.phases]))
+    end = float(film.pace.playback[-1])
+    t, values = [0.0], [colours[int(film.phase[0])]]
+    for before, after, start in zip(colours, colours[1:], starts[1:], strict=False):
+        if start + _JUMP < end:
+            t += [float(start), float(start) + _JUMP]
+            values += [before, after]
+    t, values = [*t, end], [*values, values[-1]]
+    for solid in solids:
+        if solid.body == body:
+            path = f"{solid_path(mechanism, solid)}/<object>"
+            yield _clip(path, np.array(t), (".material.color", "color", np.array(values)))
+
+
+def _arrows(film: Film) -> Iterator[dict[str, object]]:
+    """Size of the arrows: as the impulse for a moment after each collision, else nothing."""
+    solution = film.solution
+    last = film.pace.machine[-1]
+    hits = [item for item in solution.collisions if item.t <= last]
+    largest = max((item.impulse for item in hits), default=0.0)
+    for stop in arrow_stops(solution.mechanism):
+        keys = [(0.0, 0.0)]
+        for hit in hits:
+            if hit.stop != stop.name or largest <= 0.0:
+                continue
+            start, size = float(film.pace.playback_at(hit.t)), hit.impulse / largest
+            # A new collision takes the arrow over from the one before it.
+            keys = [key for key in keys if key[0] < start - _JUMP] or [(0.0, 0.0)]
+            keys += [(max(start - _JUMP, 0.0), 0.0), (start, size), (start + HELD, size),
+                     (start + HELD + _FADE, 0.0)]  # fmt: skip
+        end = float(film.pace.playback[-1])
+        keys = [key for key in keys if key[0] < end]
+        t = np.array([*(key[0] for key in keys), end])
+        # Nothing at all would leave a matrix that cannot be inverted.
+        sizes = np.maximum([*(key[1] for key in keys), 0.0], 1e-6)
+        # Length shows the impulse; width shrinks less, so that small arrows stay arrows.
+        scale = np.column_stack([np.sqrt(sizes), sizes, np.sqrt(sizes)])
+        yield _clip(arrow_path(solution.mechanism, stop), t, ("scale", "vector3", scale))
+
+
+def _clip(path: str, t: FloatArray, *tracks: tuple[str, str, FloatArray]) -> dict[str, object]:
+    """Tracks of one object; times count in seconds."""
+    times = _packed(t)
+    return {
+        "path": f"/{path}",
+        "clip": {
+            "fps": 1,
+            "name": path,
+            "tracks": [
+                {"name": name if name.startswith(".") else f".{name}", "type": kind,
+                 "times": times, "values": _packed(values)}
+                for name, kind, values in tracks
+            ],
+        },
+    }  # fmt: skip
+
+
+def _packed(values: FloatArray) -> umsgpack.Ext:
+    return umsgpack.Ext(_FLOAT32, np.ascontiguousarray(values, dtype="<f4").tobytes())

@@ -1,0 +1,204 @@
+"""The page in a real browser: it draws, it plays, it says what the solution says."""
+
+from __future__ import annotations
+
+import io
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Page
+
+from nipper_pin import Case, Solution, load, simulate
+from nipper_pin.view.scene import Film, Look, film, write_page
+from nipper_pin.view.scene.colours import channels, phase_colour
+
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+
+
+@pytest.fixture(scope="module")
+def solution() -> Solution:
+    return simulate(load("e62"), Case(speed_rpm=650.0, window="cycle"))
+
+
+@pytest.fixture(scope="module")
+def shown(solution: Solution) -> Film:
+    return film(solution, Look(exaggerate=10.0))
+
+
+@pytest.fixture(scope="module")
+def page_file(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_page(solution, tmp_path_factory.mktemp("page") / "e62.html", Look(exaggerate=10.0))
+
+
+@pytest.fixture
+def page(open_page, page_file: Path) -> Iterator[Page]:
+    """The static file, paused; whatever it complained of or asked for fails the test."""
+    with open_page(page_file) as opened:
+        opened.page.wait_for_selector("#pane canvas")
+        opened.page.wait_for_function("animator.time > 0.2")
+        yield opened.page
+        assert opened.complaints == []
+        assert opened.requests == [page_file.resolve().as_uri()]
+
+
+def picture(page: Page) -> np.ndarray:
+    """What the canvas shows between the texts, shape (height, width, 3), 0 to 255."""
+    size = page.viewport_size
+    clip = {"x": 430, "y": 30, "width": size["width"] - 430, "height": size["height"] - 200}
+    image = Image.open(io.BytesIO(page.screenshot(clip=clip)))
+    return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def seek(page: Page, time: float) -> None:
+    """Stop, go to a time of the film, and wait until it has been drawn."""
+    page.evaluate(
+        "time => { animator.pause(); animator.seek(time); animator.display_progress(time); }", time
+    )
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => "
+                  "requestAnimationFrame(() => requestAnimationFrame(done))))")  # fmt: skip
+
+
+def numbers(page: Page) -> dict[str, float]:
+    rows = page.evaluate(
+        "[...document.querySelectorAll('#numbers tr')].map(row => "
+        "[row.cells[0].textContent, row.cells[1].textContent])"
+    )
+    return {label: float(value) for label, value in rows}
+
+
+def tinted(image: np.ndarray, colour: str) -> int:
+    """Pixels whose hue is that of a colour, lit brightly or darkly."""
+    wanted = np.array(channels(colour))
+    length = np.linalg.norm(image, axis=-1)
+    cosine = image @ wanted / np.maximum(length, 1.0) / np.linalg.norm(wanted)
+    return int(((cosine > 0.997) & (length > 80.0)).sum())
+
+
+def test_the_static_file_draws_the_machine(page: Page) -> None:
+    """Not blank: the machine covers a tenth of the picture with colours that no gradient has."""
+    seek(page, 0.5)
+    image = picture(page)
+    saturation = image.max(axis=-1) - image.min(axis=-1)
+    assert (saturation > 60.0).mean() > 0.05
+    assert len(np.unique(image.reshape(-1, 3), axis=0)) > 500
+
+
+def test_the_picture_changes_as_it_plays(page: Page) -> None:
+    """The film plays by itself, stops at a click, and plays on at another."""
+    before, time = picture(page), page.evaluate("animator.time")
+    page.wait_for_function(f"animator.time > {time} + 0.5")
+    after = picture(page)
+    assert (np.abs(after - before).max(axis=-1) > 30.0).mean() > 0.01
+    page.click("#play")
+    page.wait_for_function("!animator.playing")
+    still = picture(page)
+    np.testing.assert_array_equal(picture(page), still)
+    assert page.text_content("#play") == "play"
+    page.click("#play")
+    page.wait_for_function("animator.playing")
+
+
+def test_numbers_follow_the_time(page: Page, shown: Film) -> None:
+    """At frames all over the film the page says the numbers of the film, to its four digits."""
+    jaw = shown.solution.mechanism.stop("jaw").index
+    for k in range(5, len(shown.q), 97):
+        # In the middle of the frame, so that rounding of its time does not choose another one.
+        at = 0.5 * float(shown.pace.playback[k] + shown.pace.playback[min(k + 1, len(shown.q) - 1)])
+        seek(page, at)
+        read = numbers(page)
+        assert read["index"] == pytest.approx(shown.index[k], rel=1e-3)
+        assert read["time"] == pytest.approx(1e3 * shown.pace.machine[k], rel=1e-3)
+        # The machine's angle, not the one that is drawn ten times as large.
+        angle = np.degrees(shown.q[k, jaw])
+        assert read["jaw angle"] == pytest.approx(angle, rel=1e-3, abs=1e-9)
+        force = shown.force["jaw"][k]
+        assert read["jaw clamping force"] == pytest.approx(force, rel=1e-3, abs=1e-6)
+        number = shown.solution.phases[int(shown.phase[k])].number
+        assert page.text_content("#phase").startswith(f"phase {number}")
+
+
+def test_colour_tells_the_phase(page: Page, shown: Film) -> None:
+    """In the middle of each phase its own colour covers more than the others' do."""
+    mechanism = shown.solution.mechanism
+    for item in shown.solution.phases[-4:]:
+        seek(page, float(shown.pace.playback_at(0.5 * (item.t_start + item.t_end))))
+        image = picture(page)
+        own = tinted(image, phase_colour(mechanism, item.closed))
+        others = [
+            tinted(image, phase_colour(mechanism, phase.closed))
+            for phase in mechanism.phases
+            if phase.closed != item.closed
+        ]
+        assert own > 2000
+        assert own > 2 * max(others)
+
+
+def test_the_arrow_of_an_impulse_comes_and_goes(page: Page, shown: Film) -> None:
+    """Pixels of the arrow's colour: many just after the largest collisions, none later."""
+    hit = max(shown.solution.collisions, key=lambda item: item.impulse)
+    first = next(item for item in shown.solution.collisions if item.stop == "jaw")
+    for item in (hit, first):
+        at = float(shown.pace.playback_at(item.t))
+        seek(page, at + 0.3)
+        during = tinted(picture(page), "#D55E00")
+        seek(page, at + 1.5)
+        assert during > 4 * tinted(picture(page), "#D55E00") + 500
+        assert f"collision {item.number} " in page.text_content("#hit")
+
+
+def test_an_exaggerated_gap_shows(open_page, page_file: Path, shown: Film, tmp_path: Path) -> None:
+    """In the middle of the first rebound, 0.3 degrees, the two drawings differ; at rest not."""
+    plain = write_page(shown.solution, tmp_path / "plain.html", Look())
+    first = next(item for item in shown.solution.collisions if item.stop == "jaw")
+    rebound = float(shown.pace.playback_at(first.t + 0.5 * first.rebound_time))
+    closed = next(item for item in shown.solution.phases if item.number == 2)
+    rest = float(shown.pace.playback_at(0.5 * (closed.t_start + closed.t_end)))
+    images = []
+    for path in (page_file, plain):
+        with open_page(path) as opened:
+            opened.page.wait_for_function("animator.time > 0.2")
+            for time in (rebound, rest):
+                seek(opened.page, time)
+                images.append(picture(opened.page))
+    share = [
+        (np.abs(one - other).max(axis=-1) > 30.0).mean()
+        for one, other in zip(images[:2], images[2:], strict=True)
+    ]
+    assert share[0] > 0.003
+    assert share[1] == 0.0
+
+
+def test_the_line_scrubs(page: Page) -> None:
+    box = page.locator("#scrub").bounding_box()
+    page.evaluate("animator.pause()")
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
+    time, duration = page.evaluate("[animator.time, film.duration]")
+    assert time == pytest.approx(0.6 * duration, rel=0.02)
+
+
+def test_the_live_server_shows_the_same(chromium: Browser) -> None:
+    command = [*COMMAND, "view", "--speed", "650", "--port", "0", "--no-browser"]
+    complaints: list[str] = []
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            address = server.stdout.readline().split()[4]
+            page = chromium.new_page(viewport={"width": 1100, "height": 900})
+            page.on("console", lambda item: complaints.append(item.text))
+            page.on("pageerror", lambda error: complaints.append(str(error)))
+            page.goto(address)
+            page.wait_for_selector("#pane canvas")
+            page.wait_for_function("animator.time > 0.2")
+            seek(page, 1.0)
+            image = picture(page)
+            page.close()
+        finally:
+            server.send_signal(signal.SIGINT)
+        assert server.wait(timeout=60) == 0
+    assert (image.max(axis=-1) - image.min(axis=-1) > 60.0).mean() > 0.05
+    assert complaints == []
