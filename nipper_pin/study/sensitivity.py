@@ -271,6 +271,8 @@ _SAID = ("first bounce", "transition", "clamping force")
 _FEW = 3
 _NOTHING = 1e-6
 _GAIN = 10.0
+# Larger changes than these are no longer small, and the sentences would not hold.
+_SMALL = {"mm": 5.0, "deg": 5.0, "%": 20.0}
 
 
 def label(path: str) -> str:
@@ -359,12 +361,12 @@ def _more(percent: float, up: str, down: str) -> str:
 
 
 def _helps(row: Sensitivity) -> bool:
-    """Whether a change lowers bounce and time and raises the force, all of them by something."""
+    """Whether a small change lowers bounce and time by enough, and raises the force."""
     bounce, lasts, clamp = row.per
     sense = -1.0 if bounce > 0.0 else 1.0
-    seen = np.abs(row.per).min() > 1e-3
+    small = abs(bounce) * _SMALL[row.unit] >= _GAIN
     adjustable = row.path != SPEED and not row.path.startswith("stops.")
-    return bool(seen and adjustable and sense * lasts < 0.0 < sense * clamp)
+    return bool(small and adjustable and sense * lasts < 0.0 < sense * clamp)
 
 
 def _worth(row: Sensitivity) -> float:

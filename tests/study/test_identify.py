@@ -340,8 +340,8 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     z = np.clip((numbers - objective.low) / objective.width, 0.0, 1.0)
     before = 0.5 * float(np.sum(objective.residuals(z) ** 2))
     after = descend(objective, z, max_steps=4)
-    assert after.cost <= before
-    assert before - after.cost < 1e-3 * before
+    # Numbers on a bound start a millionth of their range inside.
+    assert after.cost == pytest.approx(before, rel=1e-4)
 
 
 NONSENSE: Sequence[tuple[str, str, str]] = (

@@ -51,7 +51,7 @@ def write_model(fit: Fit, folder: str | Path) -> Mechanism:
             raise InputError(message, folder=str(target))
         target.mkdir(parents=True, exist_ok=True)
         root = _renamed(sources.urdf, name, heading)
-        if any(item.path.startswith("points.") for item in problem.free):
+        if _moves_pins(fit):
             _show_collision_shapes(root)
         _copy_meshes(root, Path(sources.folder), target)
         urdf = '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
@@ -73,10 +73,16 @@ def _provenance(fit: Fit, old: object) -> dict[str, str]:
             f"identified: {value:.9g} between {item.low:g} and {item.high:g} (before: "
             f"{item.start:.9g}) from {len(problem.targets)} targets; not measured, not the maker's"
         )
+    if _moves_pins(fit):
+        found["urdf.visuals"] = "illustration: the collision shapes"
     if isinstance(old, Mapping):
         for key, words in old.items():
             found.setdefault(str(key), str(words))
     return found
+
+
+def _moves_pins(fit: Fit) -> bool:
+    return any(item.path.startswith("points.") for item in fit.objective.problem.free)
 
 
 def _renamed(text: str, name: str, heading: list[str]) -> ElementTree.Element:
