@@ -7,17 +7,20 @@ import sys
 from collections.abc import Sequence
 
 from ..errors import InputError, NipperError
-from . import benchmark, check, identify, plot, simulate, study, sweep, view
+from . import benchmark, check, identify, live, new, plot, simulate, stress, study, sweep, view
 
 _RIGHT, _NOT_SIMULATED, _UNUSABLE, _INTERRUPTED = 0, 1, 2, 130
 _COMMANDS = {
     "simulate": (simulate, "simulate a transition or whole cycles"),
     "view": (view, "show a run in the browser, or write it as one page"),
+    "live": (live, "a page with sliders whose numbers and picture follow them"),
+    "new": (new, "write a commented model to start from"),
     "check": (check, "say what a model is, and what is wrong with it"),
     "study": (study, "do the published study again and write its report"),
     "identify": (identify, "find numbers of a model from published ratios or measured rebounds"),
     "sweep": (sweep, "compute many scenarios, on all processors or on a cluster"),
     "plot": (plot, "draw the results of a sweep"),
+    "stress": (stress, "run random and extreme cases, and check what must hold of each"),
     "benchmark": (benchmark, "measure run time against error on this machine"),
 }
 
@@ -47,7 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _complain(error: NipperError, status: int) -> int:
-    sys.stderr.write(f"nipper-pin: {error.message}\n")
+    # Names and paths are the user's, and may hold line breaks or bytes that are no text.
+    text = "".join(part if part.isprintable() else repr(part)[1:-1] for part in error.message)
+    sys.stderr.write(f"nipper-pin: {text}\n")
     return status
 
 

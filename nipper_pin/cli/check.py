@@ -23,6 +23,11 @@ def _run(options: argparse.Namespace) -> None:
     if options.json != "-":
         from rich.console import Console
 
+        from ..study.next_steps import next_steps
         from ..view.report import print_report
 
-        print_report(report, Console())
+        console = Console()
+        print_report(report, console)
+        console.print("Next", style="bold")
+        for step in next_steps(report, options.model):
+            console.print(step, markup=False, highlight=False, soft_wrap=True)

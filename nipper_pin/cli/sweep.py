@@ -37,7 +37,8 @@ def _run(options: argparse.Namespace) -> None:
     from ..study.sweep import read_plan, run_sweep
 
     plan = read_plan(options.study)
-    size = f"{plan.scenarios:,} scenarios of {plan.mechanisms:,} mechanisms"
+    kinds = plan.mechanisms
+    size = f"{plan.scenarios:,} scenarios of {kinds:,} mechanism{'s' if kinds > 1 else ''}"
     if options.dry_run:
         document: dict[str, object] = {
             "scenarios": plan.scenarios,

@@ -17,6 +17,8 @@ _MAX_ITERATIONS = 25
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 # Beyond this condition of the dependent closure columns, half of the digits of a velocity are lost.
 MAX_CONDITION = 1e8
+# A coordinate takes part in a dead centre with at least this share of the largest one.
+_PART = 0.3
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,26 @@ def condition_number(matrix: FloatArray) -> float:
         return inverted(matrix)[0]
     sizes = np.linalg.svd(matrix, compute_uv=False)
     return float(sizes[0] / sizes[-1]) if sizes.all() else np.inf
+
+
+def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int]]:
+    """How near the closures are to a dead centre, and which coordinates stand in it.
+
+    Args:
+        jacobian: Closure Jacobian G, shape (m, nv).
+        given: Coordinates whose motion is prescribed.
+
+    Returns:
+        Condition number of G in the other coordinates, in the 2-norm; and those of them, the most
+        important first, whose motion the closures determine least.
+    """
+    others = [column for column in range(jacobian.shape[1]) if column not in given]
+    if not len(jacobian) or len(others) < len(jacobian):
+        return 1.0, []
+    _, sizes, motions = np.linalg.svd(jacobian[:, others])
+    share = np.abs(motions[len(jacobian) - 1])
+    chosen = [others[i] for i in np.argsort(-share) if share[i] >= _PART * share.max()]
+    return float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else np.inf, chosen
 
 
 def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:

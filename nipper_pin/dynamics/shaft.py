@@ -9,6 +9,9 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Mechanism
+from ..mechanism.drives import Table
+
+_AT_KNOT = 1e-9
 
 Driven = tuple[FloatArray, FloatArray, FloatArray]
 """Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""
@@ -61,6 +64,22 @@ class ShaftMotion:
         for law, factors in self._trains:
             values = values + np.array(law.evaluate(psi))[:, :, None] * factors
         return values[0], values[1], values[2]
+
+    def smooth_for(self, t: float) -> float:
+        """Time [s] from t to the next one at which a law changes its polynomial; often infinite."""
+        if not self._knots.size:
+            return np.inf
+        sense = 1.0 if self.rate > 0.0 else -1.0
+        ahead = np.remainder(sense * (self._knots - float(self.angle(t))), 2.0 * np.pi)
+        # A time that was computed from a knot may lie, by round-off, before it.
+        ahead[ahead <= _AT_KNOT] += 2.0 * np.pi
+        return float(ahead.min()) / self.speed_rad_s
+
+    @cached_property
+    def _knots(self) -> FloatArray:
+        """Cylinder angles at which the splines of tables change their polynomials [rad]."""
+        knots = [law.cylinder_angle_rad[1:] for law, _ in self._trains if isinstance(law, Table)]
+        return np.concatenate([np.empty(0), *knots])
 
     @cached_property
     def _offsets(self) -> FloatArray:

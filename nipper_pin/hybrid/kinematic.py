@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, close_positions, close_velocities
+from ..dynamics.assembly import Partition, close_positions, close_velocities, inverted
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
+from ..errors import SingularConfigurationError
 from .case import Resolution
 from .collocation import nodes, tail
 from .panel import SMALLEST, Attempt, Panel, judged
 
-_ROUND_OFF = 1e-15
+# Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
+# what is amplified further counts as unresolved.
+_AMPLIFIED = 1e3
+# Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
+_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 
 def kinematic_panel(
@@ -50,6 +55,7 @@ def kinematic_panel(
     motion = system.shaft.driven(times)
     system.prescribe(motion, guess, rates, rows)
     q_nodes, jacobian = close_positions(system.body, guess, split)
+    _check_branch(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
     forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
@@ -57,10 +63,41 @@ def kinematic_panel(
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
     moving = np.abs(h * v_nodes).max(axis=0)
-    rough = tail(q_nodes) / (resolution.tolerance * moving + _ROUND_OFF)
+    # What no shorter panel would resolve either must not advise one.
+    round_off = _round_off(system, q_nodes, jacobian, split)
+    left_over = np.maximum(tail(q_nodes) - round_off, 0.0)
+    rough = left_over / (resolution.tolerance * moving + SMALLEST)
     # Stop forces are second derivatives: they are resolved less far than positions, and their
     # roots are polished on the exact motion.
     size = np.abs(forces).max(axis=0) + SMALLEST
     rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
-    excess = float(max(rough.max(initial=0.0), rough_force.max(initial=0.0)))
+    # So are accelerations, by what they change: near a dead centre they rise within the round-off
+    # of the positions.
+    changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
+    rough_a = h**2 * tail(a_nodes) / (np.sqrt(resolution.tolerance) * changed)
+    excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
+
+
+def _check_branch(jacobian: FloatArray, split: Partition) -> None:
+    """Refuse to pass a dead centre, behind which the nodes may lie on another branch.
+
+    On one branch the determinant of the dependent columns keeps its sign.
+    """
+    if split.dependent:
+        volumes = np.linalg.det(jacobian[:, :, split.columns])
+        if volumes.min() <= 0.0 <= volumes.max():
+            message = (
+                "the motion passes through a dead centre, behind which the links can go either "
+                "way; change the dimensions or the drive"
+            )
+            raise SingularConfigurationError(message, volumes=volumes.tolist())
+
+
+def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+    """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
+    size = np.abs(q).max(axis=0) + np.finfo(float).eps
+    _, inverse = inverted(jacobian[0][:, split.columns])
+    moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
+    size[split.columns] += np.minimum(moved, _AMPLIFIED)
+    return np.asarray(_ROUND_OFF * size)

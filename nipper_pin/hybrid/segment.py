@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition
+from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.system import ConstraintSet, System
-from ..errors import ConvergenceError, SingularConfigurationError
+from ..errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from .case import Resolution
 from .flight import flight_panel
@@ -20,6 +20,8 @@ from .panel import Exact, Panel, state_at
 from .triggers import Trigger, TriggerKind, triggers
 
 _SHORTEST_PANEL = 1e-12
+# Round-off of a gap at a root [rad or m].
+_ROUND_OFF = 1e-14
 
 
 @dataclass(frozen=True)
@@ -105,24 +107,44 @@ def advance(
     h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
     panels: list[Panel] = []
     while True:
-        h = min(h, t_limit - t)
+        h = min(h, t_limit - t, system.shaft.smooth_for(t))
         by_gap = sorted((abs(q[stop.index]), stop.index) for stop in rows.open)
         split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
-        panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
+        try:
+            panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
+        except SimulationError as error:
+            raise type(error)(error.message, **{**error.evidence, "t": t, "q": q}) from error
         panels.append(panel)
-        found = triggers(system, rows, panel, forces)
+        found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
             exact = state_at(system, rows, panel, np.array([t_end]))
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
-            for trigger in found:
-                if trigger.kind is TriggerKind.GAP:
-                    exact.q[0, system.mechanism.stop(trigger.stop).index] = 0.0
-            return Advance(segment, found, exact)
+            hit = [
+                system.mechanism.stop(trigger.stop).index
+                for trigger in found
+                if trigger.kind is TriggerKind.GAP
+            ]
+            return Advance(segment, found, _closed_up(system, rows, exact, hit) if hit else exact)
         t = t + panel.h
         q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t]))[:3])
         a = panel.a[-1]
         h = min(longest, advised)
+
+
+def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
+    """The end of a segment with the gaps of the stops that it ends at exactly zero."""
+    left = float(np.abs(end.q[0, hit]).max())
+    end.q[0, hit] = 0.0
+    if left <= _ROUND_OFF:
+        return end
+    # The root is one of the motion as it was integrated, the closures move a gap that depends on
+    # the others: let these follow the gap instead.
+    split = system.split(end.jacobian[0], rows.given, tuple(hit))
+    if not set(hit).isdisjoint(split.dependent):
+        return end
+    q, jacobian = close_positions(system.body, end.q, split)
+    return Exact(q, close_velocities(end.v, jacobian, split), jacobian, end.motion)
 
 
 def _ballistic_length(

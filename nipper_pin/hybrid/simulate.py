@@ -13,12 +13,18 @@ from ..arrays import FloatArray
 from ..dynamics.impact import Impact, arrest, collide, no_impact
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
-from ..errors import InputError, SimulationError
+from ..errors import (
+    ConvergenceError,
+    InputError,
+    SimulationError,
+    SingularConfigurationError,
+)
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .cycles import repeats
 from .event import Event, EventKind
+from .locate import located
 from .phases import Closed, after_collision, after_release, pressed
 from .segment import Segment, advance
 from .series import BounceSeries
@@ -84,11 +90,20 @@ class _Run:
         self.segments: list[Segment] = []
         self._collisions = 0
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
-        self.state = initial_state(system, case.start_index)
+        try:
+            self.state = initial_state(system, case.start_index)
+        except (ConvergenceError, SingularConfigurationError) as error:
+            raise located(error, system) from error
 
     def transition(self) -> Outcome:
         """From the touch configuration, where the transition stop collides, to its rest."""
         name = self.mechanism.transition_stop
+        if not name:
+            message = (
+                f"{self.mechanism.name} has no stop, so there is no transition: simulate whole "
+                "turns (window cycle), or give it a stop"
+            )
+            raise InputError(message, model=self.mechanism.name)
         rate = self.state.v[self.mechanism.stop(name).index]
         if rate >= 0.0:
             message = (
@@ -111,6 +126,7 @@ class _Run:
         """Whole turns, until one is known to repeat."""
         period, cycles = self.system.shaft.period, self.case.cycles
         previous: list[Segment] = []
+        self._touch()
         for turn in range(1, cycles + 1):
             first_segment, first_event = len(self.segments), len(self.events)
             before = self._collisions
@@ -128,16 +144,37 @@ class _Run:
             previous = current
         return self._outcome(), None
 
+    def _touch(self) -> None:
+        """Collide or close the open stops that touch at the start.
+
+        A gap is watched from the moment it has opened, so one that starts at zero and closes would
+        never be seen.
+        """
+        state = self.state
+        rates = {
+            stop.name: float(state.v[stop.index])
+            for stop in self.mechanism.stops
+            if stop.name not in state.closed and state.q[stop.index] == 0.0
+        }
+        hit = {name for name, rate in rates.items() if rate < 0.0}
+        if hit:
+            self.collide(state, hit)
+            return
+        still = frozenset(name for name, rate in rates.items() if rate == 0.0)
+        if still:
+            closed = self._pressed(state, state.v, state.closed | still) | state.closed
+            newly = sorted(closed - state.closed)
+            if newly:
+                none = no_impact(self.system, state.v)
+                self._record(EventKind.REST, state, state.t, newly, none, closed)
+                self.state = state._replace(closed=closed)
+
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit."""
         try:
             return self._step(t_limit)
         except SimulationError as error:
-            t = self.segments[-1].t_end if self.segments else self.state.t
-            index = self.mechanism.cylinder.index_from_angle(float(self.system.shaft.angle(t)))
-            message = f"after t = {t:.6g} s (index {index:.3f}): {error.message}"
-            evidence = {**error.evidence, "t": t, "index": index}
-            raise type(error)(message, **evidence) from error
+            raise located(error, self.system, self.state) from error
 
     def _step(self, t_limit: float) -> bool:
         state = self.state

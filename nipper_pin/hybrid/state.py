@@ -16,6 +16,8 @@ from .series import BounceSeries
 
 _ASSEMBLY_STEPS = 12
 _NOW = np.zeros(1)
+# Round-off of a gap that the closures determine [rad or m]: one as small is a contact.
+_TOUCHING = 1e-13
 
 
 class State(NamedTuple):
@@ -64,6 +66,8 @@ def initial_state(system: System, start_index: float) -> State:
     end_rates[: len(shaft.indices)] = rates[-1]
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
+        if abs(q[stop.index]) <= _TOUCHING:
+            q[stop.index] = 0.0
         if stop.name not in closed and q[stop.index] < 0.0:
             message = (
                 f"stop {stop.name!r} would be {-q[stop.index]:.3g} beyond its contact at the "

@@ -17,6 +17,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from ..arrays import FloatArray
@@ -24,6 +25,7 @@ from ..dynamics.assembly import Partition
 from ..dynamics.shaft import ShaftMotion
 from ..errors import InputError
 from ..mechanism import Mechanism, from_sources
+from . import stored_run
 from .case import Case, Resolution
 from .event import Event, EventKind
 from .panel import Panel
@@ -31,6 +33,7 @@ from .segment import Segment
 from .solution import Outcome, Solution
 
 FORMAT = 2
+_Nodes = tuple[FloatArray, FloatArray, FloatArray]
 # What reading an archive or a document can run into that is not what it should be.
 _DAMAGE = (
     OSError,
@@ -38,6 +41,7 @@ _DAMAGE = (
     LookupError,
     TypeError,
     AttributeError,
+    OverflowError,
     EOFError,
     RuntimeError,
     struct.error,
@@ -106,9 +110,9 @@ def load_solution(path: str | Path) -> Solution:
     try:
         # A file of our own is closed whatever is wrong with its content.
         with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            document = json.loads(str(stored["document"]))
+            document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
             _check_format(document, path)
-            return _solution(document, stored)
+            return _solution(stored_run.run(document), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
@@ -128,9 +132,11 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
+        document = json.loads(text, parse_constant=_refuse_constant)
         _check_format(document, path)
-        return _mechanism(document), _case(document)
+        setting = stored_run.setting(document)
+        return _mechanism(setting), _case(setting)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
@@ -174,16 +180,22 @@ def _check_format(document: dict[str, Any], path: str | Path) -> None:
         raise InputError(message, file=str(path), format=document["format"])
 
 
-def _mechanism(document: dict[str, Any]) -> Mechanism:
-    source = document["mechanism"]
-    return from_sources(
-        source["name"], source["urdf"], source["description"], Path(source["folder"])
+def _refuse_constant(name: str) -> None:
+    """Python's JSON writes what is not finite, but no run that was saved holds it."""
+    message = f"{name} is no number of a run"
+    raise ValueError(message)
+
+
+def _mechanism(setting: stored_run.Setting) -> Mechanism:
+    source = setting.mechanism
+    return from_sources(source.name, source.urdf, source.description, Path(source.folder))
+
+
+def _case(setting: stored_run.Setting) -> Case:
+    values = msgspec.structs.asdict(setting.case)
+    return Case(
+        **{**values, "resolution": Resolution(**msgspec.structs.asdict(setting.case.resolution))}
     )
-
-
-def _case(document: dict[str, Any]) -> Case:
-    values = document["case"]
-    return Case(**{**values, "resolution": Resolution(**values["resolution"])})
 
 
 def _segment_record(
@@ -220,61 +232,106 @@ def _event_record(event: Event) -> dict[str, Any]:
     }
 
 
-def _solution(document: dict[str, Any], stored: Any) -> Solution:
-    mechanism = _mechanism(document)
-    panels: dict[int, tuple[FloatArray, FloatArray, FloatArray]] = {}
+def _solution(run: stored_run.Run, stored: Any) -> Solution:
+    mechanism = _mechanism(run)
     size = len(mechanism.joints)
-    segments = []
-    for record in document["segments"]:
-        for *_, place in record["panels"]:
-            if place not in panels:
-                q, v, a = stored[f"panel{place}"]
-                panels[place] = (q, v, a)
-        segments.append(
-            Segment(
-                t_start=record["t_start"],
-                t_end=record["t_end"],
-                closed=frozenset(record["closed"]),
-                panels=tuple(
-                    Panel(t, h, *panels[place], Partition.of(dependent, size), integrated)
-                    for t, h, dependent, integrated, place in record["panels"]
-                ),
-                kinematic=record["kinematic"],
-            )
-        )
-    events = []
-    states = [tuple(row) for row in stored["events"]]
-    if {record["state"] for record in document["events"]} != set(range(len(states))):
+    # Copies of a turn share their arrays again, as they did when they were written.
+    panels: dict[int, _Nodes] = {}
+    for segment in run.segments:
+        for panel in segment.panels:
+            if panel.place not in panels:
+                panels[panel.place] = tuple(_numbers(stored[f"panel{panel.place}"], 3, None, size))
+    states = [tuple(row) for row in _numbers(stored["events"], None, 4, size)] if run.events else []
+    if {event.state for event in run.events} != set(range(len(states))):
         message = "the events do not belong to the stored states"
         raise ValueError(message)
-    for record in document["events"]:
-        q, v_before, v_after, delta = states[record["state"]]
-        events.append(
-            Event(
-                number=record["number"],
-                t=record["t"],
-                kind=EventKind(record["kind"]),
-                stops=tuple(record["stops"]),
-                q=q,
-                v_before=v_before,
-                v_after=v_after,
-                delta=delta,
-                P_N=record["P_N"],
-                P_g=np.array(record["P_g"]),
-                energy_lost=record["energy_lost"],
-                closed_before=frozenset(record["closed_before"]),
-                closed_after=frozenset(record["closed_after"]),
-                series_error=record["series_error"],
-            )
-        )
+    rows = 2 * len(mechanism.closures)
     return Solution(
         mechanism=mechanism,
-        case=_case(document),
-        shaft=ShaftMotion(mechanism, **document["shaft"]),
-        events=tuple(events),
-        segments=tuple(segments),
-        outcome=Outcome[document["outcome"]],
-        evaluations=document["evaluations"],
-        wall_s=document["wall_s"],
-        repeated_from=document["repeated_from"],
+        case=_case(run),
+        shaft=ShaftMotion(mechanism, run.shaft.speed_rad_s, run.shaft.start_angle_rad),
+        events=tuple(_event(item, states[item.state], mechanism, rows) for item in run.events),
+        segments=tuple(_segment(item, panels, mechanism) for item in run.segments),
+        outcome=Outcome[run.outcome],
+        evaluations=run.evaluations,
+        wall_s=run.wall_s,
+        repeated_from=run.repeated_from,
     )
+
+
+def _numbers(array: Any, *shape: int | None) -> FloatArray:
+    """An array of finite numbers of this shape, None for any length but none at all."""
+    fits = array.ndim == len(shape) and all(
+        length > 0 if wanted is None else length == wanted
+        for length, wanted in zip(array.shape, shape, strict=True)
+    )
+    if array.dtype != np.float64 or not fits or not np.isfinite(array).all():
+        message = f"an array of {array.dtype} {array.shape} where numbers {shape} should be"
+        raise ValueError(message)
+    return np.asarray(array)
+
+
+def _segment(
+    record: stored_run.SegmentRecord,
+    panels: dict[int, _Nodes],
+    mechanism: Mechanism,
+) -> Segment:
+    size = len(mechanism.joints)
+    rows = 2 * len(mechanism.closures)
+    for panel in record.panels:
+        if sorted(set(panel.dependent) & set(range(size))) != sorted(panel.dependent) or (
+            len(panel.dependent) != rows
+        ):
+            message = f"{panel.dependent} are not the dependent coordinates of a panel"
+            raise ValueError(message)
+    return Segment(
+        t_start=record.t_start,
+        t_end=record.t_end,
+        closed=_stops(record.closed, mechanism),
+        panels=tuple(
+            _panel(panel, *panels[panel.place], Partition.of(panel.dependent, size))
+            for panel in record.panels
+        ),
+        kinematic=record.kinematic,
+    )
+
+
+def _panel(
+    record: stored_run.PanelRecord, q: FloatArray, v: FloatArray, a: FloatArray, split: Partition
+) -> Panel:
+    return Panel(record.t, record.h, q, v, a, split, record.integrated)
+
+
+def _event(
+    record: stored_run.EventRecord,
+    state: tuple[FloatArray, ...],
+    mechanism: Mechanism,
+    rows: int,
+) -> Event:
+    q, v_before, v_after, delta = state
+    kind = EventKind(record.kind)
+    _stops((*record.stops, *record.P_N), mechanism)
+    if kind is EventKind.COLLISION and not set(record.stops) <= record.P_N.keys():
+        message = f"the collision of {record.stops} has no impulse"
+        raise ValueError(message)
+    return Event(
+        number=record.number,
+        t=record.t,
+        kind=kind,
+        stops=record.stops,
+        q=q,
+        v_before=v_before,
+        v_after=v_after,
+        delta=delta,
+        P_N=record.P_N,
+        P_g=_numbers(np.array(record.P_g), rows) if rows else np.empty(0),
+        energy_lost=record.energy_lost,
+        closed_before=_stops(record.closed_before, mechanism),
+        closed_after=_stops(record.closed_after, mechanism),
+        series_error=record.series_error,
+    )
+
+
+def _stops(names: tuple[str, ...], mechanism: Mechanism) -> frozenset[str]:
+    """Names of stops that there are."""
+    return frozenset(mechanism.stop(name).name for name in names)

@@ -46,11 +46,21 @@ def triggers(
     rows: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
+    *,
+    continued: bool,
 ) -> tuple[Trigger, ...]:
-    """Earliest triggers on a panel, simultaneous ones together."""
+    """Earliest triggers on a panel, simultaneous ones together.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        forces: Forces of the closed stops at its nodes, shape (N, closed).
+        continued: True if the panel goes on where another one of the same phase ends.
+    """
     found = []
     for stop in rows.open:
-        t = _gap_root(system, rows, panel, stop.index)
+        t = _gap_root(system, rows, panel, stop.index, continued=continued)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
     for column, index in enumerate(rows.stops):
@@ -69,8 +79,15 @@ def triggers(
     )
 
 
-def _gap_root(system: System, rows: ConstraintSet, panel: Panel, index: int) -> float | None:
+def _gap_root(
+    system: System, rows: ConstraintSet, panel: Panel, index: int, *, continued: bool = False
+) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
+    gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
+    if rate < 0.0 and (gap < 0.0 or (gap == 0.0 and continued)):
+        # A zero on the border of two panels may lie, by round-off, on neither of them: the one
+        # ends before it and the other starts behind it.
+        return panel.t
     if panel.integrated:
         return _flight_root(system, panel, index)
     h = panel.h

@@ -48,7 +48,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     Raises:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """
-    _refuse_not_finite(data, "", file)
+    _refuse_unusable(data, "", file)
     for section, kind in _SECTIONS.items():
         entries = data.get(section, {})
         if not isinstance(entries, Mapping):
@@ -59,14 +59,17 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     return _convert(data, Description, "", file)
 
 
-def _refuse_not_finite(value: object, path: str, file: str) -> None:
-    """Raise for the first NaN or infinity inside the value."""
+def _refuse_unusable(value: object, path: str, file: str) -> None:
+    """Raise for the first NaN or infinity inside the value, and for names no message can show."""
     if isinstance(value, Mapping):
         for key, item in value.items():
-            _refuse_not_finite(item, f"{path}.{key}" if path else str(key), file)
+            if not str(key).isprintable():
+                allowed = "keys and names without line breaks and control characters"
+                raise ModelError(file=file, key=path or "the file", value=key, allowed=allowed)
+            _refuse_unusable(item, f"{path}.{key}" if path else str(key), file)
     elif isinstance(value, list | tuple):
         for place, item in enumerate(value):
-            _refuse_not_finite(item, f"{path}[{place}]", file)
+            _refuse_unusable(item, f"{path}[{place}]", file)
     elif isinstance(value, float) and not math.isfinite(value):
         raise ModelError(file=file, key=path, value=value, allowed="a finite number")
 

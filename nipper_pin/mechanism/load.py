@@ -10,7 +10,7 @@ import copy
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..errors import ModelError, UnknownNameError
+from ..errors import AssemblyError, ModelError, UnknownNameError
 from .mechanism import Mechanism
 
 
@@ -20,8 +20,9 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     Args:
         model: Name of a model that comes with the package, or a folder ``<name>`` that holds
             ``<name>.urdf`` and ``<name>.toml``.
-        overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}`` or
-            ``{"links.top_nipper.mass_kg": 1.3}``; strings are converted.
+        overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
+            ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
+            (:mod:`.dimensions`); strings are converted.
 
     Returns:
         The validated mechanism.
@@ -29,12 +30,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     Raises:
         UnknownNameError: The model, or a name in it or in an override, does not exist.
         ModelError: A value in a file or override cannot be used.
+        AssemblyError: The closures do not meet at touch.
     """
     import tomllib
 
     from .build import build_mechanism
     from .laws import inline_tables
-    from .overrides import apply_overrides
 
     folder = find_model(model)
     name = folder.name
@@ -47,9 +48,14 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
         ) from error
     if overrides:
+        from .overrides import apply_overrides
+
         data, urdf = apply_overrides(data, urdf, overrides, toml_file, urdf_file)
     data = inline_tables(data, folder, toml_file)
-    return build_mechanism(name, urdf, data, folder)
+    try:
+        return build_mechanism(name, urdf, data, folder)
+    except AssemblyError as error:
+        raise _with_advice(error, overrides or {}) from None
 
 
 def from_sources(
@@ -73,6 +79,19 @@ def from_sources(
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
     return build_mechanism(name, urdf, data, folder)
+
+
+def _with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> AssemblyError:
+    """Say how a dimension is changed without opening a pin, if one of the overrides may have."""
+    raw = [path for path in overrides if path.startswith("urdf.joint.")]
+    if not raw:
+        return error
+    advice = (
+        f"{', '.join(raw)} moves one side of a pin only: points.<hinge or frame>.x_mm, z_mm, "
+        "radius_mm and angle_deg move everything that meets in it"
+    )
+    evidence = error.evidence
+    return AssemblyError(**{**evidence, "allowed": f"{evidence['allowed']}; {advice}"})
 
 
 def known_models() -> dict[str, Path]:

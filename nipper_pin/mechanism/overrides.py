@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import copy
 import numbers
-import re
 import tomllib
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
 from ..errors import ModelError, UnknownNameError
-from .urdf import edit
+from .describe import describe
+from .dimensions import HEADS, change_dimensions
+from .urdf import parse_xml
+from .urdf_paths import steps_of
 
-_LINK_VALUES = {"mass_kg": ("mass", "value"), "inertia_kg_m2": ("inertia", "iyy")}
-_STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
+# Squares and products of what is larger leave the range of a float before anything can be checked.
+_LARGEST = 1e12
 
 
 def apply_overrides(
@@ -29,9 +31,8 @@ def apply_overrides(
         data: The TOML document.
         urdf: The URDF text.
         overrides: New values by path: a path into the TOML document such as
-            ``stops.jaw.restitution``, or ``links.<link>.mass_kg`` and
-            ``links.<link>.inertia_kg_m2`` (about y through the centre of mass) for the URDF.
-            Strings are converted to the type of the value that they replace.
+            ``stops.jaw.restitution``, or one of ``points.``, ``links.`` and ``urdf.`` into the URDF
+            (:mod:`.dimensions`). Strings are converted to the type of the value that they replace.
         file: Name of the TOML file, for messages.
         urdf_file: Name of the URDF file, for messages.
 
@@ -40,53 +41,27 @@ def apply_overrides(
 
     Raises:
         UnknownNameError: A path leads nowhere.
-        ModelError: A string cannot be converted.
+        ModelError: A value cannot be used, or paths contradict one another.
     """
     changed = copy.deepcopy(dict(data))
-    links: dict[tuple[str, str], float] = {}
+    dimensions: dict[str, float] = {}
     for path, value in overrides.items():
-        steps = _STEP.findall(path)
-        if steps[:1] == ["links"]:
-            links[_link_path(steps, path)] = _number(value, path, urdf_file)
+        steps = steps_of(path)
+        if steps[:1] and steps[0] in HEADS:
+            dimensions[path] = number = _number(value, path, urdf_file)
+            # Also false for NaN.
+            if not abs(number) <= _LARGEST:
+                allowed = f"a finite number of the size of a machine's, at most {_LARGEST:g}"
+                raise ModelError(file=urdf_file, key=path, value=value, allowed=allowed)
         else:
             _replace(changed, steps, path, value, file)
-    if links:
-        urdf = edit(urdf, lambda root: _change_links(root, links, urdf_file), urdf_file)
+    if dimensions:
+        # Points follow closures, guides and contacts, which have to be what they should be.
+        describe(changed, file)
+        root = parse_xml(urdf, urdf_file)
+        changed = change_dimensions(root, changed, dimensions, urdf_file)
+        urdf = ElementTree.tostring(root, encoding="unicode")
     return changed, urdf
-
-
-def _link_path(steps: list[str], path: str) -> tuple[str, str]:
-    """Split ``links.<link>.<value>``."""
-    if len(steps) != 3 or steps[2] not in _LINK_VALUES:
-        name = ".".join(steps[2:])
-        raise UnknownNameError(
-            kind="value of a link", name=name, known=_LINK_VALUES, where=f"override {path}"
-        )
-    return steps[1], steps[2]
-
-
-def _change_links(
-    root: ElementTree.Element, values: Mapping[tuple[str, str], float], file: str
-) -> None:
-    """Write masses and inertias into the URDF."""
-    inertials = {
-        link.get("name", ""): inertial
-        for link in root.findall("link")
-        if (inertial := link.find("inertial")) is not None
-    }
-    for (link, value), number in values.items():
-        path = f"links.{link}.{value}"
-        if link not in inertials:
-            raise UnknownNameError(
-                kind="link with a mass", name=link, known=inertials, where=f"override {path}"
-            )
-        tag, attribute = _LINK_VALUES[value]
-        element = inertials[link].find(tag)
-        if element is None:
-            raise ModelError(
-                file=file, key=path, value=number, allowed=f"the link has no <{tag}> to change"
-            )
-        element.set(attribute, repr(number))
 
 
 def _replace(

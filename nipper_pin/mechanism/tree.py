@@ -122,7 +122,16 @@ def collision_geometry(
     # Pinocchio numbers the shapes of each link in the order of the file.
     for link, names in urdf.shapes.items():
         for place, name in enumerate(names):
-            geometry.geometryObjects[geometry.getGeometryId(f"{link}_{place}")].name = name
+            identity = geometry.getGeometryId(f"{link}_{place}")
+            if identity >= geometry.ngeoms:
+                allowed = (
+                    "a link whose shapes all can be read; the URDF parser left this one out, for "
+                    "a wrong attribute of a mesh or an element in the wrong place"
+                )
+                raise ModelError(
+                    file=file, key=f"link {link} collision", value=name, allowed=allowed
+                )
+            geometry.geometryObjects[identity].name = name
     return geometry
 
 

@@ -118,10 +118,9 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
 def _name(element: ElementTree.Element, file: str) -> str:
     """Name of an element."""
     name = element.get("name")
-    if not name:
-        raise ModelError(
-            file=file, key=f"<{element.tag}> name", value=name, allowed="a name that is not empty"
-        )
+    if not name or not name.isprintable():
+        allowed = "a name that is not empty, without line breaks and control characters"
+        raise ModelError(file=file, key=f"<{element.tag}> name", value=name, allowed=allowed)
     return name
 
 

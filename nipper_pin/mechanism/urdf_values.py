@@ -25,12 +25,24 @@ def numbers(
     file: str,
 ) -> FloatArray:
     """Read an attribute of finite numbers."""
+    return np.array(_finite(element, attribute, count, default, key, file))
+
+
+def _finite(
+    element: ElementTree.Element,
+    attribute: str,
+    count: int,
+    default: str | None,
+    key: str,
+    file: str,
+) -> list[float]:
+    """Read an attribute of finite numbers as a list: most are only checked, hundreds a load."""
     text = element.get(attribute, default)
     try:
-        values = np.array([float(part) for part in (text or "").split()])
+        values = [float(part) for part in (text or "").split()]
     except ValueError:
-        values = np.array([math.nan])
-    if values.size != count or not np.isfinite(values).all():
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
         noun = "a finite number" if count == 1 else f"{count} finite numbers"
         raise ModelError(file=file, key=key, value=text, allowed=f"{attribute} is {noun}")
     return values
@@ -38,11 +50,17 @@ def numbers(
 
 def origin(element: ElementTree.Element, key: str, file: str) -> tuple[FloatArray, FloatArray]:
     """Read the origin of an element: translation [m] and roll, pitch, yaw [rad]."""
-    origin = element.find("origin")
-    if origin is None:
-        return np.zeros(3), np.zeros(3)
-    xyz = numbers(origin, "xyz", 3, "0 0 0", f"{key} origin xyz", file)
-    return xyz, numbers(origin, "rpy", 3, "0 0 0", f"{key} origin rpy", file)
+    xyz, rpy = _origin(element, key, file)
+    return np.array(xyz), np.array(rpy)
+
+
+def _origin(element: ElementTree.Element, key: str, file: str) -> tuple[list[float], list[float]]:
+    """Read the origin of an element as lists."""
+    found = element.find("origin")
+    if found is None:
+        return [0.0] * 3, [0.0] * 3
+    xyz = _finite(found, "xyz", 3, "0 0 0", f"{key} origin xyz", file)
+    return xyz, _finite(found, "rpy", 3, "0 0 0", f"{key} origin rpy", file)
 
 
 def rotation_from_rpy(rpy: FloatArray) -> FloatArray:
@@ -65,11 +83,11 @@ def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str
             allowed = "a moving link needs mass and inertia"
             raise ModelError(file=file, key=f"link {name} inertial", value=None, allowed=allowed)
         return
-    origin(inertial, f"link {name} inertial", file)
+    _origin(inertial, f"link {name} inertial", file)
     mass = inertial.find("mass")
     if mass is None:
         raise ModelError(file=file, key=f"link {name} mass", value=None, allowed="a positive mass")
-    value = float(numbers(mass, "value", 1, None, f"link {name} mass", file)[0])
+    (value,) = _finite(mass, "value", 1, None, f"link {name} mass", file)
     if value <= 0.0:
         raise ModelError(
             file=file, key=f"link {name} mass", value=value, allowed="a positive mass in kg"
@@ -84,7 +102,7 @@ def _check_inertia(inertial: ElementTree.Element, key: str, file: str) -> None:
         allowed = "an inertia about the centre of mass"
         raise ModelError(file=file, key=key, value=None, allowed=allowed)
     xx, xy, xz, yy, yz, zz = (
-        float(numbers(inertia, f"i{part}", 1, "0", f"{key} i{part}", file)[0])
+        _finite(inertia, f"i{part}", 1, "0", f"{key} i{part}", file)[0]
         for part in ("xx", "xy", "xz", "yy", "yz", "zz")
     )
     principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -112,7 +130,7 @@ def check_shapes(
             key = f"link {name} {tag} {shape}"
             if tag == "collision":
                 names.append(shape)
-            origin(element, key, file)
+            _origin(element, key, file)
             geometry = element.find("geometry")
             solids = [] if geometry is None else [item for item in geometry if _is_tag(item)]
             if len(solids) != 1 or solids[0].tag not in (*_ATTRIBUTES, "mesh"):
@@ -141,10 +159,10 @@ def _check_sizes(solid: ElementTree.Element, key: str, file: str) -> None:
     """Sizes of a primitive are positive."""
     for attribute in _ATTRIBUTES[solid.tag]:
         count = 3 if attribute == "size" else 1
-        sizes = numbers(solid, attribute, count, None, f"{key} {attribute}", file)
-        if (sizes <= 0.0).any():
+        sizes = _finite(solid, attribute, count, None, f"{key} {attribute}", file)
+        if min(sizes) <= 0.0:
             raise ModelError(
-                file=file, key=f"{key} {attribute}", value=sizes.tolist(), allowed="sizes above 0 m"
+                file=file, key=f"{key} {attribute}", value=sizes, allowed="sizes above 0 m"
             )
 
 

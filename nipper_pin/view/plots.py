@@ -18,8 +18,8 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
     """Write the figures of a solution as PNG files; each appears only when it is complete.
 
     Of many turns the first two are drawn. There is no figure of what did not happen: motion
-    and phases need motion, transition needs a completed one with a rebound, impulses need a
-    collision and forces the window "cycle".
+    and phases need motion and a stop, transition needs a completed one with a rebound, impulses
+    need a collision and forces the window "cycle".
 
     Args:
         solution: The solution.
@@ -43,14 +43,14 @@ def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
 
 def _figures(solution: Solution) -> dict[str, Figure]:
     figures = {}
-    if solution.segments:
+    if solution.segments and solution.mechanism.stops:
         figures = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
     bounced = [item for item in solution.transitions if item.collisions > 1]
     if bounced:
         figures["transition"] = transition_figure(solution, bounced[0])
     if any(item.impulse > 0.0 for item in solution.collisions):
         figures["impulses"] = impulse_figure(solution)
-    if solution.case.window is Window.CYCLE:
+    if solution.case.window is Window.CYCLE and solution.mechanism.stops:
         figures["forces"] = force_figure(solution)
     return figures
 

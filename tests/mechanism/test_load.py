@@ -173,7 +173,7 @@ def test_overrides_of_a_link() -> None:
         ("drives.pendulum.crank_axis_mm", "1 2", "a value like"),
         ("links.lip.mass_kg", 1, "no link with a mass named 'lip'; known: bottom_nipper"),
         ("links.frame.mass_kg", 1, "no link with a mass named 'frame'"),
-        ("links.rocker.mass", 1, "known: inertia_kg_m2, mass_kg"),
+        ("links.rocker.mass", 1, "known: com_x_mm, com_z_mm, gyration_mm, inertia_kg_m2, mass_kg"),
         ("links.rocker.mass_kg", "x", "e62.urdf: links.rocker.mass_kg = 'x' .* a number"),
         ("links.rocker.mass_kg", "0", "e62.urdf: link rocker mass = 0.0 .* positive"),
         ("links.rocker.mass_kg", True, "a number"),

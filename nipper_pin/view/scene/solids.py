@@ -81,7 +81,9 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     found: list[Solid] = []
     for link in robot.findall("link"):
-        frame = mechanism.model.frames[mechanism.model.getFrameId(link.get("name", ""))]
+        frame = mechanism.model.frames[
+            mechanism.model.getFrameId(link.get("name", ""), pin.FrameType.BODY)
+        ]
         body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
         for tag in ("visual", "collision"):
             shapes = list(_shapes(mechanism, link, tag, body, frame.placement, colours))

@@ -1,0 +1,114 @@
+"""``nipper-pin stress``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InputError, SimulationError
+from .arguments import write_json
+
+if TYPE_CHECKING:
+    from ..study.stress import Verdict
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "--cases", type=int, default=1000, metavar="N", help="number of cases (default 1000)"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="S", help="seed of the random cases (default 1)"
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="write a case file for each failure, and the report"
+    )
+    parser.add_argument(
+        "--rerun", metavar="FILE", help="judge the one case of such a file again, and nothing else"
+    )
+    parser.add_argument(
+        "--time-limit",
+        type=float,
+        default=120.0,
+        metavar="S",
+        help="seconds after which a case counts as a hang (default 120)",
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from rich.console import Console
+
+    from ..study.stress import (
+        WRONG,
+        Campaign,
+        judge,
+        load_trial,
+        run_campaign,
+        save_trial,
+        trial,
+    )
+    from ..view.stress_report import print_campaign, print_verdict
+
+    for name in ("cases", "workers", "time_limit"):
+        value = getattr(options, name)
+        if value is not None and value <= 0:
+            message = f"--{name.replace('_', '-')} {value}: above 0"
+            raise InputError(message, argument=value)
+    if options.seed < 0:
+        message = f"--seed {options.seed}: at least 0"
+        raise InputError(message, argument=options.seed)
+    if options.rerun is not None:
+        verdict = judge(load_trial(options.rerun), options.time_limit)
+        result = Campaign(options.seed, (verdict,), verdict.wall_s)
+    else:
+        with _progress(options.cases) as advance:
+            result = run_campaign(
+                options.cases, options.seed, options.workers, advance, options.time_limit
+            )
+    wrong = [item for item in result.verdicts if item.word == WRONG]
+    if options.out is not None and options.rerun is None:
+        for item in wrong:
+            save_trial(trial(options.seed, item.number), item, options.out)
+        Path(options.out).mkdir(parents=True, exist_ok=True)
+        write_json(result.record(), str(Path(options.out) / "stress.json"))
+    if options.json is not None:
+        write_json(result.record(), options.json)
+    if options.json != "-":
+        if options.rerun is not None:
+            print_verdict(result.verdicts[0], Console())
+        else:
+            print_campaign(result, Console())
+    if wrong:
+        count = f"{len(wrong)} of {len(result.verdicts)} cases are wrong"
+        message = f"{count}, the first one number {wrong[0].number}: {wrong[0].detail[:300]}"
+        raise SimulationError(message, numbers=[item.number for item in wrong])
+
+
+@contextmanager
+def _progress(cases: int) -> Iterator[Callable[[Verdict], None] | None]:
+    """A bar on a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("cases", total=cases)
+        wrong = 0
+
+        def advance(verdict: Verdict) -> None:
+            nonlocal wrong
+            wrong += verdict.word == "wrong"
+            bar.update(task, advance=1, description=f"cases, {wrong} wrong")
+
+        yield advance

@@ -1,0 +1,135 @@
+"""Layout of a saved run: what :mod:`.storage` reads has these types, or is refused."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+
+_Count = Annotated[int, Meta(ge=0, le=2**53)]
+_Stops = tuple[str, ...]
+
+
+class _Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A table whose keys are all known."""
+
+
+class Model(_Record, frozen=True):
+    """Sources of the mechanism.
+
+    Attributes:
+        name: Model name.
+        urdf: The URDF text.
+        description: The TOML document as plain data.
+        folder: Folder that relative mesh paths start from.
+    """
+
+    name: str
+    urdf: str
+    description: dict[str, Any]
+    folder: str
+
+
+class ResolutionRecord(_Record, frozen=True):
+    """Fields of ``Resolution``."""
+
+    tolerance: float
+    flight_nodes: _Count
+    kinematic_nodes: _Count
+    panels_per_turn: _Count
+    adaptive: bool
+
+
+class CaseRecord(_Record, frozen=True):
+    """Fields of ``Case``."""
+
+    speed_rpm: float
+    window: str
+    cycles: _Count
+    start_index: float
+    drive: str
+    rest_rate: float | None
+    resolution: ResolutionRecord
+    reuse_cycles: bool
+    max_collisions: _Count
+
+
+class Setting(_Record, frozen=True):
+    """What a run needs to be repeated."""
+
+    format: int
+    mechanism: Model
+    case: CaseRecord
+
+
+class ShaftRecord(_Record, frozen=True):
+    """Fields of ``ShaftMotion``: [rad/s] and [rad]."""
+
+    speed_rad_s: Annotated[float, Meta(gt=0.0)]
+    start_angle_rad: float
+
+
+class PanelRecord(_Record, frozen=True, array_like=True):
+    """A panel: start and length [s], its coordinates, and the place of its arrays."""
+
+    t: float
+    h: Annotated[float, Meta(gt=0.0)]
+    dependent: tuple[_Count, ...]
+    integrated: bool
+    place: _Count
+
+
+class SegmentRecord(_Record, frozen=True):
+    """Fields of ``Segment``; times in [s]."""
+
+    t_start: float
+    t_end: float
+    closed: _Stops
+    kinematic: bool
+    panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
+
+
+class EventRecord(_Record, frozen=True):
+    """Fields of ``Event``, with the place of its state among the stored ones."""
+
+    number: _Count
+    t: float
+    kind: str
+    stops: Annotated[_Stops, Meta(min_length=1)]
+    P_N: dict[str, float]
+    P_g: tuple[float, ...]
+    energy_lost: float
+    closed_before: _Stops
+    closed_after: _Stops
+    series_error: float
+    state: _Count
+
+
+class Run(Setting, frozen=True):
+    """A whole run."""
+
+    shaft: ShaftRecord
+    segments: tuple[SegmentRecord, ...]
+    events: tuple[EventRecord, ...]
+    outcome: str
+    evaluations: _Count
+    wall_s: float
+    repeated_from: int | None
+
+
+def setting(document: object) -> Setting:
+    """Check the document of a case.
+
+    Args:
+        document: What JSON gives.
+
+    Raises:
+        msgspec.ValidationError: A key is unknown or missing, or has another type; a ``ValueError``.
+    """
+    return msgspec.convert(document, Setting)
+
+
+def run(document: object) -> Run:
+    """Check the document of a run; as :func:`setting`."""
+    return msgspec.convert(document, Run)

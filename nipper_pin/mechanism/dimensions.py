@@ -1,0 +1,209 @@
+"""Dimensions, masses and every other number of a model's URDF by path.
+
+* ``points.<hinge or frame>.x_mm`` and ``.z_mm``: place of a pin in the world at touch; everything
+  that meets in the pin moves with it (:mod:`.points`);
+* ``points.<hinge or frame>.radius_mm`` and ``.angle_deg``: the same, seen from the hinge of the
+  link that carries the point: the length of a link, an eccentricity and its angle (from x, ccw);
+* ``links.<link>.mass_kg`` and ``.inertia_kg_m2`` (about y through the centre of mass);
+* ``links.<link>.com_x_mm`` and ``.com_z_mm``: centre of mass in the world at touch;
+* ``links.<link>.gyration_mm``: radius of gyration about it, sqrt(inertia / mass); with it the
+  inertia goes with the mass, as that of a body of one shape does;
+* ``urdf. ...``: one number of the file in its own words (:mod:`.urdf_paths`), nothing else moves.
+
+Points come first, then raw numbers, then links, so that a centre of mass is where it was asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from xml.etree import ElementTree
+
+from ..errors import ModelError, UnknownNameError
+from .layout import Layout, read_layout
+from .points import move_points, write_origin
+from .urdf_paths import find_value, steps_of
+from .urdf_values import numbers, origin
+
+HEADS = ("points", "links", "urdf")
+"""First steps of the paths that lead into the URDF."""
+
+_CARTESIAN = ("x_mm", "z_mm")
+_POLAR = ("radius_mm", "angle_deg")
+_COM = {"com_x_mm": 0, "com_z_mm": 2}
+_GYRATION = "gyration_mm"
+_MASS = {"mass_kg": ("mass", "value"), "inertia_kg_m2": ("inertia", "iyy")}
+_LINK = (*_MASS, *_COM, _GYRATION)
+
+
+def change_dimensions(
+    root: ElementTree.Element,
+    document: Mapping[str, object],
+    values: Mapping[str, float],
+    file: str,
+) -> dict[str, object]:
+    """Change numbers of a URDF; moved points leave the model assembled.
+
+    Args:
+        root: The ``robot`` element, changed in place.
+        document: The TOML document, known to be well-formed.
+        values: New values by path.
+        file: Name of the URDF file, for messages.
+
+    Returns:
+        The document with the axes of guides and cranks where their pins have gone.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: Paths contradict one another, or there is no number to change.
+    """
+    points: dict[str, dict[str, float]] = {}
+    links: dict[str, dict[str, float]] = {}
+    for path, value in values.items():
+        head = steps_of(path)[0]
+        if head == "points":
+            name, key = _split(path, (*_CARTESIAN, *_POLAR), "coordinate")
+            points.setdefault(name, {})[key] = value
+        elif head == "links":
+            name, key = _split(path, _LINK, "value of a link")
+            links.setdefault(name, {})[key] = value
+    changed = dict(document)
+    if points:
+        found = read_layout(root, document, file)
+        changed = move_points(found, document, _places(found, points), file)
+    for path, value in values.items():
+        if steps_of(path)[0] == "urdf":
+            find_value(root, path).write(value, path, file)
+    if links:
+        found = read_layout(root, document, file)
+        for link, new in links.items():
+            _change_link(found, link, new, file)
+    return changed
+
+
+def read_dimension(found: Layout, path: str, file: str) -> float:
+    """Read a number of a URDF.
+
+    Args:
+        found: Where everything stands.
+        path: The path; its first step is one of ``HEADS``.
+        file: Name of the URDF file, for messages.
+
+    Raises:
+        UnknownNameError: The path leads nowhere.
+        ModelError: There is no number.
+    """
+    head = steps_of(path)[0]
+    if head == "urdf":
+        return find_value(found.root, path).read(path, file)
+    if head == "points":
+        name, key = _split(path, (*_CARTESIAN, *_POLAR), "coordinate")
+        if key in _POLAR:
+            return _polar(found, name)[_POLAR.index(key)]
+        return found.point_mm(name)[_CARTESIAN.index(key)]
+    name, key = _split(path, _LINK, "value of a link")
+    inertial = found.inertial(name, path)
+    if key in _COM:
+        xyz, _ = origin(inertial, path, file)
+        world = found.place[name] + found.turn[name] @ xyz
+        return float(1e3 * world[_COM[key]])
+    if key == _GYRATION:
+        mass, inertia = (_number(inertial, item, path, file) for item in _MASS)
+        return 1e3 * math.sqrt(inertia / mass)
+    return _number(inertial, key, path, file)
+
+
+def _split(path: str, known: Sequence[str], kind: str) -> tuple[str, str]:
+    """Split ``<head>.<name>.<key>``; the name may hold dots."""
+    _, _, rest = path.partition(".")
+    name, _, key = rest.rpartition(".")
+    if not name or key not in known:
+        raise UnknownNameError(
+            kind=kind, name=key if name else "", known=known, where=f"path {path}"
+        )
+    return name, key
+
+
+def _places(
+    found: Layout, points: Mapping[str, Mapping[str, float]]
+) -> dict[str, tuple[float, float]]:
+    """New places of points; polar ones are seen from where their hinge goes."""
+    places: dict[str, tuple[float, float]] = {}
+    waiting = []
+    for name, new in points.items():
+        if set(new) <= set(_CARTESIAN):
+            x, z = found.point_mm(name)
+            places[name] = new.get("x_mm", x), new.get("z_mm", z)
+        elif set(new) <= set(_POLAR):
+            waiting.append(name)
+        else:
+            known = (*_CARTESIAN, *_POLAR)
+            steps = " and ".join(sorted(new))
+            where = f"points.{name}: x_mm with z_mm, or radius_mm with angle_deg"
+            raise UnknownNameError(kind="pair of coordinates", name=steps, known=known, where=where)
+    # From the frame outwards: a hinge that is itself given in polar coordinates has gone before
+    # whatever is seen from it.
+    rank = {link: place for place, link in enumerate(found.place)}
+    for name in sorted(waiting, key=lambda item: rank.get(found.points.get(item, ""), 0)):
+        hinge = found.hinge_below(name)
+        x, z = next(
+            (places[other] for other in found.meeting[hinge] if other in places),
+            found.point_mm(hinge),
+        )
+        old_radius, old_angle = _polar(found, name)
+        radius = points[name].get("radius_mm", old_radius)
+        angle = math.radians(points[name].get("angle_deg", old_angle))
+        places[name] = x + radius * math.cos(angle), z + radius * math.sin(angle)
+    return places
+
+
+def _polar(found: Layout, name: str) -> tuple[float, float]:
+    """Radius [mm] and angle [deg, 0 to 360] of a point seen from its link's hinge."""
+    hinge_x, hinge_z = found.point_mm(found.hinge_below(name))
+    x, z = found.point_mm(name)
+    angle = math.degrees(math.atan2(z - hinge_z, x - hinge_x)) % 360.0
+    return math.hypot(x - hinge_x, z - hinge_z), angle
+
+
+def _change_link(found: Layout, link: str, new: Mapping[str, float], file: str) -> None:
+    """Write mass, inertia and centre of mass of a link."""
+    inertial = found.inertial(link, f"links.{link}.{next(iter(new))}")
+    if _GYRATION in new and "inertia_kg_m2" in new:
+        allowed = f"one of {_GYRATION} and inertia_kg_m2"
+        value = new[_GYRATION]
+        raise ModelError(file=file, key=f"links.{link}", value=value, allowed=allowed)
+    if set(_COM) & set(new):
+        xyz, _ = origin(inertial, f"link {link} inertial", file)
+        world = found.place[link] + found.turn[link] @ xyz
+        for key, axis in _COM.items():
+            world[axis] = 1e-3 * new[key] if key in new else world[axis]
+        write_origin(inertial, found.turn[link].T @ (world - found.place[link]), None)
+    for key in _MASS:
+        if key in new:
+            _write_number(inertial, key, new[key], f"links.{link}.{key}", file)
+    if _GYRATION in new:
+        path = f"links.{link}.{_GYRATION}"
+        mass = _number(inertial, "mass_kg", path, file)
+        inertia = mass * (1e-3 * new[_GYRATION]) ** 2
+        _write_number(inertial, "inertia_kg_m2", inertia, path, file)
+
+
+def _number(inertial: ElementTree.Element, key: str, path: str, file: str) -> float:
+    """Read mass or inertia."""
+    tag, attribute = _MASS[key]
+    return float(numbers(_part(inertial, tag, path, file), attribute, 1, None, path, file)[0])
+
+
+def _write_number(
+    inertial: ElementTree.Element, key: str, value: float, path: str, file: str
+) -> None:
+    """Write mass or inertia."""
+    tag, attribute = _MASS[key]
+    _part(inertial, tag, path, file).set(attribute, repr(float(value)))
+
+
+def _part(inertial: ElementTree.Element, tag: str, path: str, file: str) -> ElementTree.Element:
+    element = inertial.find(tag)
+    if element is None:
+        raise ModelError(file=file, key=path, value=None, allowed=f"the link has no <{tag}>")
+    return element

@@ -1,0 +1,232 @@
+"""Moving the points of a model in its touch configuration, so that it stays assembled.
+
+All coordinates are zero at touch, and closures and contacts are checked there. A dimension can
+therefore not be changed alone: a pin moves together with everything that meets in it. Moving a
+point (:mod:`.layout`) means:
+
+* both frames of a closure move together, and so does the guide axis of a drive on a moved hinge;
+* a link with two pins turns with the line that joins them, and so does a slide between two pins;
+* all other links, the frame among them, keep their masses and shapes where they are in the world:
+  the lips still meet. A slide on the frame keeps its direction.
+
+The URDF's elements are changed themselves. A text with expressions in it (xacro) could not do this
+without expressions for every one of these numbers in every model, and would be a URDF no more.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from ..arrays import FloatArray
+from ..errors import ModelError
+from .layout import Layout, element_name, end
+from .urdf_values import numbers, origin, rotation_from_rpy
+
+_SAME_M = 1e-9
+_PARTS = ("inertial", "visual", "collision")
+
+
+@dataclass(frozen=True)
+class _Swing:
+    """How the parts of a link move in the world: x -> new + turn (x - old)."""
+
+    old: FloatArray
+    new: FloatArray
+    turn: FloatArray
+
+
+def move_points(
+    found: Layout,
+    document: Mapping[str, object],
+    places_mm: Mapping[str, tuple[float, float]],
+    file: str,
+) -> dict[str, object]:
+    """Move points of a model.
+
+    Args:
+        found: Where everything stands; its elements are changed in place.
+        document: The TOML document, known to be well-formed.
+        places_mm: New world places (x, z) at touch [mm] by name of the point.
+        file: Name of the URDF file, for messages.
+
+    Returns:
+        The document with the axes of guides and cranks where their pins have gone.
+
+    Raises:
+        UnknownNameError: There is no such point.
+        ModelError: Two places are given for one pin.
+    """
+    shifts = _shifts(found, places_mm, file)
+    if not shifts:
+        return dict(document)
+    pins = _pins(found)
+    place = {link: where + shifts.get(link, 0.0) for link, where in found.place.items()}
+    slides = [joint for joint in found.order if joint.get("type") == "prismatic"]
+    for slide in slides:
+        # A slide has no place of its own: it goes with what its far link is pinned to.
+        far = [link for link in pins.get(end(slide, "child"), ()) if link in shifts]
+        for pinned in far:
+            place[end(slide, "child")] = found.place[end(slide, "child")] + shifts[pinned]
+    swings = _swings(found, place, pins, slides)
+    _keep_contacts(swings, found, document)
+    for joint in found.order:
+        parent, child = end(joint, "parent"), end(joint, "child")
+        if joint in slides and parent in swings:
+            axis = joint.find("axis")
+            if axis is not None:
+                key = f"joint {element_name(joint)} axis"
+                old = numbers(axis, "xyz", 3, "1 0 0", key, file)
+                new = found.turn[child].T @ swings[parent].turn @ found.turn[child] @ old
+                axis.set("xyz", text_of(new))
+        write_origin(joint, found.turn[parent].T @ (place[child] - place[parent]), None)
+    for link in found.root.findall("link"):
+        _carry(link, found, place, swings.get(element_name(link)), file)
+    return _with_guides(document, found, place)
+
+
+def _shifts(
+    found: Layout, places_mm: Mapping[str, tuple[float, float]], file: str
+) -> dict[str, FloatArray]:
+    """Displacement [m] of every link frame that stands in a moved point."""
+    shifts: dict[str, FloatArray] = {}
+    for point, (x, z) in places_mm.items():
+        old_x, old_z = found.point_mm(point)
+        shift = 1e-3 * np.array([x - old_x, 0.0, z - old_z])
+        for other in found.meeting[point]:
+            link = found.points[other]
+            if np.abs(shifts.get(link, shift) - shift).max() > _SAME_M:
+                allowed = f"one place for the points {', '.join(found.meeting[point])}: one pin"
+                raise ModelError(file=file, key=f"points.{point}", value=[x, z], allowed=allowed)
+            shifts[link] = shift
+    return {link: shift for link, shift in shifts.items() if shift.any()}
+
+
+def _pins(found: Layout) -> dict[str, tuple[str, ...]]:
+    """Link frames that stand in the pins of each link: its own and those that hang from it."""
+    stand = set(found.points.values())
+    pins: dict[str, tuple[str, ...]] = {link: (link,) for link in found.points.values()}
+    for joint in found.order:
+        parent, child = end(joint, "parent"), end(joint, "child")
+        if child in stand:
+            pins[parent] = (*pins.get(parent, ()), child)
+    return pins
+
+
+def _swings(
+    found: Layout,
+    place: Mapping[str, FloatArray],
+    pins: Mapping[str, tuple[str, ...]],
+    slides: Sequence[ElementTree.Element],
+) -> dict[str, _Swing]:
+    """How the links turn that have two pins, those at both ends of a slide taken as one.
+
+    The frame turns with nothing, and so does a slide in a guide on it.
+    """
+    hung = {end(joint, "child") for joint in found.order}
+    lines = {link: ends for link, ends in pins.items() if len(ends) == 2 and link in hung}
+    swings = {
+        link: _swing(found, place, first, second, about=first)
+        for link, (first, second) in lines.items()
+    }
+    for slide in slides:
+        near, far = end(slide, "parent"), end(slide, "child")
+        ends = (*pins.get(near, ()), *pins.get(far, ()))
+        if len(ends) == 2 and near in hung:
+            swings[near] = _swing(found, place, *ends, about=ends[0])
+            swings[far] = _swing(found, place, *ends, about=ends[1])
+    return swings
+
+
+def _swing(
+    found: Layout, place: Mapping[str, FloatArray], first: str, second: str, *, about: str
+) -> _Swing:
+    old = found.place[second] - found.place[first]
+    new = place[second] - place[first]
+    angle = math.atan2(new[0], new[2]) - math.atan2(old[0], old[2])
+    turn = rotation_from_rpy(np.array([0.0, angle, 0.0]))
+    return _Swing(found.place[about], place[about], turn)
+
+
+def _keep_contacts(
+    swings: dict[str, _Swing], found: Layout, document: Mapping[str, object]
+) -> None:
+    """Leave links alone whose shapes meet at a stop: they meet where they did."""
+    stops: Any = document.get("stops", {})
+    meet = {name for stop in stops.values() for name in stop.get("contact", {}).values()}
+    for link in found.root.findall("link"):
+        shapes = {shape.get("name") for shape in link.findall("collision")}
+        if meet & (shapes | {element_name(link)}):
+            swings.pop(element_name(link), None)
+
+
+def _carry(
+    link: ElementTree.Element,
+    found: Layout,
+    place: Mapping[str, FloatArray],
+    swing: _Swing | None,
+    file: str,
+) -> None:
+    """Write where mass and shapes of a link stand in its moved frame."""
+    name = element_name(link)
+    turn = found.turn[name]
+    if swing is None and np.array_equal(place[name], found.place[name]):
+        return
+    for part in _PARTS:
+        for element in link.findall(part):
+            xyz, rpy = origin(element, f"link {name} {part}", file)
+            world = found.place[name] + turn @ xyz
+            angles = None
+            if swing is not None:
+                world = swing.new + swing.turn @ (world - swing.old)
+                if part != "inertial":
+                    local = turn.T @ swing.turn @ turn @ rotation_from_rpy(rpy)
+                    angles = np.asarray(pin.rpy.matrixToRpy(local))
+            write_origin(element, turn.T @ (world - place[name]), angles)
+
+
+def _with_guides(
+    document: Mapping[str, object], found: Layout, place: Mapping[str, FloatArray]
+) -> dict[str, object]:
+    """The document with the axes of guides and cranks on the moved pins that they stood on."""
+    changed: Any = dict(document)
+    drives = changed["drives"] = copy.deepcopy(changed.get("drives", {}))
+    for drive in drives.values():
+        for key in ("guide_axis_mm", "crank_axis_mm"):
+            if key not in drive:
+                continue
+            for link in found.points.values():
+                x, _, z = 1e3 * found.place[link]
+                if math.hypot(drive[key][0] - x, drive[key][1] - z) < 1e3 * _SAME_M:
+                    new_x, _, new_z = 1e3 * place[link]
+                    drive[key] = [float(new_x), float(new_z)]
+                    break
+    return dict(changed)
+
+
+def write_origin(element: ElementTree.Element, xyz: FloatArray, rpy: FloatArray | None) -> None:
+    """Write the origin of an element.
+
+    Args:
+        element: Joint, inertial or shape.
+        xyz: Translation [m], shape (3,).
+        rpy: Roll, pitch, yaw [rad], shape (3,); None leaves them.
+    """
+    where = element.find("origin")
+    if where is None:
+        where = ElementTree.SubElement(element, "origin")
+    where.set("xyz", text_of(xyz))
+    if rpy is not None:
+        where.set("rpy", text_of(rpy))
+
+
+def text_of(values: FloatArray) -> str:
+    """Numbers as the text of an attribute; they read back equal."""
+    return " ".join(repr(float(value)) for value in values)

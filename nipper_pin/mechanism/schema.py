@@ -1,0 +1,75 @@
+"""JSON schema of a model's TOML file, made from the tables that read it.
+
+Editors complete keys, show what they mean and mark mistakes by it. The words are those of the
+docstrings in :mod:`.description`, so that neither text nor limits are written twice.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from typing import Any
+
+import msgspec
+
+from . import description
+from .description import Description
+
+SCHEMA_FILE = "model.schema.json"
+"""Name of the file beside a model that its first line refers to."""
+
+_ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL)
+
+
+def model_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of a model's TOML file."""
+    schema = json.loads(msgspec.json.encode(msgspec.json.schema(Description)))
+    for name, table in schema["$defs"].items():
+        kind = getattr(description, name)
+        table["description"] = _summary(kind)
+        del table["title"]
+        words = {"law": table["description"], **_attributes(kind)}
+        for key, value in table["properties"].items():
+            table["properties"][key] = _plain(value, words.get(key))
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "nipper_pin model",
+        **schema,
+    }
+
+
+def schema_text() -> str:
+    """Return the schema as the text of its file."""
+    return json.dumps(model_schema(), indent=1) + "\n"
+
+
+def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:
+    """One key: without what TOML does not have, with what it means."""
+    choices = [item for item in value.pop("anyOf", []) if item != {"type": "null"}]
+    if len(choices) == 1:
+        value = {**choices[0], **value}
+    elif choices:
+        value["anyOf"] = choices
+    if value.get("default", ...) is None:
+        del value["default"]
+    inner = value.get("additionalProperties")
+    if isinstance(inner, dict):
+        # A keyword of another standard; the constant "law" of each choice says the same.
+        inner.pop("discriminator", None)
+    return {"description": words, **value} if words else value
+
+
+def _summary(kind: type) -> str:
+    """First paragraph of a docstring on one line."""
+    return " ".join((inspect.getdoc(kind) or "").partition("\n\n")[0].split())
+
+
+def _attributes(kind: type) -> dict[str, str]:
+    """What the attributes of a table mean, those of its bases included."""
+    found: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        _, _, text = (inspect.getdoc(base) or "").partition("Attributes:\n")
+        for match in _ATTRIBUTE.finditer(inspect.cleandoc(text)):
+            found[match["name"]] = " ".join(match["text"].split())
+    return found

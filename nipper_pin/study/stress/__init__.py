@@ -1,0 +1,25 @@
+"""Stress campaign: thousands of random and extreme trials, judged without a reference."""
+
+from .campaign import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Campaign, Verdict, judge, run_campaign
+from .files import load_trial, save_trial
+from .invariants import CHECKS, Violation, violations
+from .space import FAMILIES, Trial, trial
+
+__all__ = [
+    "CHECKS",
+    "FAMILIES",
+    "REFUSED",
+    "RIGHT",
+    "TIME_LIMIT_S",
+    "WRONG",
+    "Campaign",
+    "Trial",
+    "Verdict",
+    "Violation",
+    "judge",
+    "load_trial",
+    "run_campaign",
+    "save_trial",
+    "trial",
+    "violations",
+]

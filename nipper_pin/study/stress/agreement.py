@@ -1,0 +1,105 @@
+"""What must hold between two solutions of one case: twice the same, twice as fine, two engines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...hybrid.event import Event, EventKind
+from ...hybrid.solution import Solution
+from .invariants import EPS, Violation
+
+# Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
+_AGREED = 2.0
+
+
+def same_bits(first: Solution, second: Solution) -> list[Violation]:
+    """Two runs of one case have the same events to the last bit."""
+    if bits(first) == bits(second):
+        return []
+    return [Violation("determinism", "a second run has other bits")]
+
+
+def bits(solution: Solution) -> bytes:
+    """Every number of every event and of the ends of all segments, to the last bit."""
+    parts = [solution.outcome.name.encode(), *(s.t_end.hex().encode() for s in solution.segments)]
+    for event in solution.events:
+        parts.append(f"{event.kind} {event.stops} {sorted(event.closed_after)}".encode())
+        numbers = [event.t, event.energy_lost, event.series_error, *event.P_N.values()]
+        parts.append(np.array(numbers).tobytes())
+        parts.extend(x.tobytes() for x in (event.q, event.v_before, event.v_after, event.P_g))
+    return b"\n".join(parts)
+
+
+def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
+    """The events of two solutions of different tolerance agree within their stated errors.
+
+    Series that one run extrapolates earlier are compared as far as both have them, and then at
+    their rest.
+
+    Args:
+        coarse: The solution.
+        fine: The same case at a smaller tolerance.
+    """
+    found = []
+    for one, other in _matched(coarse, fine):
+        first, second = coarse.errors[one.number - 1], fine.errors[other.number - 1]
+        allowed = _AGREED * (first.time + second.time) + 16.0 * EPS * max(one.t, other.t)
+        if not abs(one.t - other.t) <= allowed:
+            text = f"event {one.number}: times differ by {abs(one.t - other.t):.3g} s"
+            found.append(Violation("tolerance", f"{text}, stated {allowed:.3g} s"))
+        for name, impulse in one.P_N.items():
+            against = other.P_N.get(name, 0.0)
+            size = max(abs(impulse), abs(against))
+            relative = _AGREED * (first.impulse + second.impulse) + 64.0 * EPS
+            if one.kind is EventKind.COLLISION and not abs(impulse - against) <= relative * size:
+                text = f"event {one.number}: impulses {impulse:.6g} and {against:.6g}"
+                found.append(Violation("tolerance", f"{text}, stated {relative:.3g} of them"))
+    return found
+
+
+def _matched(coarse: Solution, fine: Solution) -> Iterator[tuple[Event, Event]]:
+    """Events that belong together, up to where the two part."""
+    first, second = list(coarse.events), list(fine.events)
+    i = j = 0
+    while i < len(first) and j < len(second):
+        one, other = first[i], second[j]
+        if (one.kind, one.stops) == (other.kind, other.stops):
+            yield one, other
+            i, j = i + 1, j + 1
+        elif one.kind is EventKind.REST and other.stops[:1] == one.stops[:1]:
+            j += 1
+        elif other.kind is EventKind.REST and one.stops[:1] == other.stops[:1]:
+            i += 1
+        else:
+            return
+
+
+def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
+    """A transition by the reduced engine, within the errors that both state; None if unfit."""
+    from ...reduced import Status, build, transitions, unfit
+
+    mechanism, case = direct.mechanism, direct.case
+    if unfit(mechanism, case.drive) is not None:
+        return None
+    stop = mechanism.transition_stop
+    batch = transitions(
+        build(mechanism),
+        speed_rpm=np.array([case.speed_rpm]),
+        restitution=np.array([mechanism.stop(stop).restitution]),
+        stiffness=np.array([[spring.stiffness for spring in mechanism.springs]]),
+        preload=np.array([[spring.preload for spring in mechanism.springs]]),
+        rest_rate=case.rest_rate,
+        tolerance=max(tolerance, 1e-12),
+        max_collisions=case.max_collisions,
+    )
+    if Status(int(batch.status[0])) is not Status.AT_REST or not direct.transitions:
+        return None
+    found = direct.transitions[-1].duration
+    last = direct.events[-1]
+    stated = _AGREED * (direct.errors[last.number - 1].time + float(batch.duration_error[0]))
+    off = abs(found - float(batch.duration[0]))
+    if off <= stated + 16.0 * EPS * found:
+        return []
+    return [Violation("engines", f"durations differ by {off:.3g} s, stated {stated:.3g} s")]

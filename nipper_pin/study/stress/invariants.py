@@ -1,0 +1,326 @@
+"""What must hold of any solution, without a reference.
+
+Each check yields violations: what was found and the most that is allowed. Limits are round-off
+times the size of the terms where equations are met exactly, and the tolerance of the run where
+they are met as well as it was resolved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.multipliers import Multipliers
+from ...dynamics.system import ConstraintSet
+from ...hybrid.energy import pieces
+from ...hybrid.event import EventKind
+from ...hybrid.panel import Panel, forces_at
+from ...hybrid.segment import Segment
+from ...hybrid.solution import Outcome, Solution
+
+EPS = float(np.finfo(float).eps)
+# Of many segments, of their panels and of events that many are looked at, evenly chosen.
+_SEGMENTS, _PANELS, _EVENTS, _POINTS = 24, 3, 100, 5
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One violated invariant.
+
+    Attributes:
+        kind: Which invariant.
+        detail: Where, what was found and what is allowed.
+    """
+
+    kind: str
+    detail: str
+
+
+def violations(solution: Solution) -> list[Violation]:
+    """Check everything that can be checked on one solution.
+
+    Args:
+        solution: The solution; of many segments and events evenly chosen ones are looked at.
+
+    Returns:
+        The violations; none if all is right.
+    """
+    return [Violation(kind, text) for kind, check in CHECKS.items() for text in check(solution)]
+
+
+def _beyond(what: str, found: float, most: float) -> Iterator[str]:
+    # A comparison with a number that is none is false: such a number is beyond every limit.
+    if not found <= most:
+        yield f"{what}: {found:.3g}, at most {most:.3g}"
+
+
+def _times(solution: Solution) -> Iterator[str]:
+    """Events and segments in order of time, without gaps, within the window."""
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    clock = 16.0 * EPS * end
+    for old, new in zip(solution.segments, solution.segments[1:], strict=False):
+        yield from _beyond("gap between segments [s]", abs(new.t_start - old.t_end), clock)
+    for segment in solution.segments:
+        yield from _beyond(f"segment at {segment.t_start:.9g} s runs backwards [s]",
+                           segment.t_start - segment.t_end, 0.0)  # fmt: skip
+    for number, event in enumerate(solution.events, start=1):
+        if event.number != number:
+            yield f"event {number} has number {event.number}"
+        if event.kind is not EventKind.REST:
+            yield from _beyond(f"event {number} beyond the end [s]", event.t - end, clock)
+    for before, after in zip(solution.events, solution.events[1:], strict=False):
+        yield from _beyond(f"event {after.number} before its predecessor [s]",
+                           before.t - after.t, clock)  # fmt: skip
+
+
+def _outcome(solution: Solution) -> Iterator[str]:
+    """The outcome is what the events show."""
+    case, events = solution.case, solution.events
+    collisions = sum(event.kind is EventKind.COLLISION for event in events)
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    last = events[-1] if events else None
+    name = solution.mechanism.transition_stop
+    if solution.outcome is Outcome.AT_REST:
+        if last is None or last.kind is not EventKind.REST or name not in last.stops:
+            yield "at rest, but the last event is no rest of the transition stop"
+    elif solution.outcome is Outcome.TOO_MANY_COLLISIONS:
+        yield from _beyond("collisions wanted", case.max_collisions, collisions)
+    elif solution.outcome is not Outcome.NO_REST:
+        window = case.cycles * solution.shaft.period
+        yield from _beyond("end away from that of the window [s]", abs(end - window),
+                           16.0 * EPS * window)  # fmt: skip
+    if case.rest_rate is None:
+        for event in events:
+            hard = [n for n in event.stops if solution.mechanism.stop(n).restitution == 1.0]
+            if (
+                event.kind is EventKind.REST
+                and hard
+                and event.v_before[solution.mechanism.stop(hard[0]).index]
+            ):
+                yield f"event {event.number}: {hard} came to rest with restitution 1"
+
+
+def _phases(solution: Solution) -> Iterator[str]:
+    """Sets of closed stops follow one another as the events say."""
+    mechanism = solution.mechanism
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    chain = [closed]
+    for event in solution.events:
+        where = f"event {event.number} ({event.kind.value})"
+        if event.closed_before != closed:
+            yield f"{where}: closed {sorted(event.closed_before)}, before {sorted(closed)}"
+        before, closed = closed, event.closed_after
+        chain.append(closed)
+        if event.kind is EventKind.RELEASE:
+            if not set(event.stops) <= before - closed or closed - before:
+                yield f"{where}: {sorted(before)} to {sorted(closed)}"
+        elif event.kind is EventKind.REST:
+            if not set(event.stops) <= closed:
+                yield f"{where}: {event.stops} not among {sorted(closed)}"
+        elif not closed <= before | set(event.P_N):
+            yield f"{where}: {sorted(closed)} closed without a contact"
+        for stop in mechanism.stops:
+            gap, rate = event.q[stop.index], event.v_after[stop.index]
+            if stop.name in closed and (gap != 0.0 or rate != 0.0):
+                yield f"{where}: closed stop {stop.name} at {gap:.3g} with rate {rate:.3g}"
+            if stop.name not in closed and gap == 0.0 and rate < 0.0:
+                yield f"{where}: open stop {stop.name} enters its contact with {rate:.3g}"
+    place = 0
+    for segment in solution.segments:
+        while place < len(chain) and chain[place] != segment.closed:
+            place += 1
+        if place == len(chain):
+            yield f"segment at {segment.t_start:.9g} s: {sorted(segment.closed)} out of turn"
+            return
+
+
+def _impulses(solution: Solution) -> Iterator[str]:
+    """Momentum, closures, restitution, complementarity and energy of the impacts."""
+    system = solution.system
+    for place in _some(len(solution.events), _EVENTS):
+        event = solution.events[place]
+        if event.kind is EventKind.RELEASE or not event.delta.any():
+            continue
+        where, contact = f"event {event.number}", event.kind is EventKind.COLLISION
+        M = system.body.mass_matrix(event.q)
+        if not system.held:
+            M += np.diag(system.drive_armature)
+        G = system.body.closures(event.q[None])[1][0]
+        terms = [M @ event.delta, -(event.P_g @ G)]
+        sizes = [np.abs(M) @ np.abs(event.delta), np.abs(event.P_g) @ np.abs(G)]
+        for name, impulse in event.P_N.items():
+            row = np.zeros(len(event.q))
+            row[solution.mechanism.stop(name).index] = -impulse
+            terms.append(row)
+            sizes.append(np.abs(row))
+        left, size = sum(terms), sum(sizes)
+        if system.held:
+            # What is left in the driven coordinates is the drives' impulse.
+            left, size = np.delete(left, system.driven), np.delete(size, system.driven)
+            yield from _beyond(f"{where}: change of the drives' rates",
+                               float(np.abs(event.delta[system.driven]).max(initial=0.0)),
+                               1e-20 * float(np.abs(event.delta).max()))  # fmt: skip
+        inertias = np.diag(M)[~np.isin(np.arange(len(M)), system.held_coordinates)]
+        share = max(1e-9, min(64.0 * EPS * float(inertias.max() / inertias.min()), 1e-4))
+        yield from _beyond(f"{where}: momentum", float(np.abs(left).max(initial=0.0)),
+                           share * float(np.max(size, initial=0.0)))  # fmt: skip
+        for label, v in (("delta", event.delta), ("v_after", event.v_after)):
+            rates = np.abs(G @ v).max(initial=0.0)
+            most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
+            yield from _beyond(
+                f"{where}: closure rate of {label}", float(rates), 1e-10 * float(most)
+            )
+        off = np.abs(event.v_after - event.v_before - event.delta)
+        speed = np.maximum(np.abs(event.v_after), np.abs(event.v_before))
+        yield from _beyond(f"{where}: v_after - v_before is not delta",
+                           float((off - 1e-9 * np.abs(event.delta)).max()),
+                           16.0 * EPS * float(speed.max()))  # fmt: skip
+        if contact:
+            yield from _restitution(solution, place)
+
+
+def _restitution(solution: Solution, place: int) -> Iterator[str]:
+    """Newton's law with complementarity at one collision, and its loss of energy."""
+    event = solution.events[place]
+    lost, fastest = 0.0, 0.0
+    rates = []
+    for name, impulse in event.P_N.items():
+        stop = solution.mechanism.stop(name)
+        before, after = float(event.v_before[stop.index]), float(event.v_after[stop.index])
+        xi = after + stop.restitution * before
+        rates.append((name, impulse, before, xi))
+        fastest = max(fastest, abs(before))
+        lost -= 0.5 * impulse * (before + after)
+    for name, impulse, before, xi in rates:
+        where = f"event {event.number}, stop {name}"
+        yield from _beyond(f"{where}: impulse pulls", -impulse, 0.0)
+        yield from _beyond(f"{where}: below the law", -xi, 1e-11 * fastest)
+        if impulse > 0.0:
+            yield from _beyond(f"{where}: impulse and excess rate", abs(xi), 1e-11 * fastest)
+        if name in event.stops and name not in event.closed_before:
+            yield from _beyond(f"{where}: approach rate", before, 0.0)
+    yield from _beyond(f"event {event.number}: energy lost [J]", abs(event.energy_lost - lost),
+                       1e-9 * abs(lost))  # fmt: skip
+    yield from _beyond(f"event {event.number}: energy gained [J]", -event.energy_lost,
+                       1e-9 * sum(abs(p) * fastest for _, p, _, _ in rates))  # fmt: skip
+
+
+def _motion(solution: Solution) -> Iterator[str]:
+    """Closures, gaps and forces between events; the product of gap and force is zero."""
+    system, body = solution.system, solution.system.body
+    tolerance = solution.case.resolution.tolerance
+    for segment, panel, t in _looked_at(solution):
+        where = f"segment at {segment.t_start:.9g} s"
+        rows = system.constraint_set(segment.closed)
+        q, v, a, forces = forces_at(system, rows, panel, t)
+        if not all(np.isfinite(item).all() for item in (q, v, a, forces.la_g, forces.la_N)):
+            yield f"{where}: not finite"
+            continue
+        g, G = body.closures(q)
+        yield from _beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * body.reach_m)
+        size = np.einsum("nij,nj->ni", np.abs(G), np.abs(v))
+        rate = np.einsum("nij,nj->ni", G, v)
+        yield from _beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
+        for stop in solution.mechanism.stops:
+            gap = q[:, stop.index]
+            if stop.name in segment.closed:
+                if gap.any():
+                    yield f"{where}: closed stop {stop.name} is open"
+                continue
+            ends = np.abs(panel.q[:, stop.index]).max()
+            # Of a flight of height H a gap is right to the tolerance times H.
+            yield from _beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
+                               -float(gap.min()), 2.0 * tolerance * ends + 1e-13)  # fmt: skip
+        yield from _forces(solution, where, rows, (q, v, a), G, forces)
+
+
+def _forces(
+    solution: Solution,
+    where: str,
+    rows: ConstraintSet,
+    state: tuple[FloatArray, FloatArray, FloatArray],
+    G: FloatArray,
+    forces: Multipliers,
+) -> Iterator[str]:
+    """M a + h = tau + G' la_g + W' la_N in every coordinate, and closed stops push."""
+    system, tolerance = solution.system, solution.case.resolution.tolerance
+    inverse, spring = system.body.inverse_dynamics(*state), system.spring_forces(state[0])
+    left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
+    size = np.abs(inverse) + np.abs(spring)
+    size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
+    left[:, list(rows.stops)] -= forces.la_N
+    left[:, system.driven] -= forces.drive
+    if not system.held:
+        left[:, system.driven] += system.inertia * state[2][:, system.driven]
+    share = np.abs(left).max(axis=1) / size.max(axis=1)
+    yield from _beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
+    if rows.stops:
+        pull = -(forces.la_N / size[:, list(rows.stops)].max(axis=0)).min()
+        # Forces are second derivatives: they are resolved less far than positions.
+        most = 10.0 * tolerance**0.5 + 1e-9
+        yield from _beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
+
+
+def _energy(solution: Solution) -> Iterator[str]:
+    """What goes in through the drives and gravity is stored or lost."""
+    energy = solution.energy
+    terms = (
+        energy.drive_work, energy.drive_impulse_work, energy.gravity_work, energy.spring_change,
+        energy.kinetic_change, energy.impact_losses,
+    )  # fmt: skip
+    scale = sum(map(abs, terms)) + energy.kinetic_peak
+    for _, panel, _ in _looked_at(solution):
+        scale = max(scale, float(solution.system.spring_energy(panel.q).max()))
+    most = (1e-8 + 100.0 * solution.case.resolution.tolerance) * scale
+    yield from _beyond("energy that is left over [J]", abs(energy.residual), most)
+
+
+def _tables(solution: Solution) -> Iterator[str]:
+    """Rebounds, phases and stated errors can be had and are what numbers they can be."""
+    for hit in solution.collisions[:_EVENTS]:
+        amplitude, time = hit.rebound_amplitude, hit.rebound_time
+        for name, value in (("amplitude", amplitude), ("time", time)):
+            if value is not None and not 0.0 <= value < np.inf:
+                yield f"collision {hit.number}: rebound {name} {value!r}"
+    for phase in solution.phases:
+        yield from _beyond("phase runs backwards [s]", phase.t_start - phase.t_end, 0.0)
+    for number, error in enumerate(solution.errors, start=1):
+        if not (0.0 <= error.time < np.inf and 0.0 <= error.impulse < np.inf):
+            yield f"event {number}: stated errors {error}"
+            return
+
+
+CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
+    "time order": _times,
+    "outcome": _outcome,
+    "phase logic": _phases,
+    "impulse": _impulses,
+    "motion": _motion,
+    "energy": _energy,
+    "tables": _tables,
+}
+"""The invariants by name."""
+
+
+def _looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
+    """Panels and times that are looked at: evenly chosen segments, copies of a turn once."""
+    seen: set[int] = set()
+    for place in _some(len(solution.segments), _SEGMENTS):
+        segment = solution.segments[place]
+        parts = list(pieces(segment))
+        for panel, begin, end in (parts[i] for i in _some(len(parts), _PANELS)):
+            if id(panel.q) not in seen:
+                seen.add(id(panel.q))
+                yield segment, panel, np.linspace(begin, end, _POINTS)
+
+
+def _some(count: int, most: int) -> list[int]:
+    """Places, evenly chosen where there are many: the first and the last are among them."""
+    return sorted({round(x) for x in np.linspace(0, count - 1, min(count, most))})
+
+
+def _most(values: FloatArray) -> float:
+    return float(np.abs(values).max(initial=0.0))

@@ -1,0 +1,135 @@
+"""Parameters of a sweep: where each is written, and which values it takes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...errors import ModelError, UnknownNameError
+from ...mechanism import Mechanism
+from ...mechanism.urdf_paths import steps_of
+
+SPEED = "speed_rpm"
+# Number of a coordinate's unit in SI units, and the keys of a spring on it.
+_SPRING_KEYS = {
+    "prismatic": ("stiffness_N_per_m", "preload_length_mm", 1e-3),
+    "revolute": ("stiffness_N_m_per_rad", "preload_deg", math.pi / 180.0),
+}
+
+Kind = Literal["speed", "restitution", "stiffness", "preload", "model"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """What a parameter changes.
+
+    Attributes:
+        kind: A column of the transition table, or "model": a mechanism of its own.
+        path: Path of the number in the model; ``speed_rpm`` for the speed.
+        spring: Place of the spring (stiffness and preload).
+        scale: SI value by value of the parameter.
+    """
+
+    kind: Kind
+    path: str
+    spring: int = 0
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """One parameter.
+
+    Attributes:
+        name: Its name in the study and in the table of results.
+        target: What it changes.
+        low: Least value, in the unit of the model's file.
+        high: Largest value.
+        scale: Spacing of grid points, or distribution of samples.
+        values: Grid values; empty for a sampled parameter.
+    """
+
+    name: str
+    target: Target
+    low: float
+    high: float
+    scale: Literal["linear", "log"]
+    values: tuple[float, ...]
+
+    def sampled(self, unit: FloatArray) -> FloatArray:
+        """Values of samples.
+
+        Args:
+            unit: Places in [0, 1), shape (n,).
+
+        Returns:
+            Values between the bounds, shape (n,).
+        """
+        if self.scale == "log":
+            low, high = math.log(self.low), math.log(self.high)
+            return np.asarray(np.clip(np.exp(low + (high - low) * unit), self.low, self.high))
+        return np.asarray(np.clip(self.low + (self.high - self.low) * unit, self.low, self.high))
+
+
+def find_target(name: str, mechanism: Mechanism) -> Target:
+    """Find what a name of a parameter changes: the speed, a shortcut of the model, or a path.
+
+    Args:
+        name: The name.
+        mechanism: The mechanism with everything at its base values.
+
+    Raises:
+        UnknownNameError: It is none of these.
+        ModelError: The path leads to something that is not one number.
+    """
+    if name == SPEED:
+        return Target(kind="speed", path=SPEED)
+    path = mechanism.shortcuts.get(name, name)
+    if "." not in path:
+        known = (SPEED, *mechanism.shortcuts, "a path into the model, such as links.LINK.mass_kg")
+        raise UnknownNameError(kind="parameter", name=name, known=known, where=mechanism.name)
+    if path == f"stops.{mechanism.transition_stop}.restitution":
+        return Target(kind="restitution", path=path)
+    for place, spring in enumerate(mechanism.springs):
+        stiffness, preload, scale = _SPRING_KEYS[mechanism.joints[spring.index].kind]
+        if path == f"springs.{spring.name}.{stiffness}":
+            return Target(kind="stiffness", path=path, spring=place)
+        if path == f"springs.{spring.name}.{preload}":
+            return Target(kind="preload", path=path, spring=place, scale=scale)
+    return Target(kind="model", path=path)
+
+
+def number_at(document: Mapping[str, object], path: str, file: str) -> float:
+    """Number at a path of a model's TOML document.
+
+    Args:
+        document: The document.
+        path: Path such as ``drives.tension.ratio`` or ``drives.pendulum.guide_axis_mm[0]``.
+        file: Name of the file, for messages.
+
+    Raises:
+        UnknownNameError: The path leads nowhere.
+        ModelError: There is no number.
+    """
+    value: object = document
+    for step in steps_of(path):
+        value = _inside(value, step, path)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ModelError(file=file, key=path, value=value, allowed="the path of one number")
+    return float(value)
+
+
+def _inside(value: object, step: str, path: str) -> object:
+    items: Mapping[str, object] = {}
+    if isinstance(value, Mapping):
+        items = value
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        items = {f"[{place}]": item for place, item in enumerate(value)}
+    if step not in items:
+        raise UnknownNameError(kind="key", name=step, known=items, where=f"path {path}")
+    return items[step]

@@ -1,0 +1,88 @@
+"""What a worker needs to know of a sweep: plain data, as one JSON text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import msgspec
+
+from ...dynamics.system import DriveMode
+from ...errors import InputError
+from .axes import Axis
+
+# Packages whose versions can change a bit of a result.
+_PACKAGES = ("nipper-pin", "pin", "numpy", "scipy", "numba")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One sweep, without its rows.
+
+    Attributes:
+        name: Model name.
+        urdf: The URDF text with everything that is fixed at its value, without visuals.
+        document: The TOML document likewise.
+        folder: Folder that collision meshes start from, where the study was read.
+        axes: Parameters, in the order of the columns of a row.
+        speed_rpm: Cylinder speed where it is no parameter [r/min].
+        drive: Behaviour of the driven shafts.
+        rest_rate: Separation rate at which a transition ends [rad/s or m/s], or None.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a scenario.
+        quantities: Names of what is kept.
+        versions: Versions of the packages that compute, by name.
+    """
+
+    name: str
+    urdf: str
+    document: Mapping[str, object]
+    folder: str
+    axes: tuple[Axis, ...]
+    speed_rpm: float
+    drive: DriveMode
+    rest_rate: float | None
+    tolerance: float
+    max_collisions: int
+    quantities: tuple[str, ...]
+    versions: Mapping[str, str]
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Columns of a row that need a mechanism of their own."""
+        return tuple(place for place, item in enumerate(self.axes) if item.target.kind == "model")
+
+    def text(self) -> bytes:
+        """The job as JSON; equal jobs give equal texts."""
+        return msgspec.json.encode(self, order="deterministic")
+
+
+def read_job(text: bytes) -> Job:
+    """Rebuild a job from its text.
+
+    Args:
+        text: What :meth:`Job.text` gave.
+
+    Raises:
+        InputError: This process runs other versions than the one that planned the sweep.
+    """
+    job = msgspec.json.decode(text, type=Job)
+    here = versions()
+    if dict(job.versions) != here:
+        other = [
+            f"{name} {here.get(name)} instead of {wanted}"
+            for name, wanted in job.versions.items()
+            if here.get(name) != wanted
+        ]
+        message = (
+            f"a worker has {', '.join(other)}: results would depend on who computes them; install "
+            "the same versions everywhere"
+        )
+        raise InputError(message, here=here, planned=dict(job.versions))
+    return job
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that compute, here."""
+    return {name: version(name) for name in _PACKAGES}

@@ -1,0 +1,137 @@
+"""From ``STUDY.toml`` to a validated plan: scenarios, chunks, and a hash that names them."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from ...arrays import FloatArray
+from ..transitions import REDUCED_PAYS_FROM
+from .axes import Axis
+from .job import Job
+from .samples import Layout, Rows, Samples
+from .study_file import read_study
+
+# Scenarios of one chunk where one mechanism serves many, between these.
+_LEAST, _MOST = 8192, 65_536
+# Chunks that a sweep is cut into before they grow to their most.
+_CHUNKS = 64
+# Where mechanisms change, chunks of about this time [s], and what it is made of: a mechanism, its
+# tables for the reduced engine, a scenario of either engine.
+_SHORTEST_S, _LONGEST_S = 0.25, 2.0
+_MECHANISM_S, _TABLES_S, _REDUCED_S, _DIRECT_S = 6e-3, 40e-3, 20e-6, 2.5e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chunk:
+    """A range of scenarios that is computed and stored as one.
+
+    Attributes:
+        number: Number of the chunk.
+        start: First scenario.
+        stop: The one after the last.
+    """
+
+    number: int
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A sweep.
+
+    Attributes:
+        title: What it is about.
+        job: What workers need to know.
+        samples: How sampled parameters are drawn; None if there are none.
+        chunk: Most scenarios of a chunk if the study says so, or None.
+    """
+
+    title: str
+    job: Job
+    samples: Samples | None
+    chunk: int | None
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The parameters."""
+        return self.job.axes
+
+    @property
+    def scenarios(self) -> int:
+        """Number of scenarios."""
+        return Layout(self.axes, self.samples).total
+
+    @property
+    def mechanisms(self) -> int:
+        """Number of mechanisms that are built."""
+        layout = Layout(self.axes, self.samples)
+        return layout.total // layout.inner
+
+    @property
+    def hash(self) -> str:
+        """Name of the results: plans with the same hash have the same rows in the same chunks."""
+        # Where the model's folder stands is no property of the results.
+        text = replace(self.job, folder="").text()
+        rest = repr((self.samples, self.chunk)).encode()
+        return hashlib.sha256(text + rest).hexdigest()
+
+    def chunks(self) -> list[Chunk]:
+        """All chunks. They depend on the plan alone, and so does the engine of every scenario.
+
+        Scenarios of one mechanism are divided evenly if one chunk does not hold them; otherwise a
+        chunk holds whole mechanisms.
+        """
+        layout = Layout(self.axes, self.samples)
+        total, inner = layout.total, layout.inner
+        most = self.chunk or (
+            min(max(_LEAST, math.ceil(total / _CHUNKS)), _MOST)
+            if inner > _LEAST
+            else inner * _mechanisms_together(total // inner, inner)
+        )
+        if inner <= most:
+            step = most // inner * inner
+            edges = [*range(0, total, step), total]
+        else:
+            pieces = math.ceil(inner / most)
+            edges = [
+                first + part * inner // pieces
+                for first in range(0, total, inner)
+                for part in range(pieces)
+            ]
+            edges.append(total)
+        return [
+            Chunk(number=number, start=start, stop=stop)
+            for number, (start, stop) in enumerate(pairwise(edges))
+        ]
+
+    def rows(self, chunks: list[Chunk]) -> Iterator[tuple[Chunk, FloatArray]]:
+        """Values of the parameters, chunk by chunk, each shape (scenarios, parameters)."""
+        rows = Rows(self.axes, self.samples)
+        for chunk in chunks:
+            yield chunk, rows.between(chunk.start, chunk.stop)
+
+
+def read_plan(path: str) -> Plan:
+    """Read a study.
+
+    Args:
+        path: The TOML file; a model that it names is searched beside it first.
+
+    Raises:
+        InputError: The file, or something that it names, cannot be used.
+    """
+    study = read_study(path)
+    return Plan(title=study.title, job=study.job, samples=study.samples, chunk=study.chunk)
+
+
+def _mechanisms_together(mechanisms: int, inner: int) -> int:
+    """Mechanisms of one chunk."""
+    direct = inner < REDUCED_PAYS_FROM
+    cost = _MECHANISM_S + (inner * _DIRECT_S if direct else _TABLES_S + inner * _REDUCED_S)
+    least, most = math.ceil(_SHORTEST_S / cost), math.ceil(_LONGEST_S / cost)
+    return min(max(least, math.ceil(mechanisms / _CHUNKS)), most)

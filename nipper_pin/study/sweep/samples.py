@@ -1,0 +1,168 @@
+"""Rows of scenarios by their numbers: grids as mixed radix numbers, samples as a stream."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .axes import Axis
+
+Method = Literal["sobol", "latin_hypercube"]
+# A scrambled Sobol sequence of 30 bits has no more points; a Latin hypercube is made as a whole.
+MOST_SAMPLES: dict[Method, int] = {"sobol": 2**30, "latin_hypercube": 10_000_000}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """How sampled parameters are drawn.
+
+    Attributes:
+        method: Scrambled Sobol sequence or Latin hypercube.
+        count: Number of samples.
+        seed: Seed; the same one gives the same samples.
+    """
+
+    method: Method
+    count: int
+    seed: int
+
+
+class Layout:
+    """Order of scenarios: everything that needs another mechanism varies slowest.
+
+    Args:
+        axes: All parameters.
+        samples: How the sampled ones are drawn; None if there are none.
+
+    Attributes:
+        total: Number of scenarios.
+        inner: Scenarios of one mechanism, which follow one another.
+    """
+
+    def __init__(self, axes: Sequence[Axis], samples: Samples | None) -> None:
+        """Order the parameters."""
+        model = [item for item in axes if item.values and item.target.kind == "model"]
+        table = [item for item in axes if item.values and item.target.kind != "model"]
+        drawn = any(item.target.kind == "model" for item in axes if not item.values)
+        count = 1 if samples is None else samples.count
+        # Samples stand between the two grids, or before both if they change the model.
+        self._grid = [*model, *table]
+        self._place = 0 if drawn else len(model)
+        sizes = [len(item.values) for item in self._grid]
+        sizes.insert(self._place, count)
+        self._sizes = sizes
+        self.total = _product(sizes)
+        inner = _product(len(item.values) for item in table)
+        self.inner = inner if drawn else inner * count
+
+    def indices(self, start: int, stop: int) -> tuple[list[tuple[Axis, Any]], Any]:
+        """Places on the grids, and numbers of samples, of scenarios ``start`` to ``stop``.
+
+        Returns:
+            Grid parameters with their places, each shape (n,); numbers of samples, shape (n,).
+        """
+        numbers = np.arange(start, stop, dtype=np.int64)
+        places = []
+        for size in reversed(self._sizes):
+            numbers, place = np.divmod(numbers, size)
+            places.append(place)
+        places.reverse()
+        drawn = places.pop(self._place)
+        return list(zip(self._grid, places, strict=True)), drawn
+
+
+class Rows:
+    """Values of all parameters of ranges of scenarios; cheapest if asked for in order.
+
+    Args:
+        axes: All parameters.
+        samples: How the sampled ones are drawn; None if there are none.
+    """
+
+    def __init__(self, axes: Sequence[Axis], samples: Samples | None) -> None:
+        """Prepare the samples."""
+        self._axes = tuple(axes)
+        self._layout = Layout(axes, samples)
+        self._drawn = [item for item in axes if not item.values]
+        self._stream = None if samples is None else _stream(samples, len(self._drawn))
+
+    def between(self, start: int, stop: int) -> FloatArray:
+        """Rows of scenarios ``start`` to ``stop``, shape (stop - start, parameters)."""
+        grid, drawn = self._layout.indices(start, stop)
+        columns = {axis.name: np.array(axis.values)[place] for axis, place in grid}
+        if self._stream is not None:
+            unit = _gathered(self._stream, drawn)
+            for place, axis in enumerate(self._drawn):
+                columns[axis.name] = axis.sampled(unit[:, place])
+        return np.stack([columns[axis.name] for axis in self._axes], axis=1)
+
+
+class _Stream(Protocol):
+    def between(self, start: int, stop: int) -> FloatArray: ...
+
+
+def _gathered(stream: _Stream, numbers: Any) -> FloatArray:
+    """Points by their numbers, which go up by at most one and may start again from zero."""
+    parts = np.split(numbers, np.flatnonzero(np.diff(numbers) < 0) + 1)
+    found = []
+    for part in parts:
+        low, high = int(part[0]), int(part[-1])
+        found.append(stream.between(low, high + 1)[part - low])
+    return np.concatenate(found)
+
+
+def _stream(samples: Samples, dimensions: int) -> _Stream:
+    if samples.method == "sobol":
+        return _Sobol(samples, dimensions)
+    return _LatinHypercube(samples, dimensions)
+
+
+class _Sobol:
+    """Points of a scrambled Sobol sequence; only going back starts it again."""
+
+    def __init__(self, samples: Samples, dimensions: int) -> None:
+        from scipy.stats import qmc
+
+        self._engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(samples.seed))
+        self._last: tuple[tuple[int, int], FloatArray] | None = None
+
+    def between(self, start: int, stop: int) -> FloatArray:
+        # Grids that vary faster than the samples ask for the same points again.
+        if self._last is None or self._last[0] != (start, stop):
+            self._last = (start, stop), self._drawn(start, stop)
+        return self._last[1]
+
+    def _drawn(self, start: int, stop: int) -> FloatArray:
+        if self._engine.num_generated > start:
+            self._engine.reset()
+        if self._engine.num_generated < start:
+            self._engine.fast_forward(start - self._engine.num_generated)
+        with warnings.catch_warnings():
+            # It warns of a first part whose size is no power of two; the parts are ours.
+            warnings.simplefilter("ignore", UserWarning)
+            return np.asarray(self._engine.random(stop - start))
+
+
+class _LatinHypercube:
+    """Points of a Latin hypercube, which exist only all at once."""
+
+    def __init__(self, samples: Samples, dimensions: int) -> None:
+        from scipy.stats import qmc
+
+        engine = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(samples.seed))
+        self._points: FloatArray = np.asarray(engine.random(samples.count))
+
+    def between(self, start: int, stop: int) -> FloatArray:
+        return self._points[start:stop]
+
+
+def _product(sizes: Any) -> int:
+    product = 1
+    for size in sizes:
+        product *= int(size)
+    return product

@@ -1,0 +1,263 @@
+"""The file of a sweep: its keys, and what may stand there."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, NoReturn
+from xml.etree import ElementTree
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+
+from ...dynamics.system import DriveMode
+from ...errors import InputError, ModelError, NipperError
+from ...mechanism import Mechanism, find_model, from_sources, load
+from ...mechanism.description import Positive
+from ...mechanism.overrides import apply_overrides
+from ...mechanism.urdf import parse_xml
+from .axes import SPEED, Axis, Target, find_target
+from .changes import check_paths
+from .job import Job, versions
+from .quantities import DEFAULT, check_quantities
+from .samples import MOST_SAMPLES, Layout, Method, Samples
+
+_MOST_SCENARIOS = 10**12
+_Count = Annotated[int, Meta(ge=1)]
+
+
+class _Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A TOML table whose keys are all known."""
+
+
+class _CaseTable(_Table, frozen=True, kw_only=True):
+    """What all scenarios share."""
+
+    window: Literal["transition"] = "transition"
+    speed_rpm: Positive | None = None
+    drive: Literal["held", "inertial"] = "held"
+    rest_rate: Positive | None = None
+    tolerance: Annotated[float, Meta(ge=1e-13, le=1e-3)] = 1e-10
+    max_collisions: _Count = 256
+
+
+class _SamplesTable(_Table, frozen=True, kw_only=True):
+    """How sampled parameters are drawn."""
+
+    method: Method
+    count: _Count
+    seed: Annotated[int, Meta(ge=0)] = 1
+
+
+class _ParameterTable(_Table, frozen=True, kw_only=True):
+    """One parameter: values, or bounds with points (a grid) or without (samples)."""
+
+    values: tuple[float, ...] = ()
+    low: float | None = None
+    high: float | None = None
+    points: Annotated[int, Meta(ge=2)] | None = None
+    scale: Literal["linear", "log"] = "linear"
+
+
+class _StudyTable(_Table, frozen=True, kw_only=True):
+    """The whole file."""
+
+    format: Literal[1]
+    title: str = ""
+    model: str = "e62"
+    chunk: _Count | None = None
+    quantities: tuple[str, ...] = DEFAULT
+    case: _CaseTable = _CaseTable()
+    set: dict[str, object] = {}
+    samples: _SamplesTable | None = None
+    parameters: dict[str, _ParameterTable]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """What a file says, checked; attributes as in :class:`~nipper_pin.study.sweep.plan.Plan`."""
+
+    title: str
+    job: Job
+    samples: Samples | None
+    chunk: int | None
+
+
+def read_study(path: str) -> Study:
+    """Read and check the file of a sweep.
+
+    Args:
+        path: The TOML file.
+
+    Raises:
+        InputError: The file, or something that it names, cannot be used.
+    """
+    file = Path(path)
+    table = _read(file)
+    check_quantities(table.quantities, f"{file.name}: quantities")
+    mechanism = _base(table, file)
+    axes = tuple(_axis(name, item, mechanism, file.name) for name, item in table.parameters.items())
+    if not axes:
+        message = f"{file.name}: nothing varies; give [parameters.NAME]"
+        raise InputError(message, file=str(file), key="parameters")
+    _check_apart(axes, table, mechanism, file.name)
+    samples = _samples(table, axes, file.name)
+    total = Layout(axes, samples).total
+    if total > _MOST_SCENARIOS:
+        message = f"{file.name}: parameters: {total} scenarios; at most {_MOST_SCENARIOS}"
+        raise InputError(message, key="parameters", scenarios=total)
+    speed = table.case.speed_rpm
+    job = Job(
+        name=mechanism.name,
+        urdf=_without_visuals(mechanism),
+        document=mechanism.description,
+        folder=mechanism.mesh_folder,
+        axes=axes,
+        speed_rpm=mechanism.cylinder.rated_speed_rpm if speed is None else speed,
+        drive=DriveMode(table.case.drive),
+        rest_rate=table.case.rest_rate,
+        tolerance=table.case.tolerance,
+        max_collisions=table.case.max_collisions,
+        quantities=table.quantities,
+        versions=versions(),
+    )
+    return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
+
+
+def _read(file: Path) -> _StudyTable:
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        allowed = "a readable TOML file"
+        raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
+    try:
+        return msgspec.convert(document, _StudyTable)
+    except msgspec.ValidationError as error:
+        text, _, place = str(error).partition(" - at `$")
+        key = place.strip("`.") or "document"
+        message = f"{file.name}: {key} cannot be used: {text}"
+        raise InputError(message, file=str(file), key=key) from error
+
+
+def _base(table: _StudyTable, file: Path) -> Mechanism:
+    """The mechanism with everything that is fixed."""
+    beside = file.parent / table.model
+    with _at(file.name, "model"):
+        model = find_model(beside) if beside.is_dir() else table.model
+        mechanism = load(model)
+    if not table.set:
+        return mechanism
+    overrides = {mechanism.shortcuts.get(name, name): value for name, value in table.set.items()}
+    with _at(file.name, "set"):
+        return load(model, overrides)
+
+
+def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> Axis:
+    key = f"parameters.{name}"
+    if item.values:
+        if item.low is not None or item.high is not None or item.points is not None:
+            _refuse(file, key, "values and bounds", "either values, or low and high")
+        low, high = min(item.values), max(item.values)
+    elif item.low is None or item.high is None:
+        _refuse(file, key, "no values", "values = [...], or low and high")
+    else:
+        low, high = item.low, item.high
+    if not (math.isfinite(low) and math.isfinite(high)):
+        _refuse(file, key, [low, high], "finite numbers")
+    if not item.values and not low < high:
+        _refuse(file, key, [low, high], "low below high")
+    if item.scale == "log" and not low > 0.0:
+        _refuse(file, key, low, "numbers above zero with scale = 'log'")
+    values = item.values
+    if len(set(values)) != len(values):
+        _refuse(file, key, list(values), "values that differ")
+    if item.points is not None:
+        spaced = np.geomspace if item.scale == "log" else np.linspace
+        values = tuple(float(value) for value in spaced(low, high, item.points))
+    with _at(file, key):
+        target = find_target(name, mechanism)
+        if target.kind == "model":
+            check_paths([target.path], mechanism)
+    _check_bounds(target, (low, high), mechanism, key, file)
+    return Axis(name=name, target=target, low=low, high=high, scale=item.scale, values=values)
+
+
+@contextmanager
+def _at(file: str, key: str) -> Iterator[None]:
+    """Say where in the study it stands what a model does not know."""
+    try:
+        yield
+    except InputError as error:
+        message = f"{file}: {key}: {error.message}"
+        raise InputError(message, **{**error.evidence, "key": key}) from error
+
+
+def _refuse(file: str, key: str, value: object, allowed: str) -> NoReturn:
+    raise ModelError(file=file, key=key, value=value, allowed=allowed)
+
+
+def _check_bounds(
+    target: Target, bounds: tuple[float, float], mechanism: Mechanism, key: str, file: str
+) -> None:
+    """Refuse a column of the table that leaves its range; it would refuse the whole table.
+
+    Dimensions are not judged here: a machine that cannot be built is a marked row.
+    """
+    if target.kind == "speed" and not bounds[0] > 0.0:
+        _refuse(file, key, bounds[0], "speeds above 0 r/min")
+    if target.kind in ("speed", "model"):
+        return
+    for value in bounds:
+        document, urdf = apply_overrides(
+            mechanism.description, mechanism.urdf, {target.path: value}, file, file
+        )
+        try:
+            from_sources(mechanism.name, urdf, document, mechanism.mesh_folder)
+        except NipperError as error:
+            _refuse(file, key, value, error.message)
+
+
+def _check_apart(
+    axes: tuple[Axis, ...], table: _StudyTable, mechanism: Mechanism, file: str
+) -> None:
+    """Refuse parameters that contradict one another or what is fixed."""
+    fixed = {mechanism.shortcuts.get(name, name): f"set.{name}" for name in table.set}
+    if table.case.speed_rpm is not None:
+        fixed[SPEED] = "case.speed_rpm"
+    for axis in axes:
+        key = f"parameters.{axis.name}"
+        if axis.target.path in fixed:
+            _refuse(file, key, axis.target.path, f"not what {fixed[axis.target.path]} gives, too")
+        fixed[axis.target.path] = key
+    moving = [axis.target.path for axis in axes if axis.target.kind == "model"]
+    if moving:
+        with _at(file, "parameters"):
+            check_paths(moving, mechanism)
+
+
+def _samples(table: _StudyTable, axes: tuple[Axis, ...], file: str) -> Samples | None:
+    drawn = [axis.name for axis in axes if not axis.values]
+    if not drawn:
+        if table.samples is not None:
+            _refuse(file, "samples", table.samples.method, "a parameter without points or values")
+        return None
+    if table.samples is None:
+        _refuse(file, f"parameters.{drawn[0]}", "no points", "points, or a table [samples]")
+    method, count = table.samples.method, table.samples.count
+    if count > MOST_SAMPLES[method]:
+        _refuse(file, "samples.count", count, f"at most {MOST_SAMPLES[method]} with {method}")
+    return Samples(method=method, count=count, seed=table.samples.seed)
+
+
+def _without_visuals(mechanism: Mechanism) -> str:
+    """The URDF without what is only looked at; workers need not have the files of its meshes."""
+    root = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    return ElementTree.tostring(root, encoding="unicode")

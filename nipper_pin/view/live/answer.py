@@ -1,0 +1,168 @@
+"""What the page says of one setting: numbers, plots, or why there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...errors import NipperError
+from ...hybrid.case import Case
+from ...hybrid.collisions import Collision
+from ...hybrid.simulate import simulate
+from ...hybrid.solution import Outcome, Solution
+from ...mechanism import Mechanism
+from ..reading import digits, force_unit, units_of
+from ..sampling import sample_coordinates
+from .settings import SPEED, Knob, changed
+
+# A series comes to its limit with fewer; what has more cannot be shown as rebounds anyway.
+_MOST_COLLISIONS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """One setting, answered; equal to itself only.
+
+    Attributes:
+        setting: The setting in words.
+        message: Why there are no numbers; empty if there are.
+        rows: Key, label and value of the numbers.
+        time: Times of the gap's line, from the first collision [ms], shape (K,).
+        gap: Gap of the transition stop in the unit people read, shape (K,).
+        hit_time: Times of its collisions, likewise [ms], shape (C,).
+        impulse: Their impulses, shape (C,).
+        solution: The motion to show; None if there is none to follow.
+    """
+
+    setting: str
+    message: str = ""
+    rows: tuple[tuple[str, str, str], ...] = ()
+    time: FloatArray = field(default_factory=lambda: np.zeros(0))
+    gap: FloatArray = field(default_factory=lambda: np.zeros(0))
+    hit_time: FloatArray = field(default_factory=lambda: np.zeros(0))
+    impulse: FloatArray = field(default_factory=lambda: np.zeros(0))
+    solution: Solution | None = None
+
+
+def answer(mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, float]) -> Answer:
+    """Simulate the transition of one setting by the direct engine.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        controls: The knobs.
+        shown: Values of the knobs in their units, by key.
+
+    Returns:
+        The answer; a setting without a transition gives its reason instead of numbers.
+    """
+    setting = ", ".join(
+        f"{item.label.partition(' [')[0]} {shown[item.key]:g} {item.unit}".rstrip()
+        for item in controls
+    )
+    values = {item.key: item.factor * shown[item.key] for item in controls}
+    try:
+        case = Case(speed_rpm=values[SPEED], max_collisions=_MOST_COLLISIONS)
+        solution = simulate(changed(mechanism, values), case)
+        # Rebounds are found when they are asked for, and may fail like a run.
+        return _numbers(setting, solution)
+    except NipperError as error:
+        return Answer(setting, error.message)
+
+
+def _numbers(setting: str, solution: Solution) -> Answer:
+    mechanism = solution.mechanism
+    stop = mechanism.stop(mechanism.transition_stop)
+    others = [item for item in solution.collisions if item.stop != stop.name]
+    if solution.outcome is not Outcome.AT_REST:
+        return Answer(setting, f"{solution.outcome.value}{_also(solution, others)}")
+    hits = [item for item in solution.collisions if item.stop == stop.name]
+    units, origin = units_of(mechanism, stop.index), hits[0].t
+    time, gap = np.zeros(1), np.zeros(1)
+    if solution.segments:
+        t, q = sample_coordinates(solution, 0.0, solution.segments[-1].t_end)
+        # Both limits at a collision have one abscissa, and a line needs only one of them.
+        t, places = np.unique(t, return_index=True)
+        time, gap = 1e3 * (t - origin), units.coordinate_factor * q[places, stop.index]
+    struck = [item for item in hits if item.impulse > 0.0]
+    return Answer(
+        setting=setting,
+        rows=tuple(_rows(solution, hits, others)),
+        time=time,
+        gap=gap,
+        hit_time=np.array([1e3 * (item.t - origin) for item in struck]),
+        impulse=np.array([item.impulse for item in struck]),
+        solution=solution if solution.segments else None,
+    )
+
+
+def _rows(
+    solution: Solution, hits: Sequence[Collision], others: Sequence[Collision]
+) -> list[tuple[str, str, str]]:
+    mechanism = solution.mechanism
+    stop = mechanism.stop(mechanism.transition_stop)
+    units, first, transition = units_of(mechanism, stop.index), hits[0], solution.transitions[0]
+    share = transition.first_two_share
+    rows = [
+        ("amplitude", f"first rebound amplitude [{units.amplitude}]",
+         digits(_scaled(first.rebound_amplitude, units.amplitude_factor))),
+        ("rebound", "first rebound time [ms]", digits(_scaled(first.rebound_time, 1e3))),
+        ("duration", "transition time [ms]", digits(1e3 * transition.duration)),
+        ("collisions", "collisions computed up to the limit", str(transition.collisions)),
+        ("share", "share of the first two rebounds", digits(share)),
+        ("approach", f"rate of the first collision [{units.rate}]",
+         digits(units.rate_factor * first.approach_rate)),
+        ("impulse", f"impulse of the first collision [{force_unit(mechanism, stop.name)} s]",
+         digits(first.impulse)),
+    ]  # fmt: skip
+    if others:
+        rows.append(("others", "other stops", _also(solution, others).strip()))
+    rows.append(("engine", "engine", f"direct, {1e3 * solution.wall_s:.1f} ms"))
+    return rows
+
+
+def _also(solution: Solution, others: Sequence[Collision]) -> str:
+    """Which other stops were struck, as a sentence; nothing if none was."""
+    if not others:
+        return ""
+    first = others[0]
+    after = 1e3 * (first.t - solution.collisions[0].t)
+    number = "once" if len(others) == 1 else f"{len(others)} times"
+    names = " and ".join(sorted({item.stop for item in others}))
+    return f" On the way the {names} struck its stop {number}, first after {after:.3g} ms."
+
+
+def _scaled(value: float | None, factor: float) -> float | None:
+    return None if value is None else factor * value
+
+
+def as_html(found: Answer) -> str:
+    """The answer as HTML: the setting, and its numbers or its message.
+
+    Args:
+        found: The answer.
+    """
+    head = f'<div id="setting">{escape(found.setting)}</div>'
+    if found.message:
+        return boxed(
+            f'{head}<div id="message" role="alert" style="color:#B00020"><b>No numbers:</b> '
+            f"{escape(found.message)}</div>"
+        )
+    rows = "".join(
+        f'<tr><td>{escape(label)}</td><td data-key="{key}" style="text-align:right">'
+        f"<b>{escape(value)}</b></td></tr>"
+        for key, label, value in found.rows
+    )
+    return boxed(f'{head}<table id="numbers" style="width:100%;border-spacing:0">{rows}</table>')
+
+
+def boxed(content: str) -> str:
+    """HTML in the size and with the margins of the sliders' labels.
+
+    Args:
+        content: The HTML.
+    """
+    return f'<div style="font-size:0.82em;line-height:1.4;padding:0.15em 0.8em">{content}</div>'

@@ -1,0 +1,191 @@
+"""The page: sliders, and the numbers, plots and picture that follow them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+import viser
+from viser import uplot
+
+from ...errors import InputError
+from ...hybrid.solution import Solution
+from ...mechanism import Mechanism
+from ..reading import digits, force_unit, index_at, units_of
+from ..scene.film import LARGEST_EXAGGERATION, exaggerated
+from .answer import Answer, answer, as_html, boxed
+from .settings import Knob
+from .stage import Stage
+
+_FRAME = 1.0 / 30.0  # seconds
+_PAUSE = 0.7  # seconds of playback at rest before the film starts again
+_SLOW = (100, 5000, 1000)  # ends and start of the slow motion
+_WIDTH, _HEIGHT = 400, 170  # pixels, of the panel and of a plot
+_AXIS, _LABEL = (30, 44), 18  # pixels of the axes below and beside a plot, and of their labels
+_PADDING = (10, 20, 0, 0)
+_LINE, _DOTS = "#0072B2", "#D55E00"
+_NOTE = (
+    "Every number here is computed from these estimates of the class of machine, also where it "
+    "agrees with a publication; none is the maker's. The shapes are illustrations."
+)
+
+
+class Page:
+    """What the browsers show, which all see the same; one thread computes and sends.
+
+    Args:
+        server: The server.
+        mechanism: The mechanism as loaded.
+        controls: What the sliders set.
+
+    Raises:
+        InputError: The mechanism cannot be drawn.
+    """
+
+    def __init__(
+        self, server: viser.ViserServer, mechanism: Mechanism, controls: Sequence[Knob]
+    ) -> None:
+        """Build the page."""
+        self._server, self._mechanism, self._controls = server, mechanism, controls
+        self._wake = threading.Event()
+        self._clock = 0.0
+        self._drawn: tuple[Answer | None, float, float] = (None, 0.0, 0.0)
+        self._stage = Stage(server, mechanism)
+        gui = server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False)
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(_WIDTH)
+        gui.set_panel_label(f"nipper-pin live: {mechanism.name}")
+        gui.add_html(boxed(f'<b id="title">{escape(mechanism.title or mechanism.name)}</b>'))
+        self._sliders = {
+            item.key: gui.add_slider(
+                item.label, min=item.low, max=item.high, step=item.step, initial_value=item.start
+            )
+            for item in controls
+        }
+        self._numbers, self._now = gui.add_html(""), gui.add_html("")
+        self._gap, self._impulse = self._plots()
+        low, high, start = _SLOW
+        self._play = gui.add_checkbox("play", initial_value=True)
+        self._slow = gui.add_slider("slow motion 1 :", low, high, low, start)
+        self._larger = gui.add_slider(
+            "gap drawn larger, times", 1.0, LARGEST_EXAGGERATION, 1.0, 10.0
+        )
+        if "estimate" in mechanism.title:
+            gui.add_html(boxed(f'<span id="note">{escape(_NOTE)}</span>'))
+        for slider in self._sliders.values():
+            slider.on_update(self._changed)
+        self._answer = self._follow()
+
+    def run(self) -> None:
+        """Follow the sliders and move the picture, for ever."""
+        last = time.perf_counter()
+        while True:
+            changed = self._wake.wait(max(0.0, last + _FRAME - time.perf_counter()))
+            now = time.perf_counter()
+            with self._server.atomic():
+                if changed:
+                    # Cleared first: what changes from here on is another change.
+                    self._wake.clear()
+                    self._answer = self._follow()
+                if self._server.get_clients():
+                    self._draw(now - last if self._play.value else 0.0)
+            last = now
+
+    def _changed(self, _: object) -> None:
+        """Note that a slider moved; of many moves only the last matters."""
+        self._wake.set()
+
+    def _follow(self) -> Answer:
+        """Answer the setting of the sliders, and show numbers and plots, or why there are none."""
+        shown = {key: float(slider.value) for key, slider in self._sliders.items()}
+        found = answer(self._mechanism, self._controls, shown)
+        self._numbers.content = as_html(found)
+        for plot, x, y in (
+            (self._gap, found.time, found.gap),
+            (self._impulse, found.hit_time, found.impulse),
+        ):
+            plot.visible = not found.message
+            if not found.message:
+                plot.data = (x, y)
+        return found
+
+    def _draw(self, passed: float) -> None:
+        """Draw the next frame, so many seconds of playback after the last."""
+        solution, larger = self._answer.solution, self._larger.value
+        end = 0.0 if solution is None else solution.segments[-1].t_end
+        self._clock += passed / self._slow.value
+        if solution is None or self._clock > end + _PAUSE / self._slow.value:
+            self._clock = 0.0
+        t = min(self._clock, end)
+        # What stands still is not sent again: every message makes the browsers draw.
+        if self._drawn == (self._answer, t, larger):
+            return
+        self._drawn = (self._answer, t, larger)
+        if solution is None:
+            self._stage.rest()
+            self._tell("there is no motion to show: the touch configuration")
+            return
+        motion = solution.trajectory.evaluate(t)
+        drawn, remark = motion.q, ""
+        try:
+            drawn = exaggerated(solution, motion.q, larger)
+        except InputError as error:
+            remark = f" {error.message}"
+        self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
+        self._tell(f"{_moment(solution, t, motion.q[0])}{remark}")
+
+    def _tell(self, text: str) -> None:
+        """Say what the picture shows."""
+        self._now.content = boxed(f'Picture: <span id="now">{escape(text)}</span>')
+
+    def _plots(self) -> tuple[viser.GuiUplotHandle, viser.GuiUplotHandle]:
+        """Gap of the transition stop, and impulses of its collisions, against time."""
+        mechanism, gui = self._mechanism, self._server.gui
+        stop = mechanism.stop(mechanism.transition_stop)
+        units = units_of(mechanism, stop.index)
+        x = "time from the first collision [ms]"
+        none = (np.zeros(1), np.ones(1))
+        dots = uplot.Series_Points(show=True, size=7.0, fill=_DOTS, stroke=_DOTS)
+        time_axis = uplot.Axis(label=x, size=_AXIS[0], labelSize=_LABEL)
+        return (
+            gui.add_uplot(
+                none,
+                (uplot.Series(label=x), uplot.Series(stroke=_LINE, width=1.5)),
+                scales={"x": uplot.Scale(time=False)},
+                axes=(time_axis, _axis(f"{stop.name} {units.noun} [{units.coordinate}]")),
+                legend=uplot.Legend(show=False),
+                height=_HEIGHT,
+                padding=_PADDING,
+            ),
+            gui.add_uplot(
+                none,
+                (uplot.Series(label=x), uplot.Series(stroke="transparent", points=dots)),
+                scales={"x": uplot.Scale(time=False), "y": uplot.Scale(distr=3)},
+                axes=(time_axis, _axis(f"impulse [{force_unit(mechanism, stop.name)} s]")),
+                legend=uplot.Legend(show=False),
+                height=_HEIGHT,
+                padding=_PADDING,
+            ),
+        )
+
+
+def _axis(label: str) -> uplot.Axis:
+    """The vertical axis of a plot, without the crowd of lines that a logarithmic one draws."""
+    none = uplot.Axis_Ticks(show=False)
+    return uplot.Axis(
+        label=label, size=_AXIS[1], labelSize=_LABEL, grid=uplot.Axis_Grid(show=False), ticks=none
+    )
+
+
+def _moment(solution: Solution, t: float, q: np.ndarray) -> str:
+    """Time, index and coordinates of the stops of one frame: the machine's, not the drawing's."""
+    parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
+    for stop in solution.mechanism.stops:
+        units = units_of(solution.mechanism, stop.index)
+        value = digits(units.coordinate_factor * float(q[stop.index]))
+        parts.append(f"{stop.name} {value} {units.coordinate}")
+    return ", ".join(parts)

@@ -1,0 +1,246 @@
+"""Which test notices which error? Deliberate mistakes in a copy of the package, one at a time.
+
+    python scripts/mutate_engine.py [NAME ...]
+
+Each mutation replaces one text of the engine, found exactly once, in a copy; the tests run there
+until the first fails. A mutation that no test notices is a test that is missing. The table in
+docs/verification.md is the output of this script; status 1 says that a mutation survived or that
+its text is no longer in the engine.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+# The fast ones first: most errors do not get far.
+TESTS = (
+    "tests/mechanism",
+    "tests/dynamics",
+    "tests/hybrid",
+    "tests/verification/test_four_bar.py",
+    "tests/verification/test_bouncing_mass.py",
+    "tests/verification/test_impact_identities.py",
+    "tests/verification/test_reactions.py",
+    "tests/verification/test_inertial_drive.py",
+    "tests/verification/test_published.py",
+    "tests/verification/test_e62_reference.py",
+    "tests/fuzz/test_models.py",
+)
+_FAILED = re.compile(r"^(FAILED|ERROR) (\S+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """One deliberate error.
+
+    Attributes:
+        name: Short name.
+        meaning: What it does to the engine.
+        file: File inside the package.
+        right: Text that stands there once.
+        wrong: Text that takes its place.
+    """
+
+    name: str
+    meaning: str
+    file: str
+    right: str
+    wrong: str
+
+
+MUTATIONS = (
+    Mutation(
+        "restitution-sign", "a stop goes on closing after a collision",
+        "dynamics/impact.py", "wanted = [-e_N * rate", "wanted = [e_N * rate",
+    ),
+    Mutation(
+        "restitution-row", "all stops in contact have the restitution of the first",
+        "dynamics/impact.py", "for e_N, rate in zip(restitution, before",
+        "for e_N, rate in zip(restitution[:1] * len(before), before",
+    ),
+    Mutation(
+        "loss-of-energy", "energy lost from the jump of the rate instead of its mean",
+        "dynamics/impact.py", "(float(v[stop.index]) + wanted[place])",
+        "(float(v[stop.index]) - wanted[place])",
+    ),
+    Mutation(
+        "arrest-sign", "rest doubles the last rate instead of taking it away",
+        "dynamics/impact.py", "jump = -float(v[stop.index])", "jump = float(v[stop.index])",
+    ),
+    Mutation(
+        "stale-placement", "closure Jacobians are read with the placement of the state before",
+        "dynamics/multibody.py",
+        "                constraint.calc(model, data, constraint_data)\n", "",
+    ),
+    Mutation(
+        "dead-row", "closures keep x and the row out of the plane instead of x and z",
+        "dynamics/multibody.py", "_PLANAR_ROWS_OF_A_PIN = (0, 2)", "_PLANAR_ROWS_OF_A_PIN = (0, 1)",
+    ),
+    Mutation(
+        "lost-coriolis", "accelerations without any term in the rates",
+        "dynamics/multibody.py", "q[row], v[row], tau[row], pins",
+        "q[row], 0.0 * v[row], tau[row], pins",
+    ),
+    Mutation(
+        "stale-lift", "rates of dependent joints by the closures of another configuration",
+        "dynamics/system.py", "if place is not jacobian or", "if place is None or",
+    ),
+    Mutation(
+        "preload-sign", "the preload pulls",
+        "dynamics/system.py", "self._preload[spring.index] -= ", "self._preload[spring.index] += ",
+    ),
+    Mutation(
+        "lost-damping", "elastic drive trains without damping of the shaft's own rate",
+        "dynamics/system.py", "tau -= rows.damping * v", "tau -= 0.0 * rows.damping * v",
+    ),
+    Mutation(
+        "lost-feedforward", "elastic drive trains without the inertia of the law",
+        "dynamics/system.py", "self.inertia * a_law + self._shaft_stiffness",
+        "self._shaft_stiffness",
+    ),
+    Mutation(
+        "lost-spring-force", "forces of constraint without the springs",
+        "dynamics/multipliers.py", " - system.spring_forces(q)", "",
+    ),
+    Mutation(
+        "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
+        "mechanism/drives.py", "second = (d * (r * r - d * d))", "second = (d * (d * d - r * r))",
+    ),
+    Mutation(
+        "preload-unit", "preload lengths in centimetres",
+        "mechanism/build.py", '"preload_length_mm", 1e-3)', '"preload_length_mm", 1e-2)',
+    ),
+    Mutation(
+        "gap-unchecked", "closures that do not meet are accepted",
+        "mechanism/assembly.py", "if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:",
+        "if np.hypot(*gap) > 1e9 * ASSEMBLY_TOLERANCE_M:",
+    ),
+    Mutation(
+        "index-sense", "the index scale runs against the cylinder",
+        "mechanism/cylinder.py", "turns = self.sense * (psi", "turns = -self.sense * (psi",
+    ),
+    Mutation(
+        "series-slope", "the limit of a series of bounces with the slope of one flight",
+        "hybrid/series.py", "2.0 / (alpha * (1.0 - e_N))", "2.0 / alpha",
+    ),
+    Mutation(
+        "pressed-sign", "a stop stays closed when it is pulled open",
+        "hybrid/phases.py", ".index] <= 0.0 else", ".index] >= 0.0 else",
+    ),
+    Mutation(
+        "no-release", "closed stops never let go",
+        "hybrid/triggers.py", "for column, index in enumerate(rows.stops):",
+        "for column, index in enumerate(rows.stops[:0]):",
+    ),
+    Mutation(
+        "lever-inverse", "the lip's impulse multiplied by the lever instead of divided",
+        "hybrid/collisions.py", "event.P_N[stop.name] / stop.lever",
+        "event.P_N[stop.name] * stop.lever",
+    ),
+    Mutation(
+        "copied-turn", "all copies of a repeating turn lie on the second one",
+        "hybrid/simulate.py", "delay = turn * period", "delay = period",
+    ),
+    Mutation(
+        "lost-impulse-work", "the energy balance without the work of the held drives' impulses",
+        "hybrid/energy.py", "self.drive_work + self.drive_impulse_work + self.gravity_work",
+        "self.drive_work + self.gravity_work",
+    ),
+    Mutation(
+        "saved-swapped", "velocities before and after change places on disk",
+        "hybrid/storage.py", "event.v_before, event.v_after, event.delta",
+        "event.v_after, event.v_before, event.delta",
+    ),
+    Mutation(
+        "mesh-outside", "mesh paths may leave the model folder through links",
+        "mechanism/urdf_values.py", "if not path.is_relative_to(mesh_folder.resolve()):",
+        "if not path.is_absolute():",
+    ),
+)  # fmt: skip
+
+
+def copied(source: Path, home: Path) -> None:
+    """Copy what the tests need; the models are only read, so a link will do."""
+    for name in ("nipper_pin", "tests", "scripts", "docs"):
+        leave = shutil.ignore_patterns("__pycache__", "*.nbi", "*.nbc")
+        shutil.copytree(source / name, home / name, ignore=leave)
+    for name in ("pyproject.toml", "README.md"):
+        shutil.copy(source / name, home / name)
+    (home / "models").symlink_to(ROOT / "models")
+
+
+def first_failure(home: Path) -> str:
+    """Run the tests in the copy; the first that fails, or an empty text."""
+    environment = {**os.environ, "PYTHONPATH": str(home), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *TESTS],
+            cwd=home, env=environment, capture_output=True, text=True, check=False, timeout=900.0,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "the tests do not end"
+    found = _FAILED.search(done.stdout)
+    if done.returncode == 0:
+        return ""
+    if not found:
+        return f"pytest ended with status {done.returncode}"
+    # An error is one outside the test: a run that it needs cannot be simulated any more.
+    return f"`{found[2]}`" + (", whose runs cannot be simulated" if found[1] == "ERROR" else "")
+
+
+def noticed(mutation: Mutation, original: Path) -> tuple[bool, str]:
+    """Apply one mutation to a fresh copy and run the tests there.
+
+    Args:
+        mutation: The mutation.
+        original: The package and its tests as they were when the script began.
+
+    Returns:
+        Whether a test noticed it, and which; or why it could not be tried.
+    """
+    with tempfile.TemporaryDirectory(prefix="mutant-") as folder:
+        home = Path(folder)
+        copied(original, home)
+        file = home / "nipper_pin" / mutation.file
+        text = file.read_text(encoding="utf-8")
+        if text.count(mutation.right) != 1:
+            return False, f"not applied: its text stands there {text.count(mutation.right)} times"
+        file.write_text(text.replace(mutation.right, mutation.wrong), encoding="utf-8")
+        failure = first_failure(home)
+        return bool(failure), failure or "**no test**"
+
+
+def main(names: list[str]) -> int:
+    """Try the named mutations, or all, and print a table in Markdown."""
+    known = {mutation.name for mutation in MUTATIONS}
+    unknown = sorted(set(names) - known)
+    if unknown:
+        sys.stderr.write(f"no mutation {', '.join(unknown)}; known: {', '.join(sorted(known))}\n")
+        return 2
+    with tempfile.TemporaryDirectory(prefix="original-") as folder:
+        original = Path(folder)
+        copied(ROOT, original)
+        failure = first_failure(original)
+        if failure:
+            sys.stderr.write(f"without any mutation, {failure} fails: mend that first\n")
+            return 2
+        print("| mutation | what it does | noticed by |\n| --- | --- | --- |", flush=True)
+        survivors = 0
+        for mutation in MUTATIONS:
+            if not names or mutation.name in names:
+                caught, by = noticed(mutation, original)
+                survivors += not caught
+                print(f"| {mutation.name} | {mutation.meaning} | {by} |", flush=True)
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

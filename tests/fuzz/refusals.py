@@ -1,0 +1,59 @@
+"""What an answer to bad input has to look like."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from nipper_pin import InputError
+from nipper_pin.cli import main
+
+_T = TypeVar("_T")
+
+
+def answer(arguments: Sequence[str]) -> tuple[int, str, str]:
+    """Status, stdout and stderr of a command run in this process; tracebacks come through."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            status = main(list(arguments))
+        except SystemExit as leaving:
+            status = int(leaving.code or 0)
+    return status, out.getvalue(), err.getvalue()
+
+
+def assert_clear(arguments: Sequence[str], *allowed: int) -> int:
+    """A command ends with an allowed status; if it fails, by one sentence and nothing else."""
+    status, out, err = answer(arguments)
+    assert status in (allowed or (0, 1, 2)), (status, err)
+    if status:
+        assert out == ""
+        assert err.strip()
+        assert "Traceback" not in err
+        if "usage:" not in err:
+            assert err.startswith("nipper-pin: ")
+            assert err.count("\n") == 1, err
+    return status
+
+
+def one_line(read: Callable[..., _T], *arguments: object) -> _T | InputError:
+    """What a reader gives, or its refusal, which has to be one line; other errors come through."""
+    try:
+        return read(*arguments)
+    except InputError as error:
+        refusal = error
+    assert refusal.message
+    assert "\n" not in refusal.message
+    return refusal
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Everything below a folder."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }

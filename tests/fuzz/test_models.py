@@ -1,0 +1,221 @@
+"""Model files that are wrong in ways nobody thought of: a clear refusal or a mechanism.
+
+Every example edits a model that is right, so most of them get past the first check. An exception
+that is not an ``InputError`` comes through and fails the test. The counts at the end keep the
+tests honest: an edit that changed nothing, or a loader that refused everything, would show there.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from refusals import one_line
+
+from nipper_pin import InputError, Mechanism, ModelError, load
+from nipper_pin.mechanism import from_sources, known_models
+
+E62 = known_models()["e62"]
+URDF = (E62 / "e62.urdf").read_text(encoding="utf-8")
+TOML = tomllib.loads((E62 / "e62.toml").read_text(encoding="utf-8"))
+
+_numbers = st.one_of(
+    st.floats(), st.integers(-(10**30), 10**30), st.sampled_from([0, -0.0, 1e308, 5e-324, 2**70])
+)
+_scalars = st.one_of(
+    _numbers,
+    st.booleans(),
+    st.none(),
+    st.text(max_size=8),
+    st.sampled_from(["jaw", "steeve", "e62"]),
+)
+_values = st.recursive(
+    _scalars,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=6), inner, max_size=3)
+    ),
+    max_leaves=5,
+)
+
+
+def _places(value: object, path: tuple[object, ...] = ()) -> Iterator[tuple[object, ...]]:
+    """Paths of everything inside a document."""
+    if path:
+        yield path
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _places(item, (*path, key))
+    elif isinstance(value, list):
+        for place, item in enumerate(value):
+            yield from _places(item, (*path, place))
+
+
+PLACES = [path for path in _places(TOML) if path[0] != "provenance"]
+
+
+def _built(urdf: str, document: dict[str, object]) -> Mechanism | InputError:
+    return one_line(from_sources, "e62", urdf, document, E62)
+
+
+def _holder(document: object, path: tuple[object, ...]) -> object:
+    for step in path[:-1]:
+        document = document[step]  # type: ignore[index]
+    return document
+
+
+@given(st.sampled_from(PLACES), _values)
+def test_any_value_anywhere_in_the_toml(path: tuple[object, ...], value: object) -> None:
+    document = copy.deepcopy(TOML)
+    _holder(document, path)[path[-1]] = value  # type: ignore[index]
+    _built(URDF, document)
+
+
+@pytest.mark.parametrize("path", PLACES, ids=lambda path: ".".join(map(str, path)))
+def test_anything_missing_from_the_toml(path: tuple[object, ...]) -> None:
+    document = copy.deepcopy(TOML)
+    del _holder(document, path)[path[-1]]  # type: ignore[attr-defined]
+    _built(URDF, document)
+
+
+@given(st.sampled_from(PLACES), st.text(min_size=1, max_size=12), _values)
+def test_unknown_keys_are_refused(path: tuple[object, ...], key: str, value: object) -> None:
+    document = copy.deepcopy(TOML)
+    holder = _holder(document, path)
+    if isinstance(holder, dict) and key not in holder:
+        holder[key] = value
+        if holder is not document.get("shortcuts") and path[0] != "shortcuts":
+            assert isinstance(_built(URDF, document), InputError)
+
+
+_ROOT = ElementTree.fromstring(URDF)
+ELEMENTS = len(list(_ROOT.iter()))
+_texts = st.one_of(
+    st.sampled_from(
+        ["", "nan", "inf", "-1", "0", "1e400", "0 0", "1 2 3 4", "a b c", "0 -1 0", "0 1 0",
+         "frame", "jaw", "top_nipper", "../../etc/passwd", "/etc/passwd", "file:///etc/passwd",
+         "package://x/y.stl", "meshes", "meshes/../../e62/e62.toml", "..\\x", "revolute",
+         "floating", "mesh"]
+    ),
+    st.floats().map(repr),
+    st.text(st.characters(exclude_categories=["Cs", "Cc"]), max_size=8),
+)  # fmt: skip
+
+
+@given(st.integers(0, ELEMENTS - 1), st.data())
+def test_any_attribute_anywhere_in_the_urdf(place: int, data: st.DataObject) -> None:
+    root = ElementTree.fromstring(URDF)
+    element = list(root.iter())[place]
+    names = [*element.attrib, "name", "type", "xyz", "filename"]
+    element.set(data.draw(st.sampled_from(names)), data.draw(_texts))
+    _built(ElementTree.tostring(root, encoding="unicode"), TOML)
+
+
+@given(st.integers(1, ELEMENTS - 1), st.sampled_from(["remove", "double", "rename", "move"]),
+       st.integers(0, ELEMENTS - 1))  # fmt: skip
+def test_elements_lost_doubled_and_moved(place: int, change: str, other: int) -> None:
+    root = ElementTree.fromstring(URDF)
+    element = list(root.iter())[place]
+    parent = next(item for item in root.iter() if element in list(item))
+    if change == "remove":
+        parent.remove(element)
+    elif change == "double":
+        parent.append(copy.deepcopy(element))
+    elif change == "rename":
+        element.tag = list(root.iter())[other].tag
+    else:
+        list(root.iter())[other].append(copy.deepcopy(element))
+    _built(ElementTree.tostring(root, encoding="unicode"), TOML)
+
+
+@given(st.integers(0, len(URDF)), st.integers(0, 400), st.text(max_size=6))
+def test_text_cut_out_of_the_urdf(start: int, count: int, instead: str) -> None:
+    _built(URDF[:start] + instead + URDF[start + count :], TOML)
+
+
+@given(st.sampled_from(["e62.toml", "e62.urdf"]), st.binary(max_size=40), st.floats(0.0, 1.0))
+def test_bytes_in_the_files(name: str, junk: bytes, part: float) -> None:
+    """Files on disk: junk that is no UTF-8, no TOML, no XML."""
+    with tempfile.TemporaryDirectory() as home:
+        folder = Path(home) / "e62"
+        folder.mkdir()
+        for file in ("e62.toml", "e62.urdf"):
+            (folder / file).write_bytes((E62 / file).read_bytes())
+        content = (folder / name).read_bytes()
+        cut = int(part * len(content))
+        (folder / name).write_bytes(content[:cut] + junk)
+        one_line(load, folder)
+
+
+@pytest.mark.parametrize(
+    "path", ["/etc/hostname", "../outside.stl", "meshes/../../outside.stl", "link/outside.stl",
+             "file:///etc/hostname", "package://e62/x.stl", "meshes\\..\\..\\outside.stl", ""]
+)  # fmt: skip
+def test_meshes_stay_inside_the_folder(tmp_path: Path, path: str) -> None:
+    """No path, and no link in the file system, leads a collision mesh out of the model folder."""
+    outside = tmp_path / "outside.stl"
+    outside.write_bytes((E62 / "meshes" / "top_lip.stl").read_bytes())
+    folder = tmp_path / "e62"
+    folder.mkdir()
+    (folder / "link").symlink_to(tmp_path)
+    box = re.compile(r'(<collision name="top_lip">.*?<geometry>).*?(</geometry>)', re.DOTALL)
+    urdf, count = box.subn(rf'\1<mesh filename="{re.escape(path)}"/>\2', URDF)
+    urdf = urdf.replace(re.escape(path), path)
+    assert count == 1
+    with pytest.raises(ModelError, match="mesh"):
+        from_sources("e62", urdf, TOML, folder)
+
+
+def test_entities_of_xml_are_not_expanded_from_files(tmp_path: Path) -> None:
+    """An external entity reads no file, and one that explodes costs no memory."""
+    secret = tmp_path / "secret"
+    secret.write_text("0.123")
+    head = f'<!DOCTYPE robot [<!ENTITY x SYSTEM "{secret.as_uri()}">]>'
+    urdf = URDF.replace('<?xml version="1.0"?>', f'<?xml version="1.0"?>{head}', 1)
+    assert isinstance(_built(urdf.replace('value="2.0"', 'value="&x;"', 1), TOML), InputError)
+    levels = "".join(
+        f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' if n else '<!ENTITY a0 "aaaaaaaaaa">'
+        for n in range(12)
+    )
+    urdf = URDF.replace(
+        '<?xml version="1.0"?>', f'<?xml version="1.0"?><!DOCTYPE robot [{levels}]>', 1
+    )
+    assert isinstance(_built(urdf.replace('value="2.0"', 'value="&a11;"', 1), TOML), InputError)
+
+
+def test_most_wrong_values_are_refused_and_not_everything_is() -> None:
+    """A missing key is refused unless it has a default: both happen, so the tests above bite."""
+    refused = 0
+    for path in PLACES:
+        document = copy.deepcopy(TOML)
+        del _holder(document, path)[path[-1]]  # type: ignore[attr-defined]
+        refused += isinstance(_built(URDF, document), InputError)
+    assert 0.5 * len(PLACES) < refused < len(PLACES)
+    assert isinstance(_built(URDF, TOML), Mechanism)
+
+
+def test_shapes_that_the_parser_leaves_out_are_named() -> None:
+    """Found above: one unreadable shape of a link ended in an IndexError of the shape behind it."""
+    right = '<mesh filename="meshes/frame_wall.stl"/>'
+    assert right in URDF
+    wrong = URDF.replace(right, '<mesh filename="meshes/frame_wall.stl" scale=""/>', 1)
+    refusal = _built(wrong, TOML)
+    assert isinstance(refusal, InputError)
+    assert "collision" in refusal.message
+
+
+def test_names_that_no_message_can_show_are_refused() -> None:
+    """Found above: a key with a line break made a message of two lines."""
+    refusal = _built(URDF, {**TOML, "a\nb": 1})
+    assert isinstance(refusal, InputError)
+    assert "control characters" in refusal.message
+    refusal = _built(URDF.replace('link name="cylinder_axis"', 'link name="a&#10;b"', 1), TOML)
+    assert isinstance(refusal, InputError)
+    assert "control characters" in refusal.message

@@ -1,0 +1,317 @@
+"""Dimensions as parameters: points, links and single numbers of the URDF by path."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
+from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.mechanism.assembly import closure_gaps
+from nipper_pin.mechanism.dimensions import read_dimension
+from nipper_pin.mechanism.layout import Layout, read_layout
+from nipper_pin.mechanism.tree import joint_placements
+from nipper_pin.mechanism.urdf import parse_xml
+from nipper_pin.mechanism.urdf_paths import find_value, steps_of
+
+MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]
+
+
+def layout(mechanism: Mechanism) -> Layout:
+    return read_layout(parse_xml(mechanism.urdf, "urdf"), mechanism.description, "urdf")
+
+
+def value(mechanism: Mechanism, path: str) -> float:
+    return read_dimension(layout(mechanism), path, "urdf")
+
+
+def places(mechanism: Mechanism) -> dict[str, np.ndarray]:
+    """World places (x, z) at touch of all frames [mm], by Pinocchio."""
+    model = mechanism.model
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, np.zeros(model.nq))
+    return {
+        frame.name: 1e3 * data.oMf[place].translation[[0, 2]]
+        for place, frame in enumerate(model.frames)
+        if frame.type in (pin.FrameType.BODY, pin.FrameType.JOINT)
+    }
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_point_moves_alone_and_nothing_comes_apart(name: str) -> None:
+    """Each pin of each comber goes where it is told, no other pin moves, every closure is closed.
+
+    Places are those of Pinocchio's kinematics of the changed URDF, not those that were written; all
+    coordinates are zero there. 1e-9 mm is round-off of 300 mm, a thousand times over. A move that
+    changes one link only opens a closure by 0.3 mm, which the loader refuses.
+    """
+    mechanism = load(name)
+    found = layout(mechanism)
+    before = places(mechanism)
+    for point, pins in found.meeting.items():
+        x, z = found.point_mm(point)
+        path = f"points.{point}"
+        moved = load(name, {f"{path}.x_mm": x + 0.3, f"{path}.z_mm": z - 0.2})
+        after = places(moved)
+        gaps = closure_gaps(moved.closures, moved.model, joint_placements(moved.model))
+        assert np.abs(gaps).max() < 1e-12
+        for other, link in found.points.items():
+            shift = [0.3, -0.2] if other in pins else [0.0, 0.0]
+            np.testing.assert_allclose(after[link] - before[link], shift, atol=1e-9)
+        for drive in moved.description["drives"].values():  # type: ignore[attr-defined]
+            if "guide_axis_mm" in drive:
+                shaft = after["pendulum_shaft"]
+                np.testing.assert_allclose(drive["guide_axis_mm"], shaft, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_masses_stay_where_they_are_unless_their_link_turns(name: str) -> None:
+    """Moving the jaw's pivot leaves every centre of mass in the world: the lips still meet."""
+    x, z = layout(load(name)).point_mm("jaw")
+    moved = load(name, {"points.jaw.x_mm": x + 1.0, "points.jaw.z_mm": z + 1.0})
+    for link in moved.links:
+        for key in ("com_x_mm", "com_z_mm", "mass_kg", "inertia_kg_m2"):
+            path = f"links.{link}.{key}"
+            assert value(moved, path) == pytest.approx(value(load(name), path), rel=1e-12, abs=1e-9)
+    contact, original = (item.stop("jaw").contact for item in (moved, load(name)))
+    assert contact is not None
+    assert original is not None
+    np.testing.assert_allclose(contact.point, original.point, atol=1e-6)
+
+
+def test_length_of_a_link() -> None:
+    """radius_mm is the distance of the pin from the hinge of its link, along the same line."""
+    mechanism = load("e62", {"points.rocker_pin.radius_mm": 190.0})
+    after = places(mechanism)
+    arm = after["rocker"] - after["bottom_nipper"]
+    assert np.hypot(*arm) == pytest.approx(190.0, abs=1e-9)
+    start = places(load("e62"))
+    line = start["rocker"] - start["bottom_nipper"]
+    assert math.atan2(*arm) == pytest.approx(math.atan2(*line), abs=1e-12)
+
+
+def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
+    """Two lengths and an angle at once, in either order of the overrides, give one machine."""
+    values = {
+        "points.rocker_pin.radius_mm": 188.0,
+        "points.nipper_pivot.radius_mm": 66.5,
+        "points.nipper_pivot.angle_deg": 95.0,
+    }
+    found = [load("e62", dict(order)) for order in itertools.permutations(values.items())]
+    for mechanism in found:
+        assert mechanism.urdf == found[0].urdf or mechanism.model == found[0].model
+        after = places(mechanism)
+        pivot = np.array([-190.0, -20.0]) + 66.5 * np.array(
+            [math.cos(math.radians(95.0)), math.sin(math.radians(95.0))]
+        )
+        np.testing.assert_allclose(after["bottom_nipper"], pivot, atol=1e-9)
+        arm = after["rocker"] - after["bottom_nipper"]
+        assert np.hypot(*arm) == pytest.approx(188.0, abs=1e-9)
+
+
+def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> None:
+    values = {
+        "points.rod_pin.x_mm": -20.0,
+        "points.jaw.z_mm": 103.0,
+        "links.top_nipper.com_x_mm": -25.0,
+        "links.top_nipper.com_z_mm": 101.5,
+        "links.top_nipper.mass_kg": "1.4",
+        "links.top_nipper.gyration_mm": 32.0,
+    }
+    mechanism = load("e62", values)
+    for path, wanted in values.items():
+        assert value(mechanism, path) == pytest.approx(float(wanted), abs=1e-9)  # type: ignore[arg-type]
+    model = mechanism.model
+    body = model.inertias[model.getJointId("jaw")]
+    assert body.mass == 1.4
+    assert body.inertia[1, 1] == pytest.approx(1.4 * 0.032**2, rel=1e-12)
+
+
+def numbers_of(mechanism: Mechanism) -> list[str]:
+    """Paths of all numbers of a URDF, found by walking the file."""
+    paths: list[str] = []
+
+    def walk(element: ElementTree.Element, head: str) -> None:
+        for key, text in element.attrib.items():
+            parts = text.split()
+            try:
+                [float(part) for part in parts]
+            except ValueError:
+                continue
+            if len(parts) == 1:
+                paths.append(f"{head}.{key}")
+            else:
+                paths.extend(f"{head}.{key}[{place}]" for place in range(len(parts)))
+        for child in element:
+            if isinstance(child.tag, str):
+                name = child.get("name")
+                walk(child, f"{head}.{child.tag}.{name}" if name else f"{head}.{child.tag}")
+
+    walk(ElementTree.fromstring(mechanism.urdf), "urdf")
+    return paths
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_number_of_the_file_has_a_path(name: str) -> None:
+    """Each number is read and written alone: the text differs in that one number afterwards."""
+    mechanism = load(name)
+    paths = numbers_of(mechanism)
+    assert len(paths) > 300
+    number = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
+    for path in paths[::7]:
+        root = parse_xml(mechanism.urdf, "urdf")
+        before = number.findall(ElementTree.tostring(root, encoding="unicode"))
+        found = find_value(root, path)
+        old = found.read(path, "urdf")
+        found.write(old + 0.125, path, "urdf")
+        after = number.findall(ElementTree.tostring(root, encoding="unicode"))
+        changed = [
+            (float(one), float(other))
+            for one, other in zip(before, after, strict=True)
+            if one != other
+        ]
+        assert changed == [(old, old + 0.125)], path
+
+
+def test_axes_and_angles_have_letters() -> None:
+    mechanism = load("e62")
+    for letter, place in zip("xyz", range(3), strict=True):
+        path = "urdf.joint.rod_pin.origin.xyz"
+        assert value(mechanism, f"{path}.{letter}") == value(mechanism, f"{path}[{place}]")
+    path = "urdf.link.rocker.collision.rocker_arm_left.origin.rpy"
+    assert value(mechanism, f"{path}.p") == value(mechanism, f"{path}[1]") == 2.9973500208009063
+    assert value(mechanism, f"{path}.y") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("path", "radius"),
+    [
+        ("urdf.link.a.collision[0].geometry.sphere.radius", 1.0),
+        ("urdf.link.a.collision.b.c.geometry.sphere.radius", 2.0),
+        ("urdf.link.a.collision[2].geometry.sphere.radius", 3.0),
+        ("urdf.link.d.collision.geometry.sphere.radius", 4.0),
+        ("urdf.link.d.collision[0].geometry.sphere.radius", 4.0),
+    ],
+)
+def test_shapes_without_a_name_go_by_their_place(path: str, radius: float) -> None:
+    """Each of four spheres has a radius of its own, so the one that is read tells itself."""
+    sphere = '<collision {}><geometry><sphere radius="{}"/></geometry></collision>'
+    first = "".join(sphere.format(*item) for item in (("", 1), ('name="b.c"', 2), ("", 3)))
+    text = (
+        f'<robot><link name="a">{first}</link><link name="d">{sphere.format("", 4)}</link></robot>'
+    )
+    assert find_value(parse_xml(text, "urdf"), path).read(path, "urdf") == radius
+
+
+def test_shapes_change_by_their_names() -> None:
+    path = "urdf.link.rocker.collision.rocker_hub_left.geometry.cylinder.radius"
+    mechanism = load("e62", {path: "0.02"})
+    assert value(mechanism, path) == 0.02
+    assert mechanism.model == load("e62").model
+
+
+def test_a_pin_that_opens_says_by_how_much_and_what_to_use_instead() -> None:
+    """A closure that is off by one millimetre: the residual, its direction, and the way out."""
+    with pytest.raises(AssemblyError) as caught:
+        load("e62", {"urdf.joint.rocker_pin.origin.xyz.x": 0.1832})
+    words = str(caught.value)
+    assert "closures.rocker_axis" in words
+    assert "a gap of 1 mm (x -1, z 0) from rocker_foot to cylinder_axis" in words
+    assert "points.<hinge or frame>.x_mm" in words
+    assert caught.value.evidence["key"] == "closures.rocker_axis"
+
+
+def test_own_values_written_back_change_nothing() -> None:
+    """Every path of points and links, with the value that it has: the same machine, bit for bit."""
+    mechanism = load("hanging_pendulum")
+    found = layout(mechanism)
+    values = {}
+    for point in found.points:
+        values[f"points.{point}.x_mm"], values[f"points.{point}.z_mm"] = found.point_mm(point)
+    for link in mechanism.links:
+        for key in ("mass_kg", "inertia_kg_m2"):
+            values[f"links.{link}.{key}"] = value(mechanism, f"links.{link}.{key}")
+    again = load("hanging_pendulum", values)
+    np.testing.assert_array_equal(
+        [item.translation for item in again.model.jointPlacements],
+        [item.translation for item in mechanism.model.jointPlacements],
+    )
+    for one, other in zip(again.model.inertias, mechanism.model.inertias, strict=True):
+        assert one == other
+
+
+@pytest.mark.parametrize(
+    ("overrides", "kind", "words"),
+    [
+        ({"points.lip.x_mm": 1}, UnknownNameError, "no point named 'lip'; known: cylinder_axis"),
+        ({"points.jaw.y_mm": 1}, UnknownNameError, "known: angle_deg, radius_mm, x_mm, z_mm"),
+        ({"points.jaw": 1}, UnknownNameError, "no coordinate named ''"),
+        ({"points": 1}, UnknownNameError, "no coordinate named ''"),
+        ({"points.jaw.x_mm": "far"}, ModelError, "points.jaw.x_mm = 'far' .* a number"),
+        ({"points.jaw.x_mm": math.inf}, ModelError, "points.jaw.x_mm = inf .* a finite number"),
+        ({"points.jaw.x_mm": "nan"}, ModelError, "a finite number"),
+        ({"points.jaw.x_mm": True}, ModelError, "a number"),
+        (
+            {"points.jaw.x_mm": -72.0, "points.jaw.radius_mm": 100.0},
+            UnknownNameError,
+            "x_mm with z_mm, or radius_mm with angle_deg",
+        ),
+        (
+            {"points.rod_head.x_mm": -90.0, "points.eccentric_pin.x_mm": -91.0},
+            ModelError,
+            "one place for the points rod_head, eccentric_pin",
+        ),
+        ({"points.pendulum_shaft.radius_mm": 1}, UnknownNameError, "point on a hinged link"),
+        # Where a pin coincides with its neighbour, the machine stands in a dead centre at touch.
+        (
+            {"points.rod_pin.x_mm": -72.6, "points.rod_pin.z_mm": 101.9},
+            ModelError,
+            "must leave the drives free to move",
+        ),
+        (
+            {"links.rocker.gyration_mm": 30, "links.rocker.inertia_kg_m2": 5e-4},
+            ModelError,
+            "one of",
+        ),
+        ({"links.rocker.colour": 1}, UnknownNameError, "known: com_x_mm, com_z_mm, gyration_mm"),
+        ({"urdf": 1}, UnknownNameError, "no value named 'urdf'; known: joint, link"),
+        ({"urdf.joint": 1}, UnknownNameError, "no joint named ''; known: cylinder_axis_fixed"),
+        ({"urdf.joint.lip.origin.xyz.x": 1}, UnknownNameError, "no joint named 'lip'"),
+        ({"urdf.joint.jaw.origin.xyz": 1}, UnknownNameError, r"known: \[0\], \[1\], \[2\], x, y"),
+        ({"urdf.joint.jaw.origin.xyz[3]": 1}, UnknownNameError, "no place named '\\[3\\]'"),
+        ({"urdf.joint.jaw.origin": 1}, UnknownNameError, "known: rpy, xyz"),
+        ({"urdf.joint.jaw.type": 1}, ModelError, "the path of a number"),
+        ({"urdf.link.rocker.inertial.mass.value.x": 1}, UnknownNameError, "known: none"),
+        ({"urdf.link.rocker.inertial.weight": 1}, UnknownNameError, "known: inertia, mass, origin"),
+        ({"urdf.link.rocker.inertial.mass.value": -1}, ModelError, "a positive mass"),
+        ({"urdf.joint.jaw.axis.xyz.z": 0.5}, ModelError, "a hinge turns about 0 -1 0"),
+    ],
+)
+def test_mistakes(overrides: dict[str, object], kind: type[InputError], words: str) -> None:
+    with pytest.raises(kind, match=words):
+        load("e62", overrides)
+
+
+def test_a_document_with_a_mistake_is_told_before_points_move(spoil) -> None:  # type: ignore[no-untyped-def]
+    """Points follow closures and guides: a document in which these are no tables is named."""
+    folder = spoil(toml=(('frame_a = "rocker_foot"', "frame_a = 3"),))
+    with pytest.raises(ModelError, match=r"closures\.rocker_axis\.frame_a = 3"):
+        load(folder, {"points.jaw.x_mm": -72.0})
+
+
+def test_links_that_hang_in_a_circle_are_told_before_points_move(spoil) -> None:  # type: ignore[no-untyped-def]
+    ends = '<parent link="frame"/>\n    <child link="pendulum_arm"/>'
+    folder = spoil(urdf=((ends, ends.replace("frame", "rocker")),))
+    with pytest.raises(ModelError, match="joints that hang from the frame"):
+        load(folder, {"points.jaw.x_mm": -72.0})
+
+
+def test_steps_of_a_path() -> None:
+    assert steps_of("phases[0].closed[1]") == ["phases", "[0]", "closed", "[1]"]
+    assert steps_of("") == []

@@ -1,0 +1,115 @@
+"""The JSON schema: it is the one in the documents, and says what the loader says."""
+
+from __future__ import annotations
+
+import copy
+import json
+import tomllib
+import typing
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import msgspec
+import pytest
+
+from nipper_pin.errors import ModelError
+from nipper_pin.mechanism import description
+from nipper_pin.mechanism.describe import describe
+from nipper_pin.mechanism.schema import model_schema, schema_text
+
+ROOT = Path(__file__).resolve().parents[2]
+SCHEMA = model_schema()
+VALID = jsonschema.Draft202012Validator(SCHEMA)
+E62 = tomllib.loads((ROOT / "models" / "e62" / "e62.toml").read_text(encoding="utf-8"))
+
+
+def test_document_is_the_schema_of_the_structs() -> None:
+    """docs/model.schema.json is what the structs give; after a change of them, write it anew:
+
+    python -c "from nipper_pin.mechanism.schema import schema_text; print(schema_text(), end='')"
+    """
+    assert (ROOT / "docs" / "model.schema.json").read_text(encoding="utf-8") == schema_text()
+
+
+def test_schema_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    assert json.loads(schema_text()) == SCHEMA
+
+
+def test_tables_and_keys_are_those_of_the_structs() -> None:
+    """Every struct has its table, every field its key, every key without default is required."""
+    structs = {
+        name: item
+        for name, item in vars(description).items()
+        if isinstance(item, type) and issubclass(item, msgspec.Struct) and not name.startswith("_")
+        if item is not msgspec.Struct
+    }
+    assert set(SCHEMA["$defs"]) == set(structs)
+    for name, kind in structs.items():
+        table = SCHEMA["$defs"][name]
+        fields = msgspec.structs.fields(kind)
+        tag = {"law"} if kind in typing.get_args(description.DriveDescription) else set()
+        assert set(table["properties"]) == {field.name for field in fields} | tag
+        assert set(table["required"]) == {item.name for item in fields if item.required} | tag
+        assert table["additionalProperties"] is False
+
+
+def test_every_key_says_what_it_means() -> None:
+    """An editor shows a sentence for each key; one that the docstrings forgot would show none."""
+    for name, table in SCHEMA["$defs"].items():
+        assert table["description"].endswith("."), name
+        for key, value in table["properties"].items():
+            assert value["description"].endswith("."), f"{name}.{key}"
+            assert "\n" not in value["description"]
+    guide = SCHEMA["$defs"]["OscillatingGuideDrive"]["properties"]
+    assert "[mm]" in guide["crank_radius_mm"]["description"]
+    # Of a base of the struct, not of the struct itself.
+    assert "[Hz]" in guide["shaft_frequency_hz"]["description"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("format", 2),
+        ("title", ""),
+        ("gravity_m_s2", -1.0),
+        ("degrees_of_freedom", 0),
+        ("degrees_of_freedom", 2.5),
+        ("cylinder.direction", "left"),
+        ("cylinder.reference_index", 40.0),
+        ("cylinder.rated_speed_rpm", 0.0),
+        ("cylinder.speed", 1.0),
+        ("drives.pendulum.law", "magic"),
+        ("drives.pendulum.ratio", 1.0),
+        ("drives.pendulum.crank_axis_mm", [0.0]),
+        ("drives.pendulum.joint", ...),
+        ("drives.tension.of", ...),
+        ("stops.jaw.restitution", 1.5),
+        ("stops.jaw.contact.lower", 3),
+        ("springs.steeve.stiffness_N_per_m", 0.0),
+        ("closures.rocker_axis.frame_b", ...),
+        ("phases", []),
+        ("phases.0.closed", "jaw"),
+        ("shortcuts.stiffness", 1),
+        ("colour", "red"),
+    ],
+)
+def test_editor_and_loader_refuse_the_same(path: str, value: object) -> None:
+    """One mistake after the other in a good document: both mark it, and both accept the original.
+
+    The two come from the same structs, but by different code of msgspec, and the schema was edited.
+    """
+    assert VALID.is_valid(E62)
+    document: Any = copy.deepcopy(E62)
+    *heads, last = path.split(".")
+    holder = document
+    for step in heads:
+        holder = holder[int(step) if step.isdigit() else step]
+    if value is ...:
+        del holder[last]
+    else:
+        holder[last] = value
+    assert not VALID.is_valid(document)
+    with pytest.raises(ModelError):
+        describe(document, "e62.toml")

@@ -1,0 +1,400 @@
+"""Sweeps: results against single runs, who computes them, and what survives an accident."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import distributed
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from nipper_pin import Case, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.study.sweep import Plan, read_plan, read_sweep, run_sweep
+from nipper_pin.study.sweep.chunks import NO_MODEL, run_chunk
+
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+
+TABLE = """
+[samples]
+method = "sobol"
+count = 600
+seed = 7
+[parameters.speed_rpm]
+low = 420.0
+high = 680.0
+[parameters.restitution]
+low = 0.05
+high = 0.25
+[parameters.stiffness]
+low = 7000.0
+high = 11000.0
+scale = "log"
+[parameters.preload]
+low = 9.0
+high = 13.0
+"""
+GEOMETRY = """
+chunk = 4
+[parameters."points.eccentric_pin.radius_mm"]
+low = 4.0
+high = 6.0
+points = 5
+[parameters."drives.tension.ratio"]
+values = [2.0, 2.2, 2.4]
+[parameters.speed_rpm]
+values = [450.0, 650.0]
+"""
+
+
+def study(folder: Path, text: str, name: str = "study") -> str:
+    path = folder / f"{name}.toml"
+    path.write_text(f'format = 1\ntitle = "test"\n{text}', encoding="utf-8")
+    return str(path)
+
+
+def plan(folder: Path, text: str) -> Plan:
+    return read_plan(study(folder, text))
+
+
+def chunk_files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "chunks").iterdir())}
+
+
+# --- results -----------------------------------------------------------------------------------
+
+
+def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
+    """Each row, computed in another process from plain data, is the run of a loaded model.
+
+    The single runs take every number by its path in the model's file, in its unit; the sweep takes
+    speed, restitution and spring as columns in SI units. A wrong unit, column or order would differ
+    in the first digits, and neighbouring rows differ by more than 1 %.
+    """
+    text = """
+    quantities = ["duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999"]
+    [set]
+    "stops.steeve.restitution" = 0.15
+    [parameters."links.top_nipper.mass_kg"]
+    values = [1.0, 1.3]
+    [parameters.preload]
+    values = [10.0, 12.0]
+    [parameters.restitution]
+    values = [0.1, 0.2]
+    [parameters.speed_rpm]
+    values = [450.0, 650.0]
+    [parameters."springs.steeve.stiffness_N_per_m"]
+    values = [8000.0, 9500.0]
+    """
+    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+    table = read_sweep(tmp_path / "out").table
+    assert table.column_names == [
+        "scenario", "links.top_nipper.mass_kg", "preload", "restitution", "speed_rpm",
+        "springs.steeve.stiffness_N_per_m", "engine", "outcome", "message", "collisions",
+        "duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999",
+    ]  # fmt: skip
+    rows = table.to_pylist()
+    assert [row["scenario"] for row in rows] == list(range(32))
+    assert len({row["duration_s"] for row in rows}) == 32
+    for row in rows:
+        mechanism = load("e62", {
+            "stops.steeve.restitution": 0.15,
+            "links.top_nipper.mass_kg": row["links.top_nipper.mass_kg"],
+            "springs.steeve.preload_length_mm": row["preload"],
+            "springs.steeve.stiffness_N_per_m": row["springs.steeve.stiffness_N_per_m"],
+            "stops.jaw.restitution": row["restitution"],
+        })  # fmt: skip
+        single = simulate(mechanism, Case(speed_rpm=row["speed_rpm"]))
+        assert row["outcome"] == "at_rest"
+        # Both are relative errors of 1e-10 at most, by the tolerance that the study leaves alone.
+        assert row["duration_s"] == pytest.approx(single.transitions[0].duration, rel=1e-8)
+        assert row["impulse_N_s_1"] == pytest.approx(single.collisions[0].impulse, rel=1e-8)
+        assert row["rebound_time_s_2"] == pytest.approx(single.collisions[1].rebound_time, rel=1e-8)
+        assert np.isnan(row["time_s_9999"])
+
+
+def test_a_point_moves_with_what_meets_in_it(tmp_path: Path) -> None:
+    """The eccentricity of the model itself gives the model's own transition, another one another.
+
+    A point that moved alone would tear a closure open, and the row would be marked.
+    """
+    text = """
+    [case]
+    speed_rpm = 650.0
+    [parameters."points.eccentric_pin.radius_mm"]
+    values = [5.0, 6.0]
+    """
+    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    own = simulate(load("e62"), Case(speed_rpm=650.0)).transitions[0].duration
+    assert [row["outcome"] for row in rows] == ["at_rest", "at_rest"]
+    assert rows[0]["duration_s"] == pytest.approx(own, rel=1e-8)
+    assert abs(rows[1]["duration_s"] / own - 1.0) > 1e-3
+
+
+def test_impossible_machines_are_marked_rows(tmp_path: Path) -> None:
+    """A radius below zero and one beyond the guide do not cost the rows beside them."""
+    text = """
+    [parameters."drives.pendulum.crank_radius_mm"]
+    values = [63.0, -5.0, 64.0, 10000.0]
+    """
+    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    assert [row["outcome"] for row in rows] == ["at_rest", NO_MODEL, "at_rest", NO_MODEL]
+    for row in rows[1::2]:
+        assert "crank_radius_mm" in row["message"]
+        assert row["engine"] == "none"
+        assert row["collisions"] == 0
+        assert np.isnan(row["duration_s"])
+    assert all(row["message"] == "" and row["duration_s"] > 0.0 for row in rows[::2])
+
+
+# --- who computes, and accidents ---------------------------------------------------------------
+
+
+def test_results_do_not_depend_on_who_computes(tmp_path: Path) -> None:
+    """Files are equal to the last byte for one and for two processes, and in this one backwards.
+
+    The columns hold finite numbers, so that equality says something.
+    """
+    found = plan(tmp_path, "chunk = 90\n" + TABLE)
+    assert len(found.chunks()) == 7
+    for workers in (1, 2):
+        run_sweep(found, tmp_path / str(workers), workers=workers)
+    one, two = chunk_files(tmp_path / "1"), chunk_files(tmp_path / "2")
+    assert one == two
+    text = found.job.text()
+    for chunk, rows in reversed(list(found.rows(found.chunks()))):
+        assert run_chunk(text, chunk.start, rows) == one[f"{chunk.number:07d}.parquet"]
+    table = read_sweep(tmp_path / "1").table
+    assert set(table["engine"].to_pylist()) == {"reduced"}
+    assert np.isfinite(table["duration_s"].to_numpy()).all()
+
+
+def test_interrupted_sweeps_resume(tmp_path: Path) -> None:
+    """What is on disk at the interrupt is kept as it is, and the end is that of a run in one go.
+
+    A file cut short by an accident, and a temporary one, are not taken for results.
+    """
+    found = plan(tmp_path, GEOMETRY)
+    assert len(found.chunks()) == 8
+    run_sweep(found, tmp_path / "whole", workers=2)
+    out = tmp_path / "parts"
+
+    def interrupt(done: int, _found: int, _total: int) -> None:
+        if done >= 8:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(found, out, workers=1, progress=interrupt)
+    kept = {path.name: path.stat().st_mtime_ns for path in (out / "chunks").iterdir()}
+    assert 2 <= len(kept) < 8
+    cut = out / "chunks" / min(kept)
+    cut.write_bytes(cut.read_bytes()[:-20])
+    (out / "chunks" / ".0000009.parquet.1.partial").write_bytes(b"half of it")
+    assert read_plan(study(tmp_path, GEOMETRY)).hash == found.hash
+    report = run_sweep(found, out, workers=2)
+    assert report.found == 4 * (len(kept) - 1)
+    (out / "chunks" / ".0000009.parquet.1.partial").unlink()
+    assert chunk_files(out) == chunk_files(tmp_path / "whole")
+    for name, written in kept.items():
+        path = out / "chunks" / name
+        assert (path.stat().st_mtime_ns == written) == (path != cut)
+    # Nothing is left to do: no process is started.
+    again = run_sweep(found, out)
+    assert (again.found, again.workers) == (30, 0)
+
+
+@pytest.mark.parametrize("blow", [signal.SIGINT, signal.SIGKILL])
+def test_a_sweep_is_stopped(tmp_path: Path, blow: signal.Signals) -> None:
+    """The command itself, interrupted or killed, leaves no process behind and can be run again.
+
+    It is stopped with a part of its chunks on disk; the end has the rows of a whole run.
+    """
+    path, out = study(tmp_path, GEOMETRY.replace("points = 5", "points = 40")), tmp_path / "out"
+    arguments = [*COMMAND, "sweep", path, "--out", str(out), "--workers", "2"]
+    # A group of its own: from a keyboard, an interrupt reaches every process of the group.
+    command = subprocess.Popen(arguments, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= 3)
+    workers = children(command.pid)
+    if blow == signal.SIGINT:
+        os.killpg(command.pid, blow)
+    else:
+        command.send_signal(blow)
+    complained = command.communicate(timeout=60)[1]
+    stored = len(list(out.glob("chunks/*.parquet")))
+    assert 3 <= stored < 60
+    if blow == signal.SIGINT:
+        assert command.returncode == 130
+        assert complained.startswith(f"nipper-pin: interrupted; {4 * stored} of 240 scenarios")
+        assert complained.count("\n") == 1
+    assert len(workers) >= 2
+    wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in workers))
+    done = subprocess.run(arguments, capture_output=True, text=True, check=True)
+    assert f"{4 * stored} were there, {240 - 4 * stored} computed" in done.stdout
+    numbers = pq.read_table([*out.glob("chunks/*.parquet")])["scenario"].to_pylist()
+    assert sorted(numbers) == list(range(240))
+
+
+def children(pid: int) -> list[int]:
+    text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+    return [int(number) for number in text.split()]
+
+
+def test_what_is_not_installed_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ["sweep", study(tmp_path, GEOMETRY), "--out", str(tmp_path / "out")]
+    monkeypatch.setattr("nipper_pin.study.sweep.cluster.find_spec", lambda _: None)
+    assert main([*arguments, "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    assert "pip install 'nipper-pin[cluster]'" in capsys.readouterr().err
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    assert main(arguments) == 2
+    assert main(["plot", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.count("pip install 'nipper-pin[sweep]'") == 2
+
+
+def test_results_of_two_plans_are_not_mixed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    small = '[parameters."drives.tension.ratio"]\nvalues = [2.2]\n'
+    arguments = ["--out", str(out), "--workers", "1"]
+    assert main(["sweep", study(tmp_path, small), *arguments]) == 0
+    before = chunk_files(out)
+    assert main(["sweep", study(tmp_path, small.replace("2.2", "2.3")), *arguments]) == 2
+    said = capsys.readouterr().err
+    assert "another sweep (they differ in: axes)" in said
+    assert "--out" in said
+    assert chunk_files(out) == before
+
+
+def test_command_says_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = study(tmp_path, '[parameters."drives.tension.ratio"]\nvalues = [2.2, 2.3]\n')
+    out = tmp_path / "out"
+    assert main(["sweep", path, "--dry-run"]) == 0
+    assert capsys.readouterr().out == "2 scenarios of 2 mechanisms in 1 chunks\n"
+    assert main(["sweep", path, "--out", str(out), "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["scenarios"], document["found"], document["chunks"]) == (2, 0, 1)
+    assert main(["sweep", path, "--out", str(out)]) == 0
+    assert "2 were there, 0 computed" in capsys.readouterr().out
+    assert main(["sweep", path, "--workers", "0"]) == 2
+    assert main(["sweep", path, "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"]) == 2
+
+
+# --- a cluster ---------------------------------------------------------------------------------
+
+
+class Cluster:
+    """A real scheduler and real workers on loopback, each a process of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.file = folder / "scheduler.json"
+        self.running: list[subprocess.Popen[bytes]] = []
+        self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                   "--scheduler-file", str(self.file))  # fmt: skip
+        wait_for(self.file.exists)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, *arguments: str) -> subprocess.Popen[bytes]:
+        with (self.folder / f"{len(self.running)}.log").open("wb") as log:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "dask", *arguments],
+                stdout=log,
+                stderr=log,
+                cwd=self.folder,
+            )
+        self.running.append(process)
+        return process
+
+    def worker(self, name: str) -> subprocess.Popen[bytes]:
+        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                          "--host", "127.0.0.1", "--name", name)  # fmt: skip
+
+    def __enter__(self) -> Cluster:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self.running:
+            process.kill()
+            process.wait()
+
+
+def wait_for(condition: Any, seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.02)
+
+
+def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
+    """Nothing is lost and nothing is double when one of two workers is killed at work.
+
+    When it is killed, chunks of its own are under way (the scheduler names them) and a part of all
+    is stored; the other one has to do them again. The files are those of a local sweep to the last
+    byte, and every scenario is there once.
+    """
+    text = GEOMETRY.replace("points = 5", "points = 100").replace("chunk = 4", "chunk = 10")
+    path, out = study(tmp_path, text), tmp_path / "cluster"
+    run_sweep(read_plan(path), tmp_path / "local", workers=2)
+    whole = chunk_files(tmp_path / "local")
+    assert len(whole) == 60
+
+    def stored() -> int:
+        return len(list((out / "chunks").glob("*.parquet")))
+
+    with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
+        doomed, other = cluster.worker("doomed"), cluster.worker("other")
+        client.wait_for_workers(2, timeout=60)
+        names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
+        command = subprocess.Popen(
+            [*COMMAND, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        wait_for(lambda: stored() >= 15 or command.poll() is not None)
+        under_way = client.processing()[names["doomed"]]
+        doomed.kill()
+        before = stored()
+        said, complained = command.communicate(timeout=120)
+        left = [item["name"] for item in client.scheduler_info()["workers"].values()]
+        assert other.poll() is None
+    assert command.returncode == 0, complained
+    assert "600 computed" in said
+    assert 15 <= before < 50
+    assert len(under_way) >= 1
+    assert left == ["other"]
+    assert chunk_files(out) == whole
+    numbers = pq.read_table(out / "chunks")["scenario"].to_pylist()
+    assert sorted(numbers) == list(range(600))
+
+
+def test_a_cluster_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither an address where nobody listens nor a scheduler without workers waits for ever."""
+    monkeypatch.setattr("nipper_pin.study.sweep.cluster._CONNECT_S", 1.0)
+    path = study(tmp_path, GEOMETRY)
+    with socket.socket() as taken:
+        # Bound and not listening: nobody answers there, and nobody else can.
+        taken.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"
+        arguments = ["sweep", path, "--out", str(tmp_path / "out"), "--scheduler"]
+        assert main([*arguments, address]) == 2
+    assert "cannot be reached" in capsys.readouterr().err
+    assert main([*arguments, "nonsense"]) == 2
+    with Cluster(tmp_path) as cluster:
+        assert main([*arguments, cluster.address]) == 2
+    assert "has no workers" in capsys.readouterr().err

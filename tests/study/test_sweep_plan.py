@@ -1,0 +1,274 @@
+"""Plans of sweeps as sets of numbers: every scenario once, and studies that cannot be used."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import qmc
+
+from nipper_pin import InputError
+from nipper_pin.cli import main
+from nipper_pin.study.sweep import Plan, read_plan
+from nipper_pin.study.sweep.job import read_job
+from nipper_pin.study.transitions import REDUCED_PAYS_FROM
+
+TABLE = """
+[samples]
+method = "sobol"
+count = 600
+seed = 7
+[parameters.speed_rpm]
+low = 420.0
+high = 680.0
+[parameters.restitution]
+low = 0.05
+high = 0.25
+[parameters.stiffness]
+low = 7000.0
+high = 11000.0
+scale = "log"
+[parameters.preload]
+low = 9.0
+high = 13.0
+"""
+GEOMETRY = """
+chunk = 4
+[parameters."points.eccentric_pin.radius_mm"]
+low = 4.0
+high = 6.0
+points = 5
+[parameters."drives.tension.ratio"]
+values = [2.0, 2.2, 2.4]
+[parameters.speed_rpm]
+values = [450.0, 650.0]
+"""
+
+
+def study(folder: Path, text: str, name: str = "study") -> str:
+    path = folder / f"{name}.toml"
+    path.write_text(f'format = 1\ntitle = "test"\n{text}', encoding="utf-8")
+    return str(path)
+
+
+def plan(folder: Path, text: str) -> Plan:
+    return read_plan(study(folder, text))
+
+
+def all_rows(found: Plan) -> np.ndarray:
+    return np.concatenate([rows for _, rows in found.rows(found.chunks())])
+
+
+def test_grid_is_the_product_of_its_values(tmp_path: Path) -> None:
+    """Written out with itertools; numbers that change the mechanism vary slowest."""
+    text = """
+    [parameters.speed_rpm]
+    low = 400.0
+    high = 600.0
+    points = 3
+    [parameters."links.top_nipper.mass_kg"]
+    low = 0.5
+    high = 2.0
+    points = 3
+    scale = "log"
+    [parameters.restitution]
+    values = [0.3, 0.1]
+    """
+    found = plan(tmp_path, text)
+    speeds, masses, restitutions = (400.0, 500.0, 600.0), (0.5, 1.0, 2.0), (0.3, 0.1)
+    wanted = [
+        (speed, mass, e) for mass, speed, e in itertools.product(masses, speeds, restitutions)
+    ]
+    np.testing.assert_allclose(all_rows(found), wanted, rtol=1e-15)
+    assert (found.scenarios, found.mechanisms) == (18, 3)
+
+
+def test_samples_are_those_of_scipy(tmp_path: Path) -> None:
+    """A Sobol sequence drawn in parts is the one drawn whole, scaled to the bounds.
+
+    The parts are forced to be odd ones. A part that was skipped or drawn twice would shift all
+    that follow, and no two points of a sequence are equal.
+    """
+    found = plan(tmp_path, "chunk = 37\n" + TABLE)
+    assert len(found.chunks()) == 17
+    unit = qmc.Sobol(4, rng=np.random.default_rng(7)).random(1024)[:600]
+    rows = all_rows(found)
+    np.testing.assert_allclose(rows[:, 0], 420.0 + 260.0 * unit[:, 0], rtol=1e-14)
+    np.testing.assert_allclose(np.log(rows[:, 2] / 7e3) / np.log(11 / 7), unit[:, 2], atol=1e-14)
+    # A resumed sweep asks for some parts only.
+    some = found.chunks()[5::4]
+    for chunk, part in found.rows(some):
+        assert (part == rows[chunk.start : chunk.stop]).all()
+
+
+def test_latin_hypercube_has_one_sample_in_every_layer(tmp_path: Path) -> None:
+    """That is what it is; independent uniform numbers do it once in 200!/200^200."""
+    text = TABLE.replace("sobol", "latin_hypercube").replace("600", "200")
+    rows = all_rows(plan(tmp_path, text))
+    for column, low, high in ((0, 420.0, 680.0), (1, 0.05, 0.25), (3, 9.0, 13.0)):
+        layer = np.floor(200.0 * (rows[:, column] - low) / (high - low)).astype(int)
+        assert sorted(layer) == list(range(200))
+
+
+def test_samples_cross_grids(tmp_path: Path) -> None:
+    """Every sample meets every grid value once, whichever of the two changes the mechanism."""
+    samples = '[samples]\nmethod = "sobol"\ncount = 5\n'
+    moving = '[parameters."links.top_nipper.mass_kg"]\n'
+    plain = "[parameters.speed_rpm]\n"
+    bounds, mass = "low = {}\nhigh = {}\n", (1.0, 1.4)
+    for drawn, grid, mechanisms in (
+        (moving + bounds.format(*mass), plain + "values = [450.0, 550.0, 650.0]\n", 5),
+        (plain + bounds.format(400, 700), moving + "values = [1.0, 1.2, 1.4]\n", 3),
+    ):
+        found = plan(tmp_path, f"chunk = 2\n{samples}{drawn}{grid}")
+        rows = all_rows(found)
+        assert (found.scenarios, found.mechanisms) == (15, mechanisms)
+        assert len({tuple(row) for row in rows}) == 15
+        assert [len(set(column)) for column in rows.T] == [5, 3]
+        # One chunk that starts the samples again holds the same rows.
+        at_once = plan(tmp_path, f"chunk = 15\n{samples}{drawn}{grid}")
+        assert len(at_once.chunks()) == 1
+        assert (all_rows(at_once) == rows).all()
+        key = 0 if drawn.startswith(moving) else 1
+        assert np.count_nonzero(np.diff(rows[:, key])) == mechanisms - 1
+
+
+@pytest.mark.parametrize("chunk", [None, 1, 7, 100, 10**6])
+@pytest.mark.parametrize("text", [TABLE, GEOMETRY.replace("chunk = 4\n", "")])
+def test_chunks_hold_every_scenario_once(tmp_path: Path, text: str, chunk: int | None) -> None:
+    head = "" if chunk is None else f"chunk = {chunk}\n"
+    found = plan(tmp_path, head + text)
+    chunks = found.chunks()
+    edges = [chunks[0].start, *(item.stop for item in chunks)]
+    assert edges[0] == 0
+    assert edges[-1] == found.scenarios
+    assert all(item.start < item.stop for item in chunks)
+    assert [item.start for item in chunks] == edges[:-1]
+    assert [item.number for item in chunks] == list(range(len(chunks)))
+
+
+def test_a_study_of_a_thousand_million_scenarios_is_planned_without_making_them(
+    tmp_path: Path,
+) -> None:
+    """The rows would take 32 GB; no chunk leaves a part so small that it changes the engine."""
+    found = plan(tmp_path, TABLE.replace("600", "1_000_000_000"))
+    chunks = found.chunks()
+    sizes = {item.stop - item.start for item in chunks}
+    assert sum(item.stop - item.start for item in chunks) == 10**9
+    assert max(sizes) <= 65_536
+    assert min(sizes) > REDUCED_PAYS_FROM
+    _, rows = next(found.rows(chunks[1000:]))
+    assert rows.shape == (chunks[1000].stop - chunks[1000].start, 4)
+
+
+def test_plan_has_one_name(tmp_path: Path) -> None:
+    """Equal studies have equal hashes, from any folder; every number that counts changes it."""
+    (tmp_path / "other").mkdir()
+    same = read_plan(study(tmp_path / "other", TABLE, "another"))
+    first = plan(tmp_path, TABLE)
+    assert first.hash == same.hash
+    changes = [
+        ("count = 600", "count = 601"),
+        ("seed = 7", "seed = 8"),
+        ("high = 13.0", "high = 13.5"),
+        ('"log"', '"linear"'),
+        ("[samples]", "[case]\ntolerance = 1e-9\n[samples]"),
+        ("[samples]", '[set]\n"stops.steeve.restitution" = 0.21\n[samples]'),
+        ("[samples]", 'quantities = ["duration_s"]\n[samples]'),
+        ("[samples]", "chunk = 100\n[samples]"),
+    ]
+    hashes = {plan(tmp_path, TABLE.replace(*change, 1)).hash for change in changes}
+    assert len(hashes | {first.hash}) == len(changes) + 1
+
+
+def test_a_worker_rebuilds_the_job_from_its_text(tmp_path: Path) -> None:
+    """Plain data: JSON, without visuals, whose files a worker may lack; versions must agree."""
+    job = plan(tmp_path, GEOMETRY).job
+    assert read_job(job.text()) == job
+    document = json.loads(job.text())
+    assert "<visual" not in document["urdf"]
+    assert "<collision" in document["urdf"]
+    document["versions"]["pin"] = "0.0"
+    with pytest.raises(InputError, match=r"pin .* instead of 0\.0"):
+        read_job(json.dumps(document).encode())
+
+
+@pytest.mark.parametrize(
+    ("path", "own"),
+    [
+        ("drives.pendulum.guide_offset_mm", 0.0),
+        ("drives.pendulum.crank_axis_mm[1]", 0.0),
+        ("urdf.link.top_nipper.inertial.mass.value", None),
+        ("links.top_nipper.gyration_mm", None),
+        ("points.rod_pin.z_mm", None),
+    ],
+)
+def test_every_number_of_a_model_can_vary(tmp_path: Path, path: str, own: float | None) -> None:
+    """All kinds of paths are found, and each makes mechanisms of its own."""
+    values = [1.0 if own is None else own, 1.5]
+    found = plan(tmp_path, f"[parameters.'{path}']\nvalues = {values}\n")
+    assert found.mechanisms == 2
+    assert found.axes[0].target.path == path
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ("[parameters.speed_rpm]\nlow = 400.0\n", "parameters.speed_rpm"),
+        ("[parameters.speed_rpm]\nlow = 400.0\nhigh = 300.0\npoints = 3\n", "speed_rpm"),
+        ("[parameters.speed_rpm]\nlow = 0.0\nhigh = 300.0\npoints = 3\n", "above 0 r/min"),
+        ("[parameters.speed_rpm]\nlow = 1.0\nhigh = inf\npoints = 3\n", "finite"),
+        ("[parameters.speed_rpm]\nlow = 1.0\nhigh = 9.0\npoints = 1\n", "points"),
+        ("[parameters.speed_rpm]\nlow = 400.0\nhigh = 500.0\n", r"\[samples\]"),
+        ("[parameters.speed_rpm]\nvalues = [450.0]\nlow = 400.0\n", "either values"),
+        ("[parameters.speed_rpm]\nvalues = [450.0, 450.0]\n", "differ"),
+        ("[parameters.speed_rpm]\nvalues = ['450']\n", "parameters"),
+        ("[parameters.restitution]\nvalues = [0.5, 1.5]\n", "parameters.restitution = 1.5"),
+        ("[parameters.stiffness]\nvalues = [-1.0]\n", "parameters.stiffness = -1.0"),
+        ("[parameters.preload]\nlow = -1.0\nhigh = 2.0\npoints = 3\nscale = 'log'\n", "log"),
+        ("[parameters.nothing]\nvalues = [1.0]\n", "no parameter named 'nothing'"),
+        ("[parameters.'drives.tension.rate']\nvalues = [1.0]\n", "parameters.drives.tension.rate"),
+        ("[parameters.'drives.tension.law']\nvalues = [1.0]\n", "path of one number"),
+        ("[parameters.'links.jaw.mass_kg']\nvalues = [1.0]\n", "'jaw'"),
+        ("[parameters.'points.jaw.y_mm']\nvalues = [1.0]\n", "y_mm"),
+        ("[parameters.stiffness]\nvalues = [9e3]\n"
+         "[parameters.'springs.steeve.stiffness_N_per_m']\nvalues = [9e3]\n", "stiffness"),
+        ("[set]\nstiffness = 8000.0\n[parameters.stiffness]\nvalues = [9e3]\n", "set.stiffness"),
+        ("[case]\nspeed_rpm = 450.0\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.speed_rpm"),
+        ("[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.window"),
+        ("[case]\nspeed = 450.0\n[parameters.restitution]\nvalues = [0.1]\n", "speed"),
+        ("[set]\n'stops.jaw.law' = 1\n[parameters.preload]\nvalues = [9.0]\n", r"toml: set: .*law"),
+        ("[parameters.'drives.pendulum.guide_axis_mm[2]']\nvalues = [1.0]\n", r"\[2\]"),
+        ("model = 'e63'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "e63"),
+        ("quantities = ['rebound_time_s']\n[parameters.speed_rpm]\nvalues = [9e2]\n", "quantities"),
+        ("quantities = ['force_1']\n[parameters.speed_rpm]\nvalues = [9e2]\n", "force_1"),
+        ("[samples]\nmethod = 'sobol'\ncount = 8\n[parameters.speed_rpm]\nvalues = [9e2]\n",
+         "samples"),
+        (TABLE.replace("600", "2_000_000_000"), "samples.count"),
+        (TABLE.replace("sobol", "random"), "samples.method"),
+        ("[parameters]\n", "nothing varies"),
+        ("", "parameters"),
+        ("[parameters", "readable TOML"),
+    ],
+)  # fmt: skip
+def test_unusable_studies_are_refused(
+    tmp_path: Path, text: str, key: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Exit status 2 and one sentence that names the key; nothing is written."""
+    out = tmp_path / "out"
+    assert main(["sweep", study(tmp_path, text), "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert re.search(key, said), said
+    assert said.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["sweep_spring", "sweep_eccentric", "sweep_billion"])
+def test_studies_that_come_along_can_be_planned(name: str) -> None:
+    found = read_plan(str(Path(__file__).parents[2] / "scripts" / f"{name}.toml"))
+    assert found.scenarios == {"sweep_spring": 100_000, "sweep_eccentric": 2000,
+                               "sweep_billion": 10**9}[name]  # fmt: skip

@@ -1,0 +1,293 @@
+"""`nipper-pin new`, the tutorial and what `check` says next: from an empty folder to a run."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, InputError, Mechanism, Outcome, Window, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.mechanism.skeleton import skeleton, write_skeleton
+from nipper_pin.study.check import check_model
+from nipper_pin.study.next_steps import next_steps
+
+ROOT = Path(__file__).resolve().parents[1]
+TUTORIAL = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+MARKED = re.compile(r"<!-- (?P<what>[^\n]*) -->\n```\w+\n(?P<text>.*?)```", re.DOTALL)
+RADIUS, LENGTH, TOUCH = 0.025, 0.113, math.atan2(-20.0, -15.0)
+EPS = float(np.finfo(float).eps)
+
+
+def ram_height(psi: np.ndarray) -> np.ndarray:
+    """Ram pin of the rigid slider-crank above its place at touch, closed form [m]."""
+    across = RADIUS * np.cos(psi)
+    return RADIUS * np.sin(psi) - np.sqrt(LENGTH**2 - across**2) + 0.132
+
+
+def ram_rate(psi: float, radius: float = RADIUS, length: float = LENGTH) -> float:
+    """Derivative of the above by the crank angle [m/rad]."""
+    across = radius * math.cos(psi)
+    down = math.sqrt(length**2 - across**2)
+    return across * (1.0 - radius * math.sin(psi) / down)
+
+
+def listings() -> dict[str, str]:
+    return {match["what"]: match["text"] for match in MARKED.finditer(TUTORIAL)}
+
+
+def first_step(home: Path) -> Path:
+    folder = home / "slider"
+    folder.mkdir()
+    for what, text in listings().items():
+        if what.startswith("file: "):
+            (home / what.removeprefix("file: ")).write_text(text, encoding="utf-8")
+    return folder
+
+
+def second_step(home: Path) -> Path:
+    """What step 2 says, done to the files of step 1 word by word."""
+    folder = first_step(home)
+    for what, text in listings().items():
+        match = re.fullmatch(r"replace in (\S+) from: (.+) to: (.+)", what)
+        if match is None:
+            continue
+        path = home / match[1]
+        old = path.read_text(encoding="utf-8")
+        start = old.index(match[2])
+        stop = len(old) if match[3] == "end" else old.index(match[3])
+        # The indentation before the first replaced element belongs to it.
+        start = old.rindex("\n", 0, start) + 1
+        stop = stop if match[3] == "end" else old.rindex("\n", 0, stop) + 1
+        path.write_text(old[:start] + text + old[stop:], encoding="utf-8")
+    toml = folder / "slider.toml"
+    text = toml.read_text(encoding="utf-8")
+    assert text.count("degrees_of_freedom = 1") == 1
+    text = text.replace(
+        "degrees_of_freedom = 1", 'transition_stop = "anvil"\ndegrees_of_freedom = 2'
+    )
+    toml.write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def press(tmp_path: Path) -> Mechanism:
+    return load(write_skeleton(tmp_path / "press"))
+
+
+def test_slider_crank_of_the_tutorial_moves_as_in_closed_form(tmp_path: Path) -> None:
+    """Step 1 against r sin(psi) - sqrt(l^2 - r^2 cos^2(psi)) over a turn.
+
+    The closed form knows no tree, no closure and no solver; angle_at_touch_deg is written with four
+    decimals, which shifts psi by up to 5e-5 deg and the ram by 25 mm of it: 2.2e-8 m.
+    """
+    mechanism = load(first_step(tmp_path))
+    assert mechanism.degrees_of_freedom == len(mechanism.drives) == 1
+    solution = simulate(mechanism, Case(speed_rpm=120.0, window=Window.CYCLE))
+    times = np.linspace(*solution.trajectory.span, 301)
+    found = solution.trajectory.evaluate(times).q
+    height = found[:, next(item.index for item in mechanism.joints if item.name == "height")]
+    np.testing.assert_allclose(height, ram_height(solution.shaft.angle(times)), atol=2.5e-8)
+    assert height.max() - height.min() == pytest.approx(2.0 * RADIUS, abs=1e-5)
+
+
+@pytest.mark.parametrize("step", ["1", "2", "3"])
+def test_commands_of_the_tutorial_work_as_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], step: str
+) -> None:
+    (first_step if step == "1" else second_step)(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    text = TUTORIAL.partition(f"## Step {step}:")[2].partition("\n## ")[0]
+    commands = re.findall(r"(?m)^    nipper-pin (.+)$", text)
+    assert len(commands) >= 2
+    for command in commands:
+        assert main(command.split()) == 0, command
+    said = capsys.readouterr().out
+    assert ("nothing can collide" in said) == (step == "1")
+    for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+        exec(code, {})  # a listing of this repository's own document
+        assert float(capsys.readouterr().out) < 2.5e-8
+
+
+def test_press_of_the_tutorial_is_that_of_the_skeleton(tmp_path: Path, press: Mechanism) -> None:
+    """Two texts written apart from each other, one machine: the collisions are the same.
+
+    Both end in the same bodies but for the decimals of angle_at_touch_deg (the law is a constant
+    speed, so that angle has no effect on the motion at all).
+    """
+    tutorial = load(second_step(tmp_path))
+    case = Case(speed_rpm=120.0)
+    one, other = simulate(tutorial, case), simulate(press, case)
+    assert one.outcome is other.outcome is Outcome.AT_REST
+    assert len(one.collisions) == len(other.collisions) > 3
+    for first, second in zip(one.collisions, other.collisions, strict=True):
+        assert first.approach_rate == pytest.approx(second.approach_rate, rel=1e-9)
+        assert first.impulse == pytest.approx(second.impulse, rel=1e-9)
+
+
+def test_press_strikes_as_fast_as_its_crank_drives_it(press: Mechanism) -> None:
+    """First approach rate in closed form; the tutorial quotes it as 222 mm/s.
+
+    With the buffer on its stop the ram is that of a rigid slider-crank, and the anvil is struck at
+    touch. A wrong closure, axis or law gives another rate; round-off is 100 eps of it.
+    """
+    omega = 120.0 * math.tau / 60.0
+    hit = simulate(press, Case(speed_rpm=120.0)).collisions[0]
+    assert hit.stop == "anvil"
+    assert hit.approach_rate == pytest.approx(omega * ram_rate(TOUCH), rel=1e-12)
+    assert round(-1e3 * hit.approach_rate) == 222
+
+
+def test_longer_crank_strikes_as_closed_form_says(press: Mechanism) -> None:
+    """The override that the tutorial shows: crank of 27 mm, rod as long as the points then are.
+
+    Crank pin at 27 mm (-0.6, -0.8), ram pin where it was. A crank that grew on one side of its pin
+    only would open the closure; a rod that did not turn would give another rate.
+    """
+    mechanism = load(press.mesh_folder, {"points.crank_pin.radius_mm": "27"})
+    length = math.hypot(0.0162, 0.132 - 0.0216)
+    hit = simulate(mechanism, Case(speed_rpm=120.0)).collisions[0]
+    expected = 120.0 * math.tau / 60.0 * ram_rate(TOUCH, 0.027, length)
+    assert hit.approach_rate == pytest.approx(expected, rel=1e-12)
+
+
+def test_guide_on_the_frame_keeps_its_direction(tmp_path: Path) -> None:
+    """Ram and guide moved aside by 5 mm: an offset slider-crank, whose ram still moves along z.
+
+    Closed form with offset e: z = r sin(psi) - sqrt(l^2 - (e - r cos(psi))^2). A guide that turned
+    with the line from crank axis to ram pin would tilt by 5/132 and be out by a millimetre. Four
+    decimals of angle_at_touch_deg are 2.2e-8 m, as in step 1.
+    """
+    mechanism = load(first_step(tmp_path), {"points.ram_pin.x_mm": 5.0})
+    solution = simulate(mechanism, Case(speed_rpm=120.0, window=Window.CYCLE))
+    times = np.linspace(*solution.trajectory.span, 101)
+    q = solution.trajectory.evaluate(times).q
+    found = q[:, next(item.index for item in mechanism.joints if item.name == "height")]
+    psi = solution.shaft.angle(times)
+    length, aside = math.hypot(0.020, 0.112), 0.005 - RADIUS * np.cos(psi)
+    expected = RADIUS * np.sin(psi) - np.sqrt(length**2 - aside**2) + 0.132
+    np.testing.assert_allclose(found, expected, atol=2.5e-8)
+
+
+@pytest.mark.parametrize("command", ["check", "simulate", "cycle", "view"])
+def test_new_model_is_accepted_by_the_commands(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+) -> None:
+    """What `new` prints as next steps works when it is typed as printed, in the folder it names."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "deep/press"]) == 0
+    said = capsys.readouterr().out
+    assert "nipper-pin check deep/press" in said
+    assert sorted(item.name for item in (tmp_path / "deep" / "press").iterdir()) == [
+        "model.schema.json",
+        "press.toml",
+        "press.urdf",
+    ]
+    assert [item.name for item in (tmp_path / "deep").iterdir()] == ["press"]
+    arguments = {
+        "check": ["check", "deep/press"],
+        "simulate": ["simulate", "deep/press", "--json", "-"],
+        "cycle": ["simulate", "deep/press", "--window", "cycle", "--json", "-"],
+        "view": ["view", "deep/press", "--html", "press.html"],
+    }[command]
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    if command == "check":
+        assert said.splitlines()[-3:] == [
+            "Run next: nipper-pin simulate deep/press",
+            "Then: nipper-pin simulate deep/press --window cycle",
+            "Look at it: nipper-pin view deep/press --html press.html",
+        ]
+        assert "INTERFERENCE" not in said
+    elif command == "view":
+        assert (tmp_path / "press.html").stat().st_size > 100_000
+    else:
+        stops = [item["stop"] for item in json.loads(said)["collisions"]]
+        assert stops[0] == "anvil"
+        assert ("buffer" in stops) == (command == "cycle")
+
+
+def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mechanism) -> None:
+    assert press.model.name == "press"
+    folder = Path(press.mesh_folder)
+    first = (folder / "press.toml").read_text(encoding="utf-8").splitlines()[0]
+    assert first == "#:schema ./model.schema.json"
+    assert (folder / "model.schema.json").read_text(encoding="utf-8") == (
+        ROOT / "docs" / "model.schema.json"
+    ).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("e62", "comes with the package"),
+        ("a b", "cannot name a model"),
+        ("1st", "cannot name a model"),
+        ("full", "is not empty"),
+        ("file", "is not empty"),
+        ("file/press", "cannot be written"),
+    ],
+)
+def test_new_refuses_and_leaves_everything_as_it_was(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, words: str
+) -> None:
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "notes.txt").write_text("mine")
+    (tmp_path / "file").write_text("mine")
+    before = sorted(item.relative_to(tmp_path) for item in tmp_path.rglob("*"))
+    assert main(["new", str(tmp_path / name)]) == 2
+    assert words in capsys.readouterr().err
+    assert sorted(item.relative_to(tmp_path) for item in tmp_path.rglob("*")) == before
+
+
+def test_new_takes_an_empty_folder(tmp_path: Path) -> None:
+    (tmp_path / "press").mkdir()
+    assert load(write_skeleton(tmp_path / "press")).name == "press"
+    with pytest.raises(InputError, match="not empty"):
+        write_skeleton(tmp_path / "press")
+
+
+def test_every_table_of_the_skeleton_is_explained() -> None:
+    text = skeleton("press")["press.toml"]
+    tables = re.findall(r"(?m)^(\[+\w+[^\n]*)$", text)
+    assert len(tables) > 8
+    for table in tables:
+        above = text[: text.index(table)].rstrip().splitlines()[-1]
+        assert above.startswith("#") or table == "[stops.buffer]", table
+
+
+def test_check_says_what_is_missing(tmp_path: Path) -> None:
+    """A model on the way: without stops, without drives, with a stop that nothing strikes."""
+    steps = next_steps(check_model(load(first_step(tmp_path)), 120.0), "slider")
+    assert any("nothing can collide" in step for step in steps)
+    assert any("[provenance]" in step for step in steps)
+    assert steps[-2:] == (
+        "Then: nipper-pin simulate slider --window cycle",
+        "Look at it: nipper-pin view slider --html slider.html",
+    )
+    assert not any(step.startswith("Run next") for step in steps)
+
+
+def test_check_says_what_overlaps(press: Mechanism) -> None:
+    """A crank web of 0.4 m sweeps through everything, and the advice says so."""
+    path = "urdf.link.crank_arm.collision.crank_arm.geometry.box.size.x"
+    large = load(press.mesh_folder, {path: 0.4})
+    steps = next_steps(check_model(large, 120.0), "press")
+    assert any(step.startswith("Missing: links overlap: ") for step in steps)
+
+
+def test_check_says_what_is_not_struck(press: Mechanism) -> None:
+    report = check_model(press, 120.0)
+    steps = next_steps(replace(report, closing_index=None), "press")
+    assert steps[0].startswith("Missing: stop anvil is not struck in a turn at 120 r/min")
+    steps = next_steps(replace(report, opening_index=None), "press")
+    assert steps[0].startswith("Missing: stop anvil does not open again")
+    assert steps[1] == "Run next: nipper-pin simulate press"

@@ -1,0 +1,253 @@
+"""The live page without a browser: what its sliders set, what it answers, where solids stand."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import signal
+import socket
+import subprocess
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from nipper_pin import Case, InputError, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.view.live.answer import Answer, answer, as_html
+from nipper_pin.view.live.settings import Knob, changed, knobs
+
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+WHY = "viser is not installed (extra `live`): the page cannot be built"
+
+
+@pytest.fixture(scope="module")
+def controls(e62) -> tuple[Knob, ...]:
+    return knobs(e62, 650.0)
+
+
+def asked(controls, **values: float) -> dict[str, float]:
+    """Where the sliders stand: at their starts, but for some."""
+    known = {item.key: item.start for item in controls}
+    assert set(values) <= {key.rpartition(".")[2] for key in known}
+    return {key: values.get(key.rpartition(".")[2], start) for key, start in known.items()}
+
+
+def numbers(found: Answer) -> dict[str, str]:
+    return {key: value for key, _, value in found.rows}
+
+
+def test_sliders_are_in_units_that_people_read(controls) -> None:
+    found = {item.label: (item.low, item.start, item.high) for item in controls}
+    assert list(found) == [
+        "speed [r/min]", "restitution of the jaw", "stiffness [N/mm]", "preload [mm]"
+    ]  # fmt: skip
+    assert found["stiffness [N/mm]"][1] == 9.0
+    assert found["preload [mm]"][1] == 11.0
+    for low, start, high in found.values():
+        assert low <= start <= high
+    for item in controls:
+        # Both ends are whole numbers of steps, so that the slider reaches round numbers.
+        for end in (item.low, item.high):
+            assert end / item.step == pytest.approx(round(end / item.step), abs=1e-9)
+
+
+def test_a_start_outside_the_usual_range_is_inside_the_slider(e62) -> None:
+    speed = knobs(e62, 1234.5)[0]
+    assert speed.low < speed.start == speed.high == 1234.5
+    assert knobs(e62, 20.0)[0].low == 20.0
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), float("inf")])
+def test_an_unusable_speed_is_refused(e62, speed: float) -> None:
+    with pytest.raises(InputError, match="a finite speed above 0"):
+        knobs(e62, speed)
+
+
+def test_sliders_at_their_starts_mean_the_model(e62, controls) -> None:
+    values = {item.key: item.factor * item.start for item in controls}
+    same = changed(e62, values)
+    assert same.stops == e62.stops
+    for one, other in zip(same.springs, e62.springs, strict=True):
+        # Units are converted forth and back: two roundings.
+        assert one.stiffness == pytest.approx(other.stiffness, rel=4e-16)
+        assert one.preload == pytest.approx(other.preload, rel=4e-16)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"speed": 450.0},
+        {"speed": 700.0, "restitution": 0.35},
+        {"stiffness": 7.0, "preload": 13.2},
+        {"speed": 545.0, "restitution": 0.05, "stiffness": 11.0, "preload": 8.0},
+    ],
+)
+def test_numbers_are_those_of_a_run_that_the_model_files_describe(
+    e62, controls, values: dict[str, float]
+) -> None:
+    """The same setting through the overrides of the TOML file, a path the page does not take.
+
+    All of speed, restitution, rate and preload move the numbers by more than their four digits, so
+    a slider without effect, or with another one's, fails.
+    """
+    found = answer(e62, controls, asked(controls, **values))
+    shown = {"speed": 650.0, "restitution": 0.2, "stiffness": 9.0, "preload": 11.0} | values
+    mechanism = load(
+        "e62",
+        {
+            "stops.jaw.restitution": shown["restitution"],
+            "springs.steeve.stiffness_N_per_m": 1e3 * shown["stiffness"],
+            "springs.steeve.preload_length_mm": shown["preload"],
+        },
+    )
+    run = simulate(mechanism, Case(speed_rpm=shown["speed"]))
+    first, whole = run.collisions[0], run.transitions[0]
+    read = numbers(found)
+    assert float(read["amplitude"]) == pytest.approx(np.degrees(first.rebound_amplitude), rel=6e-4)
+    assert float(read["duration"]) == pytest.approx(1e3 * whole.duration, rel=6e-4)
+    assert float(read["impulse"]) == pytest.approx(first.impulse, rel=6e-4)
+    assert int(read["collisions"]) == whole.collisions
+    np.testing.assert_allclose(found.impulse, [hit.impulse for hit in run.collisions], rtol=1e-9)
+    assert found.gap.max() == pytest.approx(np.degrees(first.rebound_amplitude), rel=1e-3)
+    assert found.hit_time[-1] == pytest.approx(1e3 * (run.collisions[-1].t - first.t), rel=1e-9)
+    assert (np.diff(found.time) > 0.0).all()
+
+
+def test_a_setting_without_rest_gives_its_reason_and_no_numbers(e62, controls) -> None:
+    found = answer(e62, controls, asked(controls, speed=900.0, restitution=0.7))
+    assert found.rows == ()
+    assert found.solution is None
+    assert "did not come to rest" in found.message
+    # The steeve reaches its stop in this one, which the sentence tells.
+    assert "the steeve struck its stop" in found.message
+    page = as_html(found)
+    assert "No numbers" in page
+    assert "<table" not in page
+    assert "speed 900 r/min" in page
+
+
+def test_a_run_that_fails_gives_its_sentence_and_no_numbers(controls) -> None:
+    backwards = load("e62", {"cylinder.direction": "counter-clockwise"})
+    found = answer(backwards, controls, asked(controls))
+    assert "not closing in the touch configuration" in found.message
+    assert found.rows == ()
+
+
+def test_without_restitution_there_is_a_collision_and_no_motion(e62, controls) -> None:
+    found = answer(e62, controls, asked(controls, restitution=0.0))
+    read = numbers(found)
+    assert found.message == ""
+    assert (read["duration"], read["amplitude"], read["collisions"]) == ("0", "0", "1")
+    assert found.solution is None
+    assert len(found.impulse) == 1
+
+
+def test_what_a_model_is_called_cannot_become_part_of_the_page(e62, controls) -> None:
+    knob = dataclasses.replace(controls[0], label="<script>alert(1)</script>")
+    found = answer(e62, (knob, *controls[1:]), asked(controls))
+    assert "<script>" not in as_html(found)
+
+
+def test_solids_stand_where_pinocchio_puts_their_links(e62) -> None:
+    """Positions and axes of all frames in a bent configuration, by Pinocchio's own kinematics."""
+    viser = pytest.importorskip("viser", reason=WHY)
+    from nipper_pin.view.live.stage import Stage
+    from nipper_pin.view.scene.solids import solids
+
+    run = simulate(e62, Case(speed_rpm=650.0))
+    motion = run.trajectory.evaluate(2e-3)
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        Stage(server, e62).pose(motion.q[0], float(motion.cylinder_angle[0]))
+        data = e62.model.createData()
+        pin.forwardKinematics(e62.model, data, motion.q[0])
+        for joint in e62.joints:
+            wanted = data.oMi[e62.model.getJointId(joint.name)]
+            frame = server.scene.get_handle_by_name(f"/links/{joint.child}")
+            w, x, y, z = frame.wxyz
+            np.testing.assert_allclose(frame.position, wanted.translation, atol=1e-12)
+            turned = pin.Quaternion(w, x, y, z).toRotationMatrix()
+            np.testing.assert_allclose(turned, wanted.rotation, atol=1e-12)
+        springs = [item for item in solids(e62) if item.spring is not None]
+        assert springs
+        for item in springs:
+            joint = next(joint for joint in e62.joints if e62.joints.index(joint) == item.body)
+            handle = server.scene.get_handle_by_name(f"/links/{joint.child}/{item.name}")
+            stroke = motion.q[0, item.spring]
+            assert stroke > 1e-4
+            assert handle.scale[2] == pytest.approx(item.scale[2] - stroke, rel=1e-12)
+    finally:
+        server.stop()
+
+
+def test_a_missing_library_is_one_sentence_with_the_remedy(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "viser", None)
+    assert main(["live", "--no-browser"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert "pip install 'nipper-pin[live]'" in err
+
+
+@pytest.mark.parametrize("port", ["70000", "-1"])
+def test_a_port_that_there_is_not_is_one_sentence(
+    port: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    assert main(["live", "--no-browser", "--port", port]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"port {port} cannot be used" in err
+
+
+def test_a_port_that_is_taken_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    """viser itself would take the next free port, where nobody looks."""
+    pytest.importorskip("viser", reason=WHY)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["live", "--port", str(port), "--no-browser"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert f"port {port} cannot be used" in err
+
+
+def test_a_model_without_rebounds_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    model = f"{__file__.rpartition('/view/')[0]}/verification/models/four_bar"
+    assert main(["live", model, "--no-browser", "--port", "0"]) == 2
+    assert "no transition stop" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("model", ["e62", "bouncing_mass"])
+def test_the_server_ends_on_interrupt_and_says_nothing_but_its_address(model: str) -> None:
+    pytest.importorskip("viser", reason=WHY)
+    if model != "e62":
+        model = f"{__file__.rpartition('/view/')[0]}/verification/models/{model}"
+    command = [*COMMAND, "live", model, "--port", "0", "--no-browser"]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as server:
+        first = server.stdout.readline()
+        assert re.fullmatch(r"the page is at http://127\.0\.0\.1:\d+/ ; Ctrl-C ends\n", first)
+        server.send_signal(signal.SIGINT)
+        assert server.wait(timeout=60) == 0
+        assert server.stdout.read().strip() == ""
+        assert server.stderr.read() == ""
+
+
+def test_other_commands_import_nothing_of_this() -> None:
+    program = (
+        "import sys; from nipper_pin.cli import main; main(['simulate', '--json', '-']); "
+        "sys.stderr.write(' '.join(n for n in sys.modules if n.partition('.')[0] in "
+        "{'viser', 'websockets', 'trimesh'} or n.startswith('nipper_pin.view.live')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
