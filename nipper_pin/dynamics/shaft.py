@@ -60,6 +60,9 @@ class ShaftMotion:
             Three arrays of shape (N, drives): [rad], [rad/s], [rad/s^2].
         """
         psi = self.start_angle_rad + self.rate * t
+        if not self._trains:
+            none = np.zeros((len(psi), 0))
+            return none, none, none
         values = -self._offsets
         for law, factors in self._trains:
             values = values + np.array(law.evaluate(psi))[:, :, None] * factors

@@ -10,6 +10,10 @@ from ..dynamics.system import DriveMode
 from ..errors import InputError
 
 
+# Faster ones overflow in squares of rates long before they mean anything.
+_FASTEST_RPM = 1e9
+
+
 class Window(StrEnum):
     """The stretch of motion that is simulated."""
 
@@ -88,8 +92,8 @@ class Case:
         except ValueError as error:
             message = f"{error}; windows: transition, cycle; drives: held, inertial"
             raise InputError(message, window=self.window, drive=self.drive) from error
-        _require(math.isfinite(self.speed_rpm) and self.speed_rpm > 0.0, "speed_rpm",
-                 self.speed_rpm, "a finite speed above 0 r/min")  # fmt: skip
+        _require(0.0 < self.speed_rpm <= _FASTEST_RPM, "speed_rpm", self.speed_rpm,
+                 f"a speed above 0 and up to {_FASTEST_RPM:g} r/min")  # fmt: skip
         _require(self.cycles >= 1, "cycles", self.cycles, "a whole number from 1")
         _require(math.isfinite(self.start_index), "start_index", self.start_index, "a number")
         _require(self.max_collisions >= 1, "max_collisions", self.max_collisions, "at least 1")

@@ -83,10 +83,9 @@ def test_any_words(words: list[str]) -> None:
                 os.chdir(before)
 
 
-def test_statuses_of_all_kinds_occur() -> None:
+def test_what_is_right_is_done_and_what_is_wrong_is_not() -> None:
     assert assert_clear(["simulate", "--json", "-"]) == 0
     assert assert_clear(["simulate", "--speed", "-1"]) == 2
-    assert assert_clear(["simulate", "--speed=1e7", "--window=cycle"]) in (1, 2)
 
 
 SWEEP = """format = 1
