@@ -26,7 +26,7 @@ from ..mechanism import Mechanism
 INFINITE_INERTIA = 2.0**100
 _PLANAR_ROWS_OF_A_PIN = (0, 2)
 # The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
-# removes its effect on the live rows (2 to 3 iterations to round-off).
+# removes its effect on the live rows: 2 to 3 iterations to round-off, many more near a dead centre.
 _PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 200}
 _OF_THREAD = threading.local()
 

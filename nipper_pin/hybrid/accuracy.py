@@ -113,11 +113,10 @@ def _carried(
     shift = eps / rate + clock
     # 1 in a ballistic flight.
     slower = max(fastest / rate, 1.0)
-    late = length * before.impulse * slower
-    return EventError(
-        before.time + late + shift,
-        before.impulse * slower + (eta + a * (shift + late * (1.0 - 1.0 / slower))) / rate,
-    )
+    late = min(length * before.impulse * slower, length)
+    relative = before.impulse * slower + (eta + a * (shift + late * (1.0 - 1.0 / slower))) / rate
+    # At 1 nothing is known any more.
+    return EventError(before.time + late + shift, min(relative, 1.0))
 
 
 def _gap_round_off(system: System, panel: Panel, q: FloatArray, index: int) -> float:

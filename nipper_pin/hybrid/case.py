@@ -9,7 +9,6 @@ from enum import StrEnum
 from ..dynamics.system import DriveMode
 from ..errors import InputError
 
-
 # Faster ones overflow in squares of rates long before they mean anything.
 _FASTEST_RPM = 1e9
 

@@ -20,6 +20,8 @@ from .panel import Exact, Panel, state_at
 from .triggers import Trigger, TriggerKind, triggers
 
 _SHORTEST_PANEL = 1e-12
+# In one phase; a turn of the E62 has thirty.
+_MOST_PANELS = 10_000
 # Round-off of a gap at a root [rad or m].
 _ROUND_OFF = 1e-14
 
@@ -109,12 +111,26 @@ def advance(
     while True:
         h = min(h, t_limit - t, system.shaft.smooth_for(t))
         by_gap = sorted((abs(q[stop.index]), stop.index) for stop in rows.open)
-        split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
         try:
+            split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
             panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
         except SimulationError as error:
             raise type(error)(error.message, **{**error.evidence, "t": t, "q": q}) from error
         panels.append(panel)
+        if len(panels) > _MOST_PANELS:
+            message = (
+                f"one phase needs more than {_MOST_PANELS} panels: a drive train or a spring "
+                "swings many times, the nodes are too few for the tolerance, or a dead centre is "
+                "near"
+            )
+            raise ConvergenceError(
+                message,
+                residual=h,
+                tolerance=resolution.tolerance,
+                iterations=len(panels),
+                t=t,
+                q=q,
+            )
         found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
@@ -134,8 +150,10 @@ def advance(
 
 def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
-    left = float(np.abs(end.q[0, hit]).max())
-    end.q[0, hit] = 0.0
+    gaps = end.q[0]
+    left = max(abs(gaps[index]) for index in hit)
+    for index in hit:
+        gaps[index] = 0.0
     if left <= _ROUND_OFF:
         return end
     # The root is one of the motion as it was integrated, the closures move a gap that depends on

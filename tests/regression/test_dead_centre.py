@@ -27,7 +27,7 @@ def run(distance: float, speed_rpm: float = 300.0) -> object:
     return simulate(mechanism, case)
 
 
-@pytest.mark.parametrize("distance", [-1e-2, -1e-4, -1e-8, 0.0])
+@pytest.mark.parametrize("distance", [-1e-2, -1e-4, -1e-8, -1e-12, 0.0])
 def test_the_error_says_where_and_how_near(distance: float) -> None:
     """The links cannot pass half a turn, which is index 20.
 
@@ -47,8 +47,9 @@ def test_the_error_says_where_and_how_near(distance: float) -> None:
 def test_no_motion_is_wrong_on_the_way_through() -> None:
     """Whatever passes the dead centre keeps its energy balance; all else is refused.
 
-    At 1e-14 the dead centre is passed by less than round-off: energies were off by 1.8 of the
-    largest kinetic energy where the motion came out on the other branch.
+    Where the constrained dynamics gave up after 20 of its iterations, finite wrong torques left an
+    imbalance of 3e-4 of the largest kinetic energy (case 273), and of 1.8 where the dead centre is
+    passed by less than round-off (case 102).
     """
     passed = 0
     for exponent in range(1, 15):
@@ -57,5 +58,5 @@ def test_no_motion_is_wrong_on_the_way_through() -> None:
         except SimulationError:
             continue
         passed += 1
-        assert solution.checks.energy_balance <= 1e-7  # type: ignore[attr-defined]
+        assert solution.checks.energy_balance <= 1e-5  # type: ignore[attr-defined]
     assert passed >= 5

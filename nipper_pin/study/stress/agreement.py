@@ -100,6 +100,6 @@ def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
     last = direct.events[-1]
     stated = _AGREED * (direct.errors[last.number - 1].time + float(batch.duration_error[0]))
     off = abs(found - float(batch.duration[0]))
-    if off <= stated + 16.0 * EPS * found:
+    if off <= stated + 16.0 * EPS * (found + 1e-6 * direct.shaft.period):
         return []
     return [Violation("engines", f"durations differ by {off:.3g} s, stated {stated:.3g} s")]

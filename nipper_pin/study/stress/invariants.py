@@ -11,13 +11,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
+from ...dynamics.assembly import weakest
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
+from ...hybrid.collocation import nodes
 from ...hybrid.energy import pieces
 from ...hybrid.event import EventKind
-from ...hybrid.panel import Panel, forces_at
+from ...hybrid.panel import Panel, forces_at, state_at
 from ...hybrid.segment import Segment
 from ...hybrid.solution import Outcome, Solution
 
@@ -232,9 +235,17 @@ def _motion(solution: Solution) -> Iterator[str]:
                 continue
             ends = np.abs(panel.q[:, stop.index]).max()
             # Of a flight of height H a gap is right to the tolerance times H.
+            clock = 16.0 * EPS * segment.t_end * float(np.abs(v[:, stop.index]).max())
             yield from _beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
-                               -float(gap.min()), 2.0 * tolerance * ends + 1e-13)  # fmt: skip
+                               -float(gap.min()), 2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
         yield from _forces(solution, where, rows, (q, v, a), G, forces)
+        if segment.kinematic:
+            # Each node is solved on its own: velocities know nothing of accelerations.
+            slope = _slope(panel.v) / panel.h
+            size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
+            yield from _beyond(f"{where}: rate of the velocity is not the acceleration [share]",
+                               _most(slope - panel.a) / float(size + 1e-300),
+                               1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
 
 
 def _forces(
@@ -264,6 +275,23 @@ def _forces(
         yield from _beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
 
 
+def _continuity(solution: Solution) -> Iterator[str]:
+    """No link jumps from one panel to the next."""
+    tolerance = solution.case.resolution.tolerance
+    parts = [(s, *piece) for s in solution.segments[:_EVENTS] for piece in pieces(s)]
+    for place in _some(max(len(parts) - 1, 0), _EVENTS):
+        (old, before, _, end), (new, after, begin, _) = parts[place : place + 2]
+        states = [
+            state_at(solution.system, solution.system.constraint_set(s.closed), p, np.array([t])).q[
+                0
+            ]
+            for s, p, t in ((old, before, end), (new, after, begin))
+        ]
+        moved = np.abs(before.q).max() + np.abs(after.q).max()
+        yield from _beyond(f"jump at {end:.9g} s [rad or m]", _most(states[1] - states[0]),
+                           10.0 * tolerance * float(moved) + 1e-11)  # fmt: skip
+
+
 def _energy(solution: Solution) -> Iterator[str]:
     """What goes in through the drives and gravity is stored or lost."""
     energy = solution.energy
@@ -272,9 +300,15 @@ def _energy(solution: Solution) -> Iterator[str]:
         energy.kinetic_change, energy.impact_losses,
     )  # fmt: skip
     scale = sum(map(abs, terms)) + energy.kinetic_peak
-    for _, panel, _ in _looked_at(solution):
-        scale = max(scale, float(solution.system.spring_energy(panel.q).max()))
-    most = (1e-8 + 100.0 * solution.case.resolution.tolerance) * scale
+    system, condition = solution.system, 1.0
+    for segment, panel, _ in _looked_at(solution):
+        scale = max(scale, float(system.spring_energy(panel.q).max()))
+        given = (*system.held_coordinates, *system.constraint_set(segment.closed).stops)
+        _, jacobian = system.body.closures(panel.q[:1])
+        condition = max(condition, weakest(jacobian[0], given)[0])
+    # Forces near a dead centre lose twice the digits that velocities lose.
+    lost = min(1e3 * EPS * condition**2, 1e-5)
+    most = (1e-8 + lost + 100.0 * solution.case.resolution.tolerance) * scale
     yield from _beyond("energy that is left over [J]", abs(energy.residual), most)
 
 
@@ -299,6 +333,7 @@ CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
     "phase logic": _phases,
     "impulse": _impulses,
     "motion": _motion,
+    "continuity": _continuity,
     "energy": _energy,
     "tables": _tables,
 }
@@ -320,6 +355,13 @@ def _looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]
 def _some(count: int, most: int) -> list[int]:
     """Places, evenly chosen where there are many: the first and the last are among them."""
     return sorted({round(x) for x in np.linspace(0, count - 1, min(count, most))})
+
+
+def _slope(values: FloatArray) -> FloatArray:
+    """Derivative of the interpolant of node values by sigma, at the nodes, shape (N, nv)."""
+    grid = nodes(len(values))
+    series = chebyshev.chebder(grid.integrals[0] @ values, scl=2.0)
+    return np.asarray(chebyshev.chebval(2.0 * grid.sigma - 1.0, series).T)
 
 
 def _most(values: FloatArray) -> float:

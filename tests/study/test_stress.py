@@ -1,0 +1,321 @@
+"""The stress campaign: a small one, its independence of workers, and each of its invariants."""
+
+import json
+import resource
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin.cli import main
+from nipper_pin.study.stress import (
+    CHECKS,
+    FAMILIES,
+    RIGHT,
+    WRONG,
+    Campaign,
+    Verdict,
+    judge,
+    load_trial,
+    run_campaign,
+    save_trial,
+    trial,
+    violations,
+)
+from nipper_pin.study.stress.agreement import engines_agree, same_bits, within_errors
+
+SEED = 7
+
+
+@pytest.fixture(scope="module")
+def cycle(e62: Mechanism) -> Solution:
+    """Two turns at 650 r/min: releases, collisions and rests of both stops."""
+    return simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE, cycles=2))
+
+
+@pytest.fixture(scope="module")
+def transition(e62: Mechanism) -> Solution:
+    return simulate(e62, Case(speed_rpm=650.0))
+
+
+def first(solution: Solution, kind: EventKind) -> int:
+    return next(i for i, event in enumerate(solution.events) if event.kind is kind)
+
+
+def with_event(solution: Solution, place: int, **changes: object) -> Solution:
+    events = list(solution.events)
+    events[place] = replace(events[place], **changes)  # type: ignore[arg-type]
+    return replace(solution, events=tuple(events))
+
+
+def with_panel(solution: Solution, kinematic: bool, **shifts: float) -> Solution:
+    """Add a number to one coordinate of q, v or a of the first long panel of this kind."""
+    segments = list(solution.segments)
+    place = next(
+        i for i, segment in enumerate(segments)
+        if segment.kinematic is kinematic and segment.t_end - segment.t_start > 1e-3
+    )  # fmt: skip
+    panel = segments[place].panels[0]
+    jaw = solution.mechanism.stop("jaw").index
+    arrays = {}
+    for name, shift in shifts.items():
+        changed = getattr(panel, name).copy()
+        changed[:, jaw] += shift
+        arrays[name] = changed
+    panels = (replace(panel, **arrays), *segments[place].panels[1:])  # type: ignore[arg-type]
+    segments[place] = replace(segments[place], panels=panels)
+    return replace(solution, segments=tuple(segments))
+
+
+@pytest.fixture(scope="module")
+def small() -> Campaign:
+    """Two trials of every family, by two workers."""
+    return run_campaign(2 * len(FAMILIES), SEED, workers=2)
+
+
+def test_a_small_campaign_finds_nothing_wrong(small: Campaign) -> None:
+    """Two trials of every family: none wrong, most of them run, and refusals have reasons.
+
+    The doctored solutions below show that the invariants would catch what they are for.
+    """
+    record = small.record()
+    assert record["failures"] == []
+    assert (record["cases"], record["wrong"]) == (2 * len(FAMILIES), 0)
+    assert record["right"] + record["refused"] == record["cases"]
+    assert record["right"] > record["cases"] // 2
+    assert sum(record["errors"].values()) == record["refused"]
+    assert all(len(v.detail) > 40 for v in small.verdicts if v.word != RIGHT)
+
+
+def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
+    """One process, two processes and this one give the same bits, trial by trial.
+
+    Fingerprints are hashes of every bit of all events; a cache that a trial leaves behind for the
+    next one would change them with the order of the trials.
+    """
+    count = len(FAMILIES)
+    one = run_campaign(count, SEED, workers=1)
+    assert one.verdicts == small.verdicts[:count]
+    two = Campaign(SEED, small.verdicts[:count], 0.0)
+    assert one.record()["digest"] == two.record()["digest"]
+    for number in (0, 8, 10):
+        assert judge(trial(SEED, number)) == one.verdicts[number]
+    assert len({verdict.fingerprint for verdict in one.verdicts}) == count
+
+
+def test_another_seed_gives_other_trials() -> None:
+    """Otherwise a long campaign would be a short one, repeated."""
+    sources = {
+        (json.dumps(trial(seed, number).source.description), str(trial(seed, number).case))
+        for seed in (1, 2)
+        for number in (0, len(FAMILIES), 2 * len(FAMILIES))
+    }
+    assert len(sources) == 6
+
+
+def backwards(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.COLLISION) + 1
+    return with_event(cycle, place, t=cycle.events[place].t - 0.01)
+
+
+def sooner_over(cycle: Solution) -> Solution:
+    return replace(cycle, case=replace(cycle.case, cycles=3))
+
+
+def says_rest(cycle: Solution) -> Solution:
+    return replace(cycle, outcome=Outcome.AT_REST, events=cycle.events[:3])
+
+
+def stays_closed(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.RELEASE)
+    return with_event(cycle, place, closed_after=cycle.events[place].closed_before)
+
+
+def other_phase(cycle: Solution) -> Solution:
+    segments = (*cycle.segments[:-1], replace(cycle.segments[-1], closed=frozenset({"jaw"})))
+    return replace(cycle, segments=segments)
+
+
+def pulls(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.COLLISION)
+    event = cycle.events[place]
+    return with_event(cycle, place, P_N={name: -P for name, P in event.P_N.items()})
+
+
+def too_bouncy(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.COLLISION)
+    event = cycle.events[place]
+    after = event.v_after.copy()
+    after[cycle.mechanism.stop("jaw").index] *= 1.0 + 1e-6
+    return with_event(cycle, place, v_after=after)
+
+
+def wrong_momentum(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.COLLISION)
+    return with_event(cycle, place, P_g=cycle.events[place].P_g * (1.0 + 1e-6))
+
+
+def penetrates(cycle: Solution) -> Solution:
+    collision = next(hit for hit in cycle.collisions if hit.stop == "jaw")
+    jaw = cycle.mechanism.stop("jaw").index
+    segments = list(cycle.segments)
+    place = next(i for i, item in enumerate(segments) if item.t_start >= collision.t)
+    panel = segments[place].panels[0]
+    q, v = panel.q.copy(), panel.v.copy()
+    q[:, jaw], v[:, jaw] = -q[:, jaw], -v[:, jaw]
+    turned = replace(panel, q=q, v=v, a=-panel.a)
+    segments[place] = replace(segments[place], panels=(turned,))
+    return replace(cycle, segments=tuple(segments))
+
+
+def jumps(cycle: Solution) -> Solution:
+    segments = list(cycle.segments)
+    panels = list(segments[0].panels)
+    panels[1] = panels[1].shifted(1e-3)
+    segments[0] = replace(segments[0], panels=tuple(panels))
+    return replace(cycle, segments=tuple(segments))
+
+
+def wrong_acceleration(cycle: Solution) -> Solution:
+    return with_panel(cycle, kinematic=True, a=1.0)
+
+
+def wrong_stop_closed(cycle: Solution) -> Solution:
+    place = next(i for i, item in enumerate(cycle.segments) if item.closed == {"steeve"})
+    segments = list(cycle.segments)
+    segments[place] = replace(segments[place], closed=frozenset({"jaw", "steeve"}))
+    return replace(cycle, segments=tuple(segments))
+
+
+def loses_more(cycle: Solution) -> Solution:
+    place = first(cycle, EventKind.REST)
+    lost = cycle.events[place].energy_lost
+    return with_event(cycle, place, energy_lost=lost + 1e-3)
+
+
+def unknown_error(cycle: Solution) -> Solution:
+    return with_event(cycle, first(cycle, EventKind.REST), series_error=np.nan)
+
+
+DOCTORED: list[tuple[str, Callable[[Solution], Solution]]] = [
+    ("time order", backwards),
+    ("outcome", sooner_over),
+    ("outcome", says_rest),
+    ("phase logic", stays_closed),
+    ("phase logic", other_phase),
+    ("impulse", pulls),
+    ("impulse", too_bouncy),
+    ("impulse", wrong_momentum),
+    ("motion", penetrates),
+    ("motion", wrong_acceleration),
+    ("motion", wrong_stop_closed),
+    ("continuity", jumps),
+    ("energy", loses_more),
+    ("tables", unknown_error),
+]
+
+
+def test_a_right_solution_violates_nothing(cycle: Solution, transition: Solution) -> None:
+    """What the doctored ones are made of: else they would be caught for another reason."""
+    assert violations(cycle) == []
+    assert violations(transition) == []
+
+
+@pytest.mark.parametrize(("kind", "doctor"), DOCTORED, ids=[d.__name__ for _, d in DOCTORED])
+def test_each_invariant_catches_a_broken_solution(
+    cycle: Solution, kind: str, doctor: Callable[[Solution], Solution]
+) -> None:
+    """One number is changed, and the invariant that it belongs to is among the violated ones."""
+    assert kind in {item.kind for item in violations(doctor(cycle))}
+
+
+def test_every_invariant_has_a_doctored_solution() -> None:
+    """A new check without one would be a check of nothing."""
+    assert {kind for kind, _ in DOCTORED} == set(CHECKS)
+
+
+def test_agreement_of_two_solutions(cycle: Solution, transition: Solution) -> None:
+    """One bit, a time beyond the stated errors, or another duration than the other engine's."""
+    place = first(cycle, EventKind.COLLISION)
+    t = cycle.events[place].t
+    assert same_bits(cycle, cycle) == []
+    assert same_bits(cycle, with_event(cycle, place, t=float(np.nextafter(t, 1.0)))) != []
+    assert within_errors(cycle, cycle) == []
+    assert within_errors(with_event(cycle, place, t=t + 1e-9), cycle) != []
+    assert engines_agree(transition, 1e-12) == []
+    last = len(transition.events) - 1
+    later = with_event(transition, last, t=transition.events[last].t + 1e-8)
+    assert engines_agree(later, 1e-12) != []
+
+
+def test_hangs_and_tracebacks_are_wrong_and_refusals_are_not() -> None:
+    """A trial without time, one with an argument that no check expects, and an impossible one."""
+    usual = trial(SEED, 0)
+    assert (judge(usual, 1e-3).word, judge(usual, 1e-3).kind) == (WRONG, "hang")
+    broken = judge(replace(usual, case={**usual.case, "cycles": None}))
+    assert (broken.word, broken.kind) == (WRONG, "traceback")
+    refused = judge(replace(usual, case={**usual.case, "speed_rpm": -1.0}))
+    assert (refused.word, refused.kind) == ("refused", "InputError")
+    assert "speed_rpm" in refused.detail
+
+
+def test_a_case_file_runs_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file gives the verdict of its trial, to the last bit, by library and by command."""
+    item = trial(SEED, 6)
+    before = judge(item)
+    path = save_trial(item, before, tmp_path / "new")
+    again = judge(load_trial(path))
+    assert (again.word, again.fingerprint) == (before.word, before.fingerprint)
+    assert main(["stress", "--rerun", str(path), "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["cases"], document["wrong"]) == (1, 0)
+    assert main(["stress", "--rerun", str(tmp_path / "none.json")]) == 2
+    path.write_text(path.read_text()[:300])
+    assert main(["stress", "--rerun", str(path)]) == 2
+    assert main(["stress", "--rerun", str(path), "--cases", "0"]) == 2
+
+
+def test_the_command_reports_and_keeps_failures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A campaign with one wrong case: status 1, its number in one sentence, its file on disk."""
+    import nipper_pin.study.stress as stress
+
+    def found(cases: int, seed: int, *_: object) -> stress.Campaign:
+        verdicts = [Verdict(n, "ordinary", RIGHT, "AT_REST", "", "", 0.1) for n in range(cases)]
+        verdicts[1] = Verdict(1, "speed", WRONG, "energy", "1 J", "", 0.1)
+        return stress.Campaign(seed, tuple(verdicts), 1.0)
+
+    monkeypatch.setattr(stress, "run_campaign", found)
+    assert main(["stress", "--cases", "3", "--out", str(tmp_path), "--json", "-"]) == 1
+    captured = capsys.readouterr()
+    document = json.loads(captured.out)
+    assert document["errors"] == {"energy": 1}
+    assert {key: document[key] for key in ("cases", "right", "refused", "wrong")} == {
+        "cases": 3, "right": 2, "refused": 0, "wrong": 1,
+    }  # fmt: skip
+    assert "number 1: 1 J" in captured.err
+    assert json.loads((tmp_path / "stress.json").read_text())["wrong"] == 1
+    assert load_trial(tmp_path / "trial-1.json").family == trial(1, 1).family
+    assert main(["stress", "--cases", "3"]) == 1
+    assert "speed" in capsys.readouterr().out
+
+
+def test_memory_does_not_grow_with_the_runs(e62: Mechanism) -> None:
+    """500 runs after 100 that fill the caches: the peak of the process grows by less than 4 MB.
+
+    A run leaves about 100 kB when its solution is kept, so a leak of every tenth one would show.
+    """
+
+    def runs(count: int) -> int:
+        for number in range(count):
+            speed = 400.0 + 0.5 * (number % 500)
+            solution = simulate(e62, Case(speed_rpm=speed))
+            assert solution.checks.energy_balance < 1e-9
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = runs(100)
+    assert runs(500) - before < 4096
