@@ -237,9 +237,11 @@ def _motion(solution: Solution) -> Iterator[str]:
             # Of a flight of height H a gap is right to the tolerance times H.
             clock = 16.0 * EPS * segment.t_end * float(np.abs(v[:, stop.index]).max())
             yield from _beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
-                               -float(gap.min()), 2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
+                               -float(gap.min()),
+                               2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
         yield from _forces(solution, where, rows, (q, v, a), G, forces)
-        if segment.kinematic:
+        # A panel of one unit in the last place of time has no slope.
+        if segment.kinematic and panel.h > 1e-9 * solution.shaft.period:
             # Each node is solved on its own: velocities know nothing of accelerations.
             slope = _slope(panel.v) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
