@@ -20,7 +20,7 @@ from .panel import Exact, Panel, state_at
 from .triggers import Trigger, TriggerKind, triggers
 
 _SHORTEST_PANEL = 1e-12
-# In one phase; a turn of the E62 has thirty.
+# In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000
 # Round-off of a gap at a root [rad or m].
 _ROUND_OFF = 1e-14
