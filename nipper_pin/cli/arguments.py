@@ -12,8 +12,8 @@ from ..errors import InputError, UnknownNameError
 from ..mechanism import Mechanism, load
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
-    """Arguments that name a model, change its numbers and say where JSON goes."""
+def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
+    """Arguments that name a model, change its numbers and, if any is written, place JSON."""
     parser.add_argument(
         "model",
         nargs="?",
@@ -39,7 +39,8 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         metavar="RPM",
         help="cylinder speed (default: the model's rated speed)",
     )
-    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    if json_output:
+        parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
 
 
 def load_mechanism(options: argparse.Namespace) -> Mechanism:

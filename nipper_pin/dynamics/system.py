@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop
-from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
+from .assembly import MAX_CONDITION, Partition, inverted, partition
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
 
@@ -134,8 +134,8 @@ class System:
             split: What :meth:`split` gives for it.
             v: Velocity, shape (nv,); its dependent rates count for nothing.
         """
-        if not self._serves(split, jacobian):
-            return np.asarray(close_velocities(v[None], jacobian[None], split)[0])
+        # What `split` has chosen serves; this leaves the inverse for it.
+        self._serves(split, jacobian)
         lifted = v.copy()
         lifted[split.columns] = 0.0
         lifted[split.columns] = -(self._inverse @ (jacobian @ lifted))

@@ -22,6 +22,7 @@ from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome
+from ..processes import one_thread_each
 from .agreement import bits, engines_agree, same_bits, within_errors
 from .invariants import Violation, violations
 from .space import Trial, trial
@@ -34,7 +35,6 @@ _FINER, _FINEST = 16.0, 1e-14
 _LONG = 100_000
 # Words of messages that own up to a fault of the package: never a good reason to refuse.
 _CONFESSION = "please report"
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ def run_campaign(
     count = workers or os.cpu_count() or 1
     # Fresh processes: a fork of one that has threads may never end.
     with (
-        _one_thread_each(),
+        one_thread_each(),
         ProcessPoolExecutor(
             count, mp_context=get_context("spawn"), initializer=_leave_interrupts
         ) as pool,
@@ -238,18 +238,3 @@ def _judged(job: tuple[int, int, float]) -> Verdict:
 def _leave_interrupts() -> None:
     """An interrupt from the keyboard is for the process that collects."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Processes that start in here compute in one thread: there is one for every processor."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

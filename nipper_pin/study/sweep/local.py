@@ -13,12 +13,12 @@ from multiprocessing import get_context, parent_process
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
+from ..processes import one_thread_each
 from .chunks import run_chunk
 from .plan import Chunk
 
 # Chunks that wait for each worker beside the one that it computes.
 _AHEAD = 1
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def on_this_machine(
@@ -39,7 +39,7 @@ def on_this_machine(
     """
     # Fresh processes: a fork of one that has threads may never end.
     with (
-        _one_thread_each(),
+        one_thread_each(),
         ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,
     ):
         running: dict[Future[bytes], Chunk] = {}
@@ -69,21 +69,6 @@ def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, byte
     """Wait for at least one chunk, and take out all that are done."""
     for future in wait(running, return_when=FIRST_COMPLETED).done:
         yield running.pop(future), future.result()
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Processes that start in here compute in one thread: there is one for every processor."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 @contextmanager
