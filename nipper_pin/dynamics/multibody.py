@@ -87,14 +87,18 @@ class Multibody:
             )
             self._pins.append(constraint)
             self._pin_data.append(constraint.createData())
-        self._constraints = list(zip(self._pins, self._pin_data, strict=True))
+        places = range(0, self.closure_rows, 2)
+        self._constraints = list(zip(places, self._pins, self._pin_data, strict=True))
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         self._proximal = pin.ProximalSettings(*_PROXIMAL.values())
-        self._planar_rows = [
-            3 * number + row
-            for number in range(len(mechanism.closures))
-            for row in _PLANAR_ROWS_OF_A_PIN
-        ]
+        self._planar_rows = np.array(
+            [
+                3 * number + row
+                for number in range(len(mechanism.closures))
+                for row in _PLANAR_ROWS_OF_A_PIN
+            ],
+            dtype=np.intp,
+        )
         self.reach_m = mechanism.reach_m
         self.evaluations = 0
 
@@ -109,17 +113,18 @@ class Multibody:
             and G = dg/dq (on the closure manifold), shape (N, m, nv).
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
-        gaps = np.empty((len(q), 3 * len(pins)))
-        jacobians = np.empty((len(q), 3 * len(pins), self.nv))
-        constraints = self._constraints
-        for row, q_row in enumerate(q):
+        gaps = np.empty((len(q), self.closure_rows))
+        jacobians = np.empty((len(q), self.closure_rows, self.nv))
+        for q_row, gap, jacobian in zip(q, gaps, jacobians, strict=True):
             pin.computeJointJacobians(model, data, q_row)
             # `calc` must run at this q before the Jacobian is read, or its placement is stale.
-            for number, (constraint, constraint_data) in enumerate(constraints):
+            for place, constraint, constraint_data in self._constraints:
                 constraint.calc(model, data, constraint_data)
-                gaps[row, 3 * number : 3 * number + 3] = constraint_data.c1Mc2.translation
-            jacobians[row] = pin.getConstraintsJacobian(model, data, pins, pin_data)
-        return -gaps[:, self._planar_rows], jacobians[:, self._planar_rows]
+                x, _, z = constraint_data.c1Mc2.translation.tolist()
+                gap[place], gap[place + 1] = -x, -z
+            rows = pin.getConstraintsJacobian(model, data, pins, pin_data)
+            rows.take(self._planar_rows, 0, jacobian)
+        return gaps, jacobians
 
     def accelerations(
         self, q: FloatArray, v: FloatArray, tau: FloatArray, armature: FloatArray

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Mechanism
-from ..mechanism.drives import Table
 
 _AT_KNOT = 1e-9
 
@@ -63,7 +62,7 @@ class ShaftMotion:
         if not self._trains:
             none = np.zeros((len(psi), 0))
             return none, none, none
-        values = -self._offsets
+        values = self._at_touch
         for law, factors in self._trains:
             values = values + np.array(law.evaluate(psi))[:, :, None] * factors
         return values[0], values[1], values[2]
@@ -80,15 +79,14 @@ class ShaftMotion:
 
     @cached_property
     def _knots(self) -> FloatArray:
-        """Cylinder angles at which the splines of tables change their polynomials [rad]."""
-        knots = [law.cylinder_angle_rad[1:] for law, _ in self._trains if isinstance(law, Table)]
-        return np.concatenate([np.empty(0), *knots])
+        """Cylinder angles at which a higher derivative of a law jumps [rad]."""
+        return np.array([knot for law, _ in self._trains for knot in law.knots_rad])
 
     @cached_property
-    def _offsets(self) -> FloatArray:
-        """Values of the laws of all drives in the touch configuration, shape (3, 1, drives)."""
+    def _at_touch(self) -> FloatArray:
+        """What makes all driven coordinates zero in the touch configuration, (3, 1, drives)."""
         offsets = np.zeros((3, 1, len(self.mechanism.drives)))
-        offsets[0, 0] = [drive.law_at_touch for drive in self.mechanism.drives]
+        offsets[0, 0] = [-drive.law_at_touch for drive in self.mechanism.drives]
         return offsets
 
     @cached_property

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop
-from .assembly import MAX_CONDITION, Partition, inverted, partition
+from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
 
@@ -140,6 +140,25 @@ class System:
         lifted[split.columns] = 0.0
         lifted[split.columns] = -(self._inverse @ (jacobian @ lifted))
         return lifted
+
+    def closed_velocity(self, v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+        """Solve G v = 0 for the dependent rates of one velocity that nearly meets it already.
+
+        Args:
+            v: Velocity, shape (nv,); the independent rates are kept.
+            jacobian: Closure Jacobian G, shape (m, nv).
+            split: Dependent and independent coordinates.
+
+        Returns:
+            Closed velocity, shape (nv,).
+        """
+        if not self._serves(split, jacobian):
+            closed: FloatArray = close_velocities(v[None], jacobian[None], split)[0]
+            return closed
+        closed = v.copy()
+        # The correction is small, so the inverse, less exact than a solution, is exact enough.
+        closed[split.columns] -= self._inverse @ (jacobian @ v)
+        return closed
 
     def _serves(self, split: Partition, jacobian: FloatArray) -> bool:
         """True if the closures determine the dependent coordinates; asked often for one place."""

@@ -10,6 +10,7 @@ Chebyshev series); L. N. Trefethen, Approximation Theory and Approximation Pract
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -32,6 +33,7 @@ class Nodes:
         once: Node values to integrals from 0 at the nodes, shape (N, N).
         twice: The same integrated twice, shape (N, N).
         motion: Rows of ``twice`` and below them of ``once``, shape (2 N, N).
+        degrees: 0, 1, ..., N + 1.
         both: Node values to the coefficients of the double integral (first N columns) and of the
             single one (last N), shape (N + 2, 2 N).
         deflated: Node values to the coefficients of the double integral divided by sigma to the
@@ -47,6 +49,7 @@ class Nodes:
     once: FloatArray
     twice: FloatArray
     motion: FloatArray
+    degrees: FloatArray
     both: FloatArray
     deflated: tuple[FloatArray, FloatArray, FloatArray]
     samples: FloatArray
@@ -83,6 +86,7 @@ def nodes(order: int) -> Nodes:
         once=once,
         twice=twice,
         motion=np.vstack([twice, once]),
+        degrees=np.arange(order + 2.0),
         both=both,
         deflated=(
             integrals[2],
@@ -147,6 +151,21 @@ def evaluate_motion(values: FloatArray, sigma: FloatArray) -> tuple[FloatArray, 
     return np.asarray(weights[:, :order] @ values), np.asarray(weights[:, order:] @ values)
 
 
+def motion_weights(order: int, sigma: float) -> FloatArray:
+    """Weights of node values in their double and their single integral to one place sigma.
+
+    Args:
+        order: Number of nodes.
+        sigma: Place in [0, 1].
+
+    Returns:
+        Shape (2, order).
+    """
+    angle = math.acos(max(min(2.0 * sigma - 1.0, 1.0), -1.0))
+    grid = nodes(order)
+    return np.asarray((np.cos(angle * grid.degrees) @ grid.both).reshape(2, order))
+
+
 def prolonged(values: FloatArray, count: int) -> FloatArray:
     """Interpolate node values to another number of nodes; one value stands for a constant.
 
@@ -173,11 +192,6 @@ def _prolongation(coarse: int, fine: int) -> FloatArray:
     return np.asarray(_basis(nodes(fine).sigma, coarse) @ nodes(coarse).integrals[0])
 
 
-@cache
-def _squares(count: int) -> FloatArray:
-    return np.arange(count, dtype=float) ** 2
-
-
 class Series:
     """A Chebyshev series on [0, 1] for scalar evaluation in root searches.
 
@@ -189,8 +203,16 @@ class Series:
         """Keep the coefficients as plain numbers, which a loop of Python adds up fastest."""
         self.coefficients: list[float] = coefficients.tolist()
 
-        self.falls = -coefficients[1] > np.abs(coefficients[2:]) @ _squares(len(coefficients))[2:]
+    @property
+    def positive(self) -> bool:
+        """True if the series is known to be positive: no Chebyshev polynomial exceeds one."""
+        return self.coefficients[0] > sum(map(abs, self.coefficients[1:]))
+
+    @property
+    def falls(self) -> bool:
         """True if the series falls throughout: a polynomial of degree k has a slope below k^2."""
+        rest = enumerate(self.coefficients[2:], start=2)
+        return -self.coefficients[1] > sum(k * k * abs(value) for k, value in rest)
 
     def falls_once(self, left: float, right: float) -> tuple[float, float] | None:
         """The bracket itself if the series is known to have one zero in it, a fall."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multipliers import Multipliers, multipliers
 from ..dynamics.shaft import Driven
 from ..dynamics.system import ConstraintSet, System
-from .collocation import evaluate, evaluate_motion, nodes
+from .collocation import evaluate, evaluate_motion, motion_weights, nodes
 
 SMALLEST = 1e-300
 
@@ -84,15 +86,25 @@ class Panel:
         q = self.q[0] + (h * sigma)[:, None] * self.v[0] + h**2 * twice
         return q, self.v[0] + h * once
 
+    def interpolate_at(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity at one time t [s], each (nv,); otherwise as :meth:`interpolate`."""
+        h = self.h
+        sigma = (t - self.t) / h
+        if not self.integrated:
+            q, v = self.interpolate(np.array([t]))
+            return q[0], v[0]
+        twice, once = motion_weights(self.order, sigma) @ self.a
+        return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
+
 
 class Exact(NamedTuple):
     """States on a panel in which prescribed motion and closures are met to round-off.
 
     Attributes:
-        q: Configurations, shape (K, nv).
-        v: Velocities, shape (K, nv).
-        jacobian: Closure Jacobians, shape (K, m, nv).
-        motion: Driven coordinates, rates and accelerations.
+        q: Configurations, shape (K, nv); of one state (nv,).
+        v: Velocities, likewise.
+        jacobian: Closure Jacobians, shape (K, m, nv); of one state (m, nv).
+        motion: Driven coordinates, rates and accelerations, always one row a state.
     """
 
     q: FloatArray
@@ -115,6 +127,24 @@ def state_at(system: System, rows: ConstraintSet, panel: Panel, t: FloatArray) -
     system.prescribe(motion, q, v, rows)
     q, jacobian = close_positions(system.body, q, panel.split)
     return Exact(q, close_velocities(v, jacobian, panel.split), jacobian, motion)
+
+
+def one_state_at(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Exact:
+    """One exact state on a panel, with what leads to it left ready for the impact that follows.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        t: Time within it [s].
+    """
+    q, v = panel.interpolate_at(t)
+    motion = system.shaft.driven(np.array([t]))
+    guess = q[None]
+    system.prescribe(motion, guess, v[None], rows)
+    closed, jacobians = close_positions(system.body, guess, panel.split)
+    jacobian = jacobians[0]
+    return Exact(closed[0], system.closed_velocity(v, jacobian, panel.split), jacobian, motion)
 
 
 def forces_at(

@@ -64,7 +64,7 @@ def polish(
     right: float,
     start: float | None = None,
 ) -> float:
-    """Solve function = 0 in a bracket to round-off: Newton steps, bisection where they leave it.
+    """Solve function = 0 in a bracket to round-off: Newton steps, bisection where they do not help.
 
     Args:
         function: Value and derivative (an approximate one is enough); positive at the left end.
@@ -88,13 +88,14 @@ def polish(
         low, high = (x, high) if value > 0.0 else (low, x)
         step = abs(value / slope) if slope != 0.0 else np.inf
         new = x - value / slope if slope != 0.0 else np.inf
-        inside = low <= new <= high
+        inside = low < new < high
         # Once Newton steps stop shrinking they only show the round-off of the function.
         if step <= resolution or (step >= previous and step <= 256.0 * resolution):
             return new if inside else x
         if high - low <= resolution:
             return high
-        previous = step if inside else np.inf
-        x = new if inside else 0.5 * (low + high)
+        # A slope that is only roughly known may send the steps to and fro.
+        new = new if inside and step <= 0.5 * previous else 0.5 * (low + high)
+        previous, x = abs(new - x), new
     message = f"no event time to round-off in [{left!r}, {right!r}]: the motion is not smooth there"
     raise ConvergenceError(message, residual=value, tolerance=resolution, iterations=_MAX_STEPS)

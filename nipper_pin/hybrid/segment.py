@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, close_positions, close_velocities
+from ..dynamics.assembly import Partition, close_positions
 from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from .case import Resolution
 from .flight import flight_panel
 from .kinematic import kinematic_panel
-from .panel import Exact, Panel, state_at
+from .panel import Exact, Panel, one_state_at
 from .triggers import Trigger, TriggerKind, triggers
 
 _SHORTEST_PANEL = 1e-12
@@ -65,7 +65,7 @@ class Advance:
     Attributes:
         segment: The motion.
         triggers: Simultaneous triggers that end it, ordered by stop; empty at the time limit.
-        end: State at its end (left limit), as one row.
+        end: State at its end (left limit).
     """
 
     segment: Segment
@@ -134,7 +134,7 @@ def advance(
         found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
-            exact = state_at(system, rows, panel, np.array([t_end]))
+            exact = one_state_at(system, rows, panel, t_end)
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
                 system.mechanism.stop(trigger.stop).index
@@ -143,14 +143,14 @@ def advance(
             ]
             return Advance(segment, found, _closed_up(system, rows, exact, hit) if hit else exact)
         t = t + panel.h
-        q, v, jacobian = (item[0] for item in state_at(system, rows, panel, np.array([t]))[:3])
+        q, v, jacobian, _ = one_state_at(system, rows, panel, t)
         a = panel.a[-1]
         h = min(longest, advised)
 
 
 def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
-    gaps = end.q[0]
+    gaps = end.q
     left = max(abs(gaps[index]) for index in hit)
     for index in hit:
         gaps[index] = 0.0
@@ -158,11 +158,12 @@ def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) 
         return end
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.
-    split = system.split(end.jacobian[0], rows.given, tuple(hit))
+    split = system.split(end.jacobian, rows.given, tuple(hit))
     if not set(hit).isdisjoint(split.dependent):
         return end
-    q, jacobian = close_positions(system.body, end.q, split)
-    return Exact(q, close_velocities(end.v, jacobian, split), jacobian, end.motion)
+    q, jacobians = close_positions(system.body, gaps[None], split)
+    jacobian = jacobians[0]
+    return Exact(q[0], system.closed_velocity(end.v, jacobian, split), jacobian, end.motion)
 
 
 def _ballistic_length(

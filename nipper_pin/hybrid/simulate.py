@@ -196,9 +196,7 @@ class _Run:
         )
         self.segments.append(reached.segment)
         q, v, jacobian, motion = reached.end
-        state = state._replace(
-            t=reached.segment.t_end, q=q[0], v=v[0], jacobian=jacobian[0], motion=motion
-        )
+        state = state._replace(t=reached.segment.t_end, q=q, v=v, jacobian=jacobian, motion=motion)
         if not reached.triggers:
             self.state = state
             return False

@@ -12,7 +12,7 @@ from ..arrays import FloatArray
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
 from .collocation import Series, evaluate, nodes
-from .panel import Panel, forces_at, state_at
+from .panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish
 
 # Triggers nearer than this fraction of a turn are one event.
@@ -73,7 +73,7 @@ def triggers(
     earliest = min(trigger.t for trigger in found)
     limit = earliest + _SIMULTANEOUS * system.shaft.period
     return tuple(
-        replace(trigger, t=earliest)
+        trigger if trigger.t == earliest else replace(trigger, t=earliest)
         for trigger in sorted(found, key=lambda item: item.stop)
         if trigger.t <= limit
     )
@@ -101,8 +101,8 @@ def _gap_root(
         return float(gap_rate[0]), float(gap_rate[1])
 
     def exact(t: float) -> tuple[float, float]:
-        state = state_at(system, rows, panel, np.array([t]))
-        return float(state.q[0, index]), float(state.v[0, index])
+        state = one_state_at(system, rows, panel, t)
+        return float(state.q[index]), float(state.v[index])
 
     grid = nodes(panel.order)
     values = grid.sample_value @ panel.q[:, index]
@@ -123,16 +123,14 @@ def _flight_root(system: System, panel: Panel, index: int) -> float | None:
         coefficients[1] += 0.5 * h * rate
     elif power == 1:
         coefficients[0] += h * rate
-    size = np.abs(coefficients)
-    if coefficients[0] > size[1:].sum():
-        # No Chebyshev polynomial exceeds one: positive throughout.
-        return None
     series = Series(coefficients)
+    if series.positive:
+        return None
     if series.falls and series.value(0.0) > 0.0:
         if series.value(1.0) > 0.0:
             return None
         bracket = 0.0, 1.0
-        guess = min(max(0.5 - 0.5 * float(coefficients[0] / coefficients[1]), 0.0), 1.0)
+        guess = min(max(0.5 - 0.5 * series.coefficients[0] / series.coefficients[1], 0.0), 1.0)
         return panel.t + h * polish(series.value_and_slope, *bracket, guess)
     values = h**2 * (grid.sample_twice[power] @ a)
     if power < 2:

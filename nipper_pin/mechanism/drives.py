@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -17,6 +17,11 @@ Evaluation = tuple[FloatArray, FloatArray, FloatArray]
 
 class DriveLaw(Protocol):
     """Anything that gives a coordinate and its first two derivatives by the cylinder angle."""
+
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Cylinder angles of one turn at which a higher derivative jumps [rad]; mostly none."""
+        ...
 
     def evaluate(self, psi: FloatArray) -> Evaluation:
         """Evaluate the law.
@@ -51,6 +56,7 @@ class OscillatingGuide:
     crank_axis: tuple[float, float]
     guide_axis: tuple[float, float]
     guide_offset_m: float = 0.0
+    knots_rad: ClassVar[tuple[float, ...]] = ()
     _distance: float = field(init=False, repr=False, compare=False)
     _direction: float = field(init=False, repr=False, compare=False)
 
@@ -126,6 +132,11 @@ class Geared:
     of: DriveLaw
     ratio: float
 
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Those of the law of the other shaft."""
+        return self.of.knots_rad
+
     def evaluate(self, psi: FloatArray) -> Evaluation:
         """Evaluate the law; see ``DriveLaw.evaluate``."""
         value, first, second = self.of.evaluate(psi)
@@ -141,6 +152,7 @@ class ConstantSpeed:
     """
 
     ratio: float
+    knots_rad: ClassVar[tuple[float, ...]] = ()
 
     def evaluate(self, psi: FloatArray) -> Evaluation:
         """Evaluate the law; see ``DriveLaw.evaluate``."""
@@ -161,6 +173,7 @@ class Fourier:
     mean: float
     cosine: tuple[float, ...] = ()
     sine: tuple[float, ...] = ()
+    knots_rad: ClassVar[tuple[float, ...]] = ()
     _orders: FloatArray = field(init=False, repr=False, compare=False)
     _weights: FloatArray = field(init=False, repr=False, compare=False)
 
@@ -214,6 +227,11 @@ class Table:
         values[-1] = values[0]
         spline = make_interp_spline(angles, values, k=5, bc_type="periodic")
         object.__setattr__(self, "_splines", (spline, spline.derivative(1), spline.derivative(2)))
+
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Cylinder angles of the rows: the spline changes its polynomial there [rad]."""
+        return self.cylinder_angle_rad[1:]
 
     def evaluate(self, psi: FloatArray) -> Evaluation:
         """Evaluate the law; see ``DriveLaw.evaluate``."""

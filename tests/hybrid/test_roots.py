@@ -124,3 +124,9 @@ def test_polish_closes_in_on_a_jump() -> None:
     """A function that jumps has no zero; the place of the jump comes out to round-off."""
     root = polish(lambda x: (1.0 if x < 0.6 else -1.0, 0.0), 0.0, 1.0)
     assert root == pytest.approx(0.6, abs=8.0 * EPS)
+
+
+def test_polish_is_not_sent_to_and_fro_by_a_slope_that_is_half_the_true_one() -> None:
+    """Such Newton steps end as far beyond the root as they began before it, again and again."""
+    root = polish(lambda x: (2.0 * (0.3 - x), -1.0), 0.0, 1.0, 0.35)
+    assert root == pytest.approx(0.3, abs=4.0 * EPS)
