@@ -162,6 +162,38 @@ def drive_impulses(
     return np.asarray(momentum[system.driven])
 
 
+def impact_condition(
+    system: System, q: FloatArray, jacobian: FloatArray, stops: Sequence[int]
+) -> float:
+    """Condition number of the impact matrix A = J M^-1 J', J being closures and closed stops.
+
+    Rows and columns are scaled to a diagonal of ones, so units do not count. Accelerations,
+    impulses and forces of constraint lose that many digits: A is singular where the closures are,
+    and badly conditioned where bodies of very different mass pull at one another.
+
+    Args:
+        system: The system; held drives do not yield.
+        q: Configuration, shape (nv,).
+        jacobian: Closure Jacobian G at q, shape (m, nv).
+        stops: Coordinates of the closed stops.
+
+    Returns:
+        The condition number in the 2-norm; infinite if rows depend on one another.
+    """
+    moving = [i for i in range(system.body.nv) if i not in system.held_coordinates]
+    rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
+    if not len(rows):
+        return 1.0
+    mass = system.body.mass_matrix(q)[np.ix_(moving, moving)]
+    if not system.held:
+        mass[np.diag_indices(len(moving))] += system.drive_armature[moving]
+    matrix = rows @ np.linalg.solve(mass, rows.T)
+    size = np.sqrt(np.diag(matrix))
+    if not size.all():
+        return np.inf
+    return float(np.linalg.cond(matrix / size / size[:, None]))
+
+
 def _outcome(
     v: FloatArray,
     contacts: Sequence[Stop],
@@ -228,9 +260,11 @@ def _impulses(
         delta, impulses, residual = delta + more, impulses + further, refined
     # A rank-deficient system makes the impulse dynamics return a finite wrong velocity.
     if not residual <= 1e-9 * size:
+        condition = impact_condition(system, q, jacobian, stops)
         message = (
-            f"the impact rows are too badly conditioned (residual {residual:.2g}): the mechanism "
-            "is near a dead centre"
+            f"the impact rows are too badly conditioned (residual {residual:.2g}, condition "
+            f"{condition:.2g}): the mechanism is near a dead centre, or its masses are too "
+            "different"
         )
-        raise ImpactError(message, residual=residual, rates=jumps)
+        raise ImpactError(message, residual=residual, rates=jumps, condition=condition)
     return delta, impulses[:m], impulses[m:]

@@ -23,10 +23,11 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import inverted
+from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from .collocation import nodes
-from .event import Event
-from .panel import Panel
+from .event import Event, EventKind
+from .panel import Panel, forces_at
 from .segment import Segment
 
 _EPS = float(np.finfo(float).eps)
@@ -37,6 +38,8 @@ _SAFETY = 8.0
 _OPERATIONS = 4.0
 # A state that differs by round-off, in units of it.
 _NEARBY = 4.0
+# Part of a panel over which the slope of a stop force is taken.
+_SLOPE_STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,9 @@ def event_errors(
         # rate.
         beyond = event.t - segments[place - 1].t_end if place else 0.0
         left = max(beyond, 0.0) * error.impulse + event.series_error
+        if event.kind is EventKind.RELEASE and place:
+            # What follows starts with a force of zero, wherever it starts: nothing is carried on.
+            left = _release(system, segments[place - 1], stop.index)
         found.append(replace(error, time=error.time + left))
     return tuple(found)
 
@@ -119,6 +125,29 @@ def _carried(
     return EventError(before.time + late + shift, min(relative, 1.0))
 
 
+def _release(system: System, segment: Segment, index: int) -> float:
+    """Error of the time at which a stop force vanishes: what it is wrong by over its slope [s]."""
+    rows = system.constraint_set(segment.closed)
+    panel, t = segment.panels[-1], segment.t_end
+    if index not in rows.stops or segment.t_start >= t:
+        return 0.0
+    column, step = rows.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
+    q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
+    slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step if step else 0.0
+    position, velocity = np.zeros(q.shape[1]), np.zeros(q.shape[1])
+    if panel.integrated:
+        position, velocity = _left_over_alone(system, rows, panel)
+    signs = (-1.0) ** np.arange(q.shape[1])
+    nearby = q[1:] + signs * (_NEARBY * _EPS * np.abs(q[1:]) + position)
+    _, jacobian = system.body.closures(nearby)
+    moving = v[1:] + signs * (_NEARBY * _EPS * np.abs(v[1:]) + velocity)
+    a = system.accelerations(system.shaft.driven(np.array([t])), nearby, moving, rows)
+    there = multipliers(system, nearby, moving, a, jacobian, rows, panel.split)
+    wrong = _SAFETY * abs(float(there.la_N[0, column] - forces.la_N[1, column]))
+    length = t - segment.t_start
+    return min(wrong / abs(slope), length) if slope else length
+
+
 def _gap_round_off(system: System, panel: Panel, q: FloatArray, index: int) -> float:
     """Round-off of a gap that the closures determine: theirs, by how far it moves for them."""
     amplified = 1.0
@@ -132,22 +161,42 @@ def _gap_round_off(system: System, panel: Panel, q: FloatArray, index: int) -> f
 def _left_over(
     system: System, rows: ConstraintSet, panel: Panel, index: int
 ) -> tuple[float, float]:
-    """What a flight panel leaves unresolved in one position and one velocity."""
+    """What a flight panel leaves unresolved in one position and one velocity.
+
+    A coordinate that the closures determine has the errors of those that determine it besides.
+    """
+    columns, shares = [index], np.ones(1)
+    if index in panel.split.dependent:
+        columns = [index, *(k for k in panel.split.independent if system.free[k])]
+        shares = np.append(shares, np.abs(_lever(system, panel, index)[columns[1:]]))
+    position, velocity = _left_over_alone(system, rows, panel)
+    return float(shares @ position[columns]), float(shares @ velocity[columns])
+
+
+def _lever(system: System, panel: Panel, index: int) -> FloatArray:
+    """Change of a dependent coordinate by each independent one at the end of a panel, (nv,)."""
+    _, jacobian = system.body.closures(panel.q[-1:])
+    _, inverse = inverted(jacobian[0][:, panel.split.columns])
+    return np.asarray(inverse[panel.split.dependent.index(index)] @ jacobian[0])
+
+
+def _left_over_alone(
+    system: System, rows: ConstraintSet, panel: Panel
+) -> tuple[FloatArray, FloatArray]:
+    """What a flight panel leaves unresolved in all positions and velocities, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
     motion = system.shaft.driven(panel.times)
     again = system.accelerations(motion, panel.q, panel.v, rows)
-    swept = (again - a)[:, index]
+    swept = again - a
     signs = (-1.0) ** np.arange(panel.q.shape[1])
     nearby = panel.q * (1.0 + _NEARBY * _EPS * signs)
-    rough = float(
-        np.abs(system.accelerations(motion, nearby, panel.v, rows) - again)[:, index].max()
-    )
-    coefficients = np.abs(grid.integrals[0] @ a[:, index])
-    known, last = float(coefficients[-4:-2].max()), float(coefficients[-2:].max())
-    missing = last * min(last / known, 1.0) if known > 0.0 else last
-    round_off = _OPERATIONS * _EPS * (abs(panel.v[0, index]) + h * float(np.abs(a[:, index]).max()))
-    position = missing / (2.0 * panel.order) ** 2 + float(np.abs(grid.twice @ swept).max())
-    velocity = missing / (2.0 * panel.order) + float(np.abs(grid.once @ swept).max())
+    rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
+    coefficients = np.abs(grid.integrals[0] @ a)
+    known, last = coefficients[-4:-2].max(axis=0), coefficients[-2:].max(axis=0)
+    missing = last * np.divide(last, known, where=known > last, out=np.ones_like(last))
+    round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
+    position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
+    velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)
     return (
         _SAFETY * h**2 * (position + 0.5 * rough) + h * round_off,
         _SAFETY * h * (velocity + rough) + round_off,

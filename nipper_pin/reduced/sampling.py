@@ -32,6 +32,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 # Least part of x'' that the preload of a spring is taken to have.
 _LEAST_SHARE = 0.01
+# Accelerations at touch that are none: a quotient of the others by them would overflow.
+_NOTHING = 1e-290
 
 
 def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str | None:
@@ -232,7 +234,9 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
     terms = weights * touch.equation[:, 0]
     a = float(terms.sum())
     gap = 0.0 if a >= 0.0 else _ROOM * 0.5 * w**2 / -a
-    weights = np.abs(weights) / max(float(np.abs(terms).sum()), np.finfo(float).tiny)
+    size = float(np.abs(terms).sum())
+    # Where nothing accelerates at touch, any measure will do.
+    weights = np.abs(weights) / (size if size > _NOTHING else 1.0)
     # A spring that is slack in the file may be preloaded in a case.
     for place in range(BY_SPRINGS, len(weights), 2):
         unit = abs(float(touch.equation[place, 0]))

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..dynamics.impact import impact_condition
 from ..hybrid.case import Case, Window
+from ..hybrid.energy import pieces
 from ..hybrid.event import EventKind
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
@@ -39,6 +41,8 @@ class ModelReport:
         speed_rpm: Speed of the cycle that was walked [r/min].
         condition: Largest condition number of the closures over the cycle, the columns of the
             driven joints left out [-]; infinite in a dead centre.
+        impact_condition: Largest condition number of the impact matrix of the closures and the
+            stops that are closed [-]; accelerations and forces lose as many digits.
         clearances: Smallest distances between links that should not touch.
         closing_index: Index of the first collision of the transition stop; None without one.
         opening_index: Index at which that stop opens again; None if it does not.
@@ -50,6 +54,7 @@ class ModelReport:
     mechanism: Mechanism
     speed_rpm: float
     condition: Extreme
+    impact_condition: Extreme
     clearances: tuple[Clearance, ...]
     closing_index: float | None
     opening_index: float | None
@@ -85,6 +90,7 @@ class ModelReport:
                 if stop.contact is not None
             },
             "condition": asdict(self.condition),
+            "impact_condition": asdict(self.impact_condition),
             "clearances": [
                 {**asdict(item), "interferes": item.interferes} for item in self.clearances
             ],
@@ -127,6 +133,7 @@ def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
         mechanism=mechanism,
         speed_rpm=speed_rpm,
         condition=_worst_condition(solution),
+        impact_condition=_worst_impact_condition(solution),
         clearances=clearances(solution),
         closing_index=closing,
         opening_index=opening,
@@ -150,6 +157,21 @@ def _worst_condition(solution: Solution) -> Extreme:
     conditions = np.linalg.cond(jacobian[:, :, free])
     worst = int(np.argmax(conditions))
     return Extreme(float(conditions[worst]), _index(solution, float(times[worst])))
+
+
+def _worst_impact_condition(solution: Solution) -> Extreme:
+    system, worst = solution.system, Extreme(1.0, _index(solution, 0.0))
+    for segment in solution.segments:
+        stops = system.constraint_set(segment.closed).stops
+        for panel, _, end in pieces(segment):
+            inside = panel.times <= end
+            _, jacobian = system.body.closures(panel.q[inside])
+            states = zip(panel.times[inside].tolist(), panel.q[inside], jacobian, strict=True)
+            for t, q, rows in states:
+                condition = impact_condition(system, q, rows, stops)
+                if condition > worst.value:
+                    worst = Extreme(condition, _index(solution, t))
+    return worst
 
 
 def _smallest_forces(solution: Solution) -> dict[str, Extreme]:

@@ -34,7 +34,8 @@ def print_report(report: ModelReport, console: Console) -> None:
     _say(
         console,
         f"condition of the closures: at most {report.condition.value:.3g}, at index "
-        f"{report.condition.index:.2f}",
+        f"{report.condition.index:.2f}; of the impact matrix {report.impact_condition.value:.3g}, "
+        f"at index {report.impact_condition.index:.2f}",
     )
     _clearances(report, console)
     _say(console, "Provenance", style="bold")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from planar_tree import PlanarTree, constrained
 
-from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses
+from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses, impact_condition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.errors import ImpactError
@@ -333,3 +333,36 @@ def test_a_stop_that_moves_apart_is_not_pulled_back(opposed: Mechanism, drive: D
         impact = collide(system, meeting.q, v, meeting.G, stops, [0.2, 0.2])
         assert impact.P_N["steeve"] == 0.0
         _agrees(tree, system, meeting.q, v, impact, ["jaw"], [0.2])
+
+
+def test_the_impact_condition_is_that_of_the_impulses_for_unit_jumps(e62: Mechanism) -> None:
+    """Pinocchio's impulses for unit jumps of the rows are the columns of -A^-1.
+
+    The condition number is computed from the mass matrix and a dense solution; both have to be the
+    same matrix, which at the touch configuration with the jaw closed has five rows.
+    """
+    system = System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
+    q, jaw = np.zeros(7), e62.stop("jaw").index
+    _, jacobian = system.body.closures(q[None])
+    rows = np.vstack([jacobian[0], np.eye(7)[jaw]])
+    moving = [i for i in range(7) if i not in system.held_coordinates]
+    columns = []
+    for unit in np.eye(5):
+        z = np.zeros(7)
+        z[moving] = np.linalg.solve(rows[:, moving], unit)
+        columns.append(-system.body.impulse_response(q, rows, z, system.drive_armature)[1])
+    matrix = np.linalg.inv(np.array(columns).T)
+    size = np.sqrt(np.diag(matrix))
+    expected = np.linalg.cond(matrix / np.outer(size, size))
+    found = impact_condition(system, q, jacobian[0], [jaw])
+    assert found == pytest.approx(expected, rel=1e3 * expected * np.finfo(float).eps)
+
+
+def test_rows_that_depend_on_one_another_have_an_infinite_impact_condition(
+    e62: Mechanism,
+) -> None:
+    """Held drives leave five coordinates: four closures and two stops are one row too many."""
+    system = System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
+    _, jacobian = system.body.closures(np.zeros((1, 7)))
+    stops = [stop.index for stop in e62.stops]
+    assert impact_condition(system, np.zeros(7), jacobian[0], stops) > 1e14

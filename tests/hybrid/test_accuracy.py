@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, EventKind, Resolution, load, simulate
+from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
+from nipper_pin.hybrid.accuracy import EventError, _carried
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text()
@@ -61,3 +62,37 @@ def test_kinematic_phases_forget_the_past() -> None:
     solution = simulate(load("e62"), case)
     assert solution.errors[0].time < 1e-14
     assert solution.errors[2].time > solution.errors[0].time
+
+
+def test_the_error_of_a_release_is_that_of_the_force_over_its_slope() -> None:
+    """The steeve of the E62-class model lets go at 650 r/min: where a force falls through zero.
+
+    The release depends on nothing but the drives, so runs at any tolerance and number of nodes find
+    the same time but for round-off; their spread has to lie within twice what they state, which is
+    round-off of forces, not the zero of a gap and no more than a thousand units of it in time.
+    """
+    times, stated = [], []
+    for nodes in (12, 16, 20, 24):
+        case = Case(
+            speed_rpm=650.0, window=Window.CYCLE, resolution=Resolution(kinematic_nodes=nodes)
+        )
+        solution = simulate(load("e62"), case)
+        number = next(e.number for e in solution.events if e.kind is EventKind.RELEASE)
+        times.append(solution.events[number - 1].t)
+        stated.append(solution.errors[number - 1].time)
+    assert max(times) - min(times) <= 2.0 * max(stated)
+    assert 0.0 < max(stated) < 1e3 * np.finfo(float).eps * max(times)
+
+
+def test_a_relative_error_never_exceeds_one() -> None:
+    """At 1 nothing is known any more: a flight that starts with such an error ends with it.
+
+    Unlimited, it would end with more, as every flight adds something, and grow from bounce to
+    bounce until it overflows.
+    """
+    solution = simulate(load("e62"), Case(speed_rpm=650.0))
+    flight, jaw = solution.segments[0], solution.mechanism.stop("jaw").index
+    unknown = EventError(0.0, 1.0)
+    assert _carried(solution.system, flight, jaw, unknown, {}).impulse == 1.0
+    half = EventError(0.0, 0.5)
+    assert 0.5 < _carried(solution.system, flight, jaw, half, {}).impulse < 1.0

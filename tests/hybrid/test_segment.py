@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Resolution, load, simulate
+from nipper_pin import Case, ConvergenceError, Resolution, Window, load, simulate
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid import segment
 from nipper_pin.hybrid.panel import Panel
 from nipper_pin.hybrid.triggers import _gap_root
 
@@ -76,3 +77,18 @@ def test_flights_that_end_just_after_a_panel_end_at_their_impact(panels: int) ->
         case = Case(speed_rpm=650.0, resolution=resolution)
         times.append([item.t for item in simulate(mechanism, case).collisions[:5]])
     assert times[0] == pytest.approx(times[1], rel=1e-9)
+
+
+def test_a_phase_of_too_many_panels_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The longest phase passes a limit of as many panels as it has and not one of one less.
+
+    Without the limit both would pass; what is refused names the time that was reached.
+    """
+    case = Case(speed_rpm=450.0, window=Window.CYCLE, resolution=Resolution(panels_per_turn=400))
+    most = max(len(part.panels) for part in simulate(load("e62"), case).segments)
+    monkeypatch.setattr(segment, "_MOST_PANELS", most)
+    simulate(load("e62"), case)
+    monkeypatch.setattr(segment, "_MOST_PANELS", most - 1)
+    with pytest.raises(ConvergenceError, match=f"more than {most - 1} panels") as caught:
+        simulate(load("e62"), case)
+    assert caught.value.evidence["t"] > 0.0

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...errors import InputError
 from ...hybrid.event import Event, EventKind
 from ...hybrid.solution import Solution
 from .invariants import EPS, Violation
@@ -77,15 +78,19 @@ def _matched(coarse: Solution, fine: Solution) -> Iterator[tuple[Event, Event]]:
 
 
 def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
-    """A transition by the reduced engine, within the errors that both state; None if unfit."""
+    """A transition by the reduced engine, within the errors that both state; None if it refuses."""
     from ...reduced import Status, build, transitions, unfit
 
     mechanism, case = direct.mechanism, direct.case
     if unfit(mechanism, case.drive) is not None:
         return None
     stop = mechanism.transition_stop
+    try:
+        model = build(mechanism)
+    except InputError:
+        return None
     batch = transitions(
-        build(mechanism),
+        model,
         speed_rpm=np.array([case.speed_rpm]),
         restitution=np.array([mechanism.stop(stop).restitution]),
         stiffness=np.array([[spring.stiffness for spring in mechanism.springs]]),

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import weakest
+from ...dynamics.impact import impact_condition
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
 from ...hybrid.collocation import nodes
@@ -303,13 +303,17 @@ def _energy(solution: Solution) -> Iterator[str]:
     )  # fmt: skip
     scale = sum(map(abs, terms)) + energy.kinetic_peak
     system, condition = solution.system, 1.0
+    heights = []
     for segment, panel, _ in _looked_at(solution):
         scale = max(scale, float(system.spring_energy(panel.q).max()))
-        given = (*system.held_coordinates, *system.constraint_set(segment.closed).stops)
+        heights.append(system.body.gravity_energy(panel.q))
+        stops = system.constraint_set(segment.closed).stops
         _, jacobian = system.body.closures(panel.q[:1])
-        condition = max(condition, weakest(jacobian[0], given)[0])
-    # Forces near a dead centre lose twice the digits that velocities lose.
-    lost = min(1e3 * EPS * condition**2, 1e-5)
+        condition = max(condition, impact_condition(system, panel.q[0], jacobian[0], stops))
+    # What goes to and fro has its round-off, too.
+    scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
+    # Forces lose the digits that the impact matrix loses.
+    lost = min(32.0 * EPS * condition, 1e-5)
     most = (1e-8 + lost + 100.0 * solution.case.resolution.tolerance) * scale
     yield from _beyond("energy that is left over [J]", abs(energy.residual), most)
 
