@@ -94,5 +94,5 @@ def test_a_relative_error_never_exceeds_one() -> None:
     flight, jaw = solution.segments[0], solution.mechanism.stop("jaw").index
     unknown = EventError(0.0, 1.0)
     assert _carried(solution.system, flight, jaw, unknown, {}).impulse == 1.0
-    half = EventError(0.0, 0.5)
-    assert 0.5 < _carried(solution.system, flight, jaw, half, {}).impulse < 1.0
+    some = EventError(0.0, 0.1)
+    assert 0.1 < _carried(solution.system, flight, jaw, some, {}).impulse < 1.0
