@@ -105,7 +105,7 @@ def _carried(
     a = abs(float(last.a[-1, index]))
     clock = 2.0 * _EPS * segment.t_end
     if segment.kinematic:
-        shift = _gap_round_off(system, last, q, index) / rate + clock
+        shift = float(_round_off(system, last, q)[index]) / rate + clock
         return EventError(shift, 16.0 * _EPS + a * shift / rate)
     eps = eta = fastest = 0.0
     for panel in segment.panels:
@@ -134,28 +134,30 @@ def _release(system: System, segment: Segment, index: int) -> float:
     column, step = rows.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
     q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
     slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step if step else 0.0
-    position, velocity = np.zeros(q.shape[1]), np.zeros(q.shape[1])
+    nv = q.shape[1]
+    position, velocity = _round_off(system, panel, q[1:]), _NEARBY * _EPS * np.abs(v[1])
     if panel.integrated:
-        position, velocity = _left_over_alone(system, rows, panel)
-    signs = (-1.0) ** np.arange(q.shape[1])
-    nearby = q[1:] + signs * (_NEARBY * _EPS * np.abs(q[1:]) + position)
+        left_over = _left_over_alone(system, rows, panel)
+        position, velocity = position + left_over[0], velocity + left_over[1]
+    # One coordinate, then one rate at a time.
+    nearby = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
+    moving = v[1] + np.vstack([np.zeros((nv, nv)), np.diag(velocity)])
     _, jacobian = system.body.closures(nearby)
-    moving = v[1:] + signs * (_NEARBY * _EPS * np.abs(v[1:]) + velocity)
-    a = system.accelerations(system.shaft.driven(np.array([t])), nearby, moving, rows)
+    a = system.accelerations(system.shaft.driven(np.full(2 * nv, t)), nearby, moving, rows)
     there = multipliers(system, nearby, moving, a, jacobian, rows, panel.split)
-    wrong = _SAFETY * abs(float(there.la_N[0, column] - forces.la_N[1, column]))
+    wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
     length = t - segment.t_start
     return min(wrong / abs(slope), length) if slope else length
 
 
-def _gap_round_off(system: System, panel: Panel, q: FloatArray, index: int) -> float:
-    """Round-off of a gap that the closures determine: theirs, by how far it moves for them."""
-    amplified = 1.0
-    if index in panel.split.dependent:
+def _round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
+    """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
+    lever = np.ones(q.shape[1])
+    if panel.split.dependent:
         _, jacobian = system.body.closures(q)
         _, inverse = inverted(jacobian[0][:, panel.split.columns])
-        amplified = float(np.abs(inverse[panel.split.dependent.index(index)]).sum())
-    return 8.0 * _EPS * system.body.reach_m * amplified
+        lever[panel.split.columns] = np.abs(inverse).sum(axis=1)
+    return np.asarray(8.0 * _EPS * system.body.reach_m * lever)
 
 
 def _left_over(

@@ -8,27 +8,44 @@ import numpy as np
 
 from ..dynamics.system import System
 from .segment import Segment
+from .state import State
 
 _SAME_POSITION = 1e-9
+# Change of rates, as a share of the largest of the turn: far above amplified round-off, far below
+# what an event changes.
+_SAME_RATE = 1e-6
 
 
-def repeats(system: System, previous: Sequence[Segment], current: Sequence[Segment]) -> bool:
+def repeats(
+    system: System,
+    previous: Sequence[Segment],
+    current: Sequence[Segment],
+    start: State,
+    end: State,
+) -> bool:
     """True if the turn after this one must equal this one.
 
     With held drives a phase without freedom is determined by the cylinder angle alone, so two
-    turns that share such a phase at the same angle are equal from there on.
+    turns that share such a phase at the same angle are equal from there on. An event at the very
+    border of two turns may, by round-off, belong to either: this turn has to end as it began.
 
     Args:
         system: The system.
         previous: Segments of the turn before; none before the first.
         current: Segments of this turn.
+        start: State at its start.
+        end: State at its end.
     """
     if not system.held:
         return False
     period = system.shaft.period
-    begin, end = system.shaft.driven(np.array([0.0, period]))[0]
-    if np.abs(end - begin).max(initial=0.0) > _SAME_POSITION:
+    left, right = system.shaft.driven(np.array([0.0, period]))[0]
+    if np.abs(right - left).max(initial=0.0) > _SAME_POSITION:
         # A drive that winds on does not come back with the cylinder.
+        return False
+    changed = float(np.abs(end.v - start.v).max())
+    fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
+    if start.closed != end.closed or changed > _SAME_RATE * fastest:
         return False
     first, last = current[0], current[-1]
     if first.kinematic and last.kinematic and first.closed == last.closed:

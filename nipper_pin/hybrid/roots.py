@@ -89,13 +89,14 @@ def polish(
         step = abs(value / slope) if slope != 0.0 else np.inf
         new = x - value / slope if slope != 0.0 else np.inf
         inside = low < new < high
+        fine = step <= 256.0 * resolution
         # Once Newton steps stop shrinking they only show the round-off of the function.
-        if step <= resolution or (step >= previous and step <= 256.0 * resolution):
+        if step <= resolution or (step >= previous and fine):
             return new if inside else x
         if high - low <= resolution:
             return high
         # A slope that is only roughly known may send the steps to and fro.
-        new = new if inside and step <= 0.5 * previous else 0.5 * (low + high)
+        new = new if inside and (step <= 0.5 * previous or fine) else 0.5 * (low + high)
         previous, x = abs(new - x), new
     message = f"no event time to round-off in [{left!r}, {right!r}]: the motion is not smooth there"
     raise ConvergenceError(message, residual=value, tolerance=resolution, iterations=_MAX_STEPS)

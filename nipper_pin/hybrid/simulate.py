@@ -129,6 +129,7 @@ class _Run:
         self._touch()
         for turn in range(1, cycles + 1):
             first_segment, first_event = len(self.segments), len(self.events)
+            start = self.state
             before = self._collisions
             while self.step(turn * period):
                 if self._collisions - before >= self.case.max_collisions:
@@ -136,7 +137,11 @@ class _Run:
             if progress is not None:
                 progress(turn, cycles)
             current = self.segments[first_segment:]
-            if self.case.reuse_cycles and turn < cycles and repeats(self.system, previous, current):
+            if (
+                self.case.reuse_cycles
+                and turn < cycles
+                and repeats(self.system, previous, current, start, self.state)
+            ):
                 self._copy(current, self.events[first_event:], cycles - turn)
                 if progress is not None:
                     progress(cycles, cycles)
