@@ -105,7 +105,7 @@ def _carried(
     a = abs(float(last.a[-1, index]))
     clock = 2.0 * _EPS * segment.t_end
     if segment.kinematic:
-        shift = float(_round_off(system, last, q)[index]) / rate + clock
+        shift = float(round_off(system, last, q)[index]) / rate + clock
         return EventError(shift, 16.0 * _EPS + a * shift / rate)
     eps = eta = fastest = 0.0
     for panel in segment.panels:
@@ -135,7 +135,7 @@ def _release(system: System, segment: Segment, index: int) -> float:
     q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
     slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step if step else 0.0
     nv = q.shape[1]
-    position, velocity = _round_off(system, panel, q[1:]), _NEARBY * _EPS * np.abs(v[1])
+    position, velocity = round_off(system, panel, q[1:]), _NEARBY * _EPS * np.abs(v[1])
     if panel.integrated:
         left_over = _left_over_alone(system, rows, panel)
         position, velocity = position + left_over[0], velocity + left_over[1]
@@ -150,7 +150,7 @@ def _release(system: System, segment: Segment, index: int) -> float:
     return min(wrong / abs(slope), length) if slope else length
 
 
-def _round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
+def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
     """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
     lever = np.ones(q.shape[1])
     if panel.split.dependent:

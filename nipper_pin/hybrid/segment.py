@@ -107,12 +107,14 @@ def advance(
     start = t
     longest = system.shaft.period / resolution.panels_per_turn
     h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
+    # A stop that has just been left is independent, so that its gap keeps its relative precision,
+    # and stays so: a coordinate that the others determine has their errors, multiplied.
+    preferred = tuple(sorted((stop.index for stop in rows.open), key=lambda index: q[index] != 0.0))
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t, system.shaft.smooth_for(t))
-        by_gap = sorted((abs(q[stop.index]), stop.index) for stop in rows.open)
         try:
-            split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
+            split = system.split(jacobian, rows.given, preferred)
             panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
         except SimulationError as error:
             raise type(error)(error.message, **{**error.evidence, "t": t, "q": q}) from error

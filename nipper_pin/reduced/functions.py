@@ -24,6 +24,7 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multibody import INFINITE_INERTIA
 from ..dynamics.system import System
+from ..mechanism.cylinder import rad_s_from_rpm
 
 
 @dataclass(frozen=True)
@@ -117,13 +118,17 @@ class Sampler:
         m = close_velocities(m, jacobian, self._split)
         weight = body.inverse_dynamics(q, zero, zero)
 
+        # At the speed of the machine: at one radian a second the forces of inertia would drown in
+        # the round-off of the weight that is taken away.
+        fast = rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
+
         def along(w: float, rate: float) -> FloatArray:
-            v = w * m + rate * n
+            v = fast * (w * m + rate * n)
             tau = zero.copy()
-            tau[:, system.driven] = INFINITE_INERTIA * w**2 * accelerations
+            tau[:, system.driven] = INFINITE_INERTIA * (fast * w) ** 2 * accelerations
             b = body.accelerations(q, v, tau, self._armature)
             forces = body.inverse_dynamics(q, v, b) - weight
-            return np.asarray(np.einsum("ni,ni->n", n, forces))
+            return np.asarray(np.einsum("ni,ni->n", n, forces)) / fast**2
 
         both, against = along(1.0, 1.0), along(1.0, -1.0)
         inertia = 2.0 * body.kinetic_energy(q, n)
