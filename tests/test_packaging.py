@@ -75,7 +75,7 @@ def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
 
 
 def test_wheel_carries_the_version_of_the_package(wheel):
-    """Whichever of the two files is edited alone, this says so."""
+    """It stands once, in the package: what builds the wheel has to find it there."""
     with zipfile.ZipFile(wheel) as archive:
         (name,) = [item for item in archive.namelist() if item.endswith(".dist-info/METADATA")]
         lines = archive.read(name).decode().splitlines()

@@ -135,7 +135,10 @@ class Trajectory:
     def _groups(self, times: FloatArray, left: bool) -> Iterator[tuple[Segment, Panel, list[int]]]:
         """Times grouped by the panel that holds them."""
         first, last = self.span
-        outside = times[~((first <= times) & (times <= last))] if self.segments else times
+        # A time that was computed in another way than the span may lie, by round-off, outside.
+        slack = 4.0 * np.finfo(float).eps * max(abs(first), abs(last))
+        inside = (first - slack <= times) & (times <= last + slack)
+        outside = times[~inside] if self.segments else times
         if outside.size:
             message = (
                 f"time {outside[0]:.9g} s lies outside the solution, which spans "

@@ -113,7 +113,7 @@ def test_times_outside_are_refused(cycle: Solution, side: bool) -> None:
 
 
 def test_both_ends_belong_to_the_solution(cycle: Solution) -> None:
-    """First and last time can be asked for from either side."""
-    ends = np.array(cycle.trajectory.span)
+    """First and last time can be asked for from either side, and one unit of round-off beyond."""
+    ends = np.array([*cycle.trajectory.span, np.nextafter(cycle.trajectory.span[1], np.inf)])
     for side in (True, False):
         assert np.isfinite(cycle.trajectory.evaluate(ends, left=side).q).all()
