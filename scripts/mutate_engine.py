@@ -108,7 +108,7 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-spring-force", "forces of constraint without the springs",
-        "dynamics/multipliers.py", " - system.spring_forces(q)", "",
+        "dynamics/multipliers.py", " - system.applied_forces(q, v)", "",
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
@@ -116,7 +116,7 @@ MUTATIONS = (
     ),
     Mutation(
         "preload-unit", "preload lengths in centimetres",
-        "mechanism/build.py", '"preload_length_mm", 1e-3)', '"preload_length_mm", 1e-2)',
+        "mechanism/build_elements.py", "        1e-3,\n", "        1e-2,\n",
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",
