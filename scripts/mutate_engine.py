@@ -26,6 +26,7 @@ TESTS = (
     "tests/dynamics",
     "tests/hybrid",
     "tests/verification/test_four_bar.py",
+    "tests/verification/test_springs_and_dampers.py",
     "tests/verification/test_bouncing_mass.py",
     "tests/verification/test_impact_identities.py",
     "tests/verification/test_reactions.py",
@@ -109,6 +110,24 @@ MUTATIONS = (
     Mutation(
         "lost-spring-force", "forces of constraint without the springs",
         "dynamics/multipliers.py", " - system.applied_forces(q, v)", "",
+    ),
+    Mutation(
+        "strut-sign", "springs and dampers between two points push where they should pull",
+        "dynamics/elements.py", 'tau -= np.einsum("nsi,nsij->nj"', 'tau += np.einsum("nsi,nsij->nj"',
+    ),
+    Mutation(
+        "half-a-strut", "a spring between two points does not load the joints behind its second",
+        "dynamics/multibody.py",
+        "            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)\n",
+        "",
+    ),
+    Mutation(
+        "beyond-the-table", "a motion that leaves the table of a spring goes on",
+        "dynamics/elements.py", "if outside.size:", "if outside.size > len(x):",
+    ),
+    Mutation(
+        "lost-heat", "the energy balance without what dampers take",
+        "hybrid/energy.py", " - self.impact_losses - self.dissipated", " - self.impact_losses",
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
