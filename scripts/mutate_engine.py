@@ -113,13 +113,13 @@ MUTATIONS = (
     ),
     Mutation(
         "strut-sign", "springs and dampers between two points push where they should pull",
-        "dynamics/elements.py", 'tau -= np.einsum("nsi,nsij->nj"', 'tau += np.einsum("nsi,nsij->nj"',
+        "dynamics/elements.py", "tau -= np.einsum(", "tau += np.einsum(",
     ),
     Mutation(
         "half-a-strut", "a spring between two points does not load the joints behind its second",
         "dynamics/multibody.py",
-        "            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)\n",
-        "",
+        "data.oMi[joint_b].act(local_b.translation), -force)",
+        "data.oMi[joint_b].act(local_b.translation), 0.0 * force)",
     ),
     Mutation(
         "beyond-the-table", "a motion that leaves the table of a spring goes on",

@@ -149,8 +149,8 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
         for placement, parent in zip(model.jointPlacements, model.parents, strict=True)
         if parent == joint
     ]
-    joined = (*mechanism.closures, *mechanism.struts)
-    named = {name for item in joined for name in (item.frame_a, item.frame_b)}
+    named = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
+    named |= {name for item in mechanism.struts for name in (item.frame_a, item.frame_b)}
     ends += [
         np.array(frame.placement.translation)
         for frame in model.frames
