@@ -161,13 +161,20 @@ def _characteristic(
 ) -> Characteristic:
     """Rows of a table in SI units."""
     coordinates, forces = (getattr(spring, key) for key in keys.table)
+    key = f"{where}.{keys.table[0]}"
     try:
-        return Characteristic(
+        rows = Characteristic(
             coordinate=tuple(keys.scale * value for value in coordinates), force=forces
         )
     except InputError as error:
-        key, value = f"{where}.{keys.table[0]}", f"{len(coordinates)} rows"
+        value = f"{len(coordinates)} rows"
         raise ModelError(file=file, key=key, value=value, allowed=error.message) from error
+    low, high = rows.ends
+    if not low <= 0.0 <= high:
+        allowed = "rows on both sides of 0, the coordinate at touch, or one of them there"
+        value = f"rows from {coordinates[0]:g} to {coordinates[-1]:g}"
+        raise ModelError(file=file, key=key, value=value, allowed=allowed)
+    return rows
 
 
 def _strut(

@@ -9,6 +9,10 @@ from msgspec import Meta
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
+# What is larger belongs to no machine, and its products and squares leave the range of a float.
+Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
+Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
+Length = Annotated[float, Meta(ge=0.0, le=1e15)]
 Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
 Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
 Name = Annotated[str, Meta(min_length=1)]
@@ -174,9 +178,9 @@ class SpringDescription(_Table, frozen=True, kw_only=True):
     """
 
     joint: Name | None = None
-    stiffness_N_per_m: Positive | None = None
+    stiffness_N_per_m: Stiffness | None = None
     preload_length_mm: float | None = None
-    stiffness_N_m_per_rad: Positive | None = None
+    stiffness_N_m_per_rad: Stiffness | None = None
     preload_deg: float | None = None
     file: Name | None = None
     coordinate_mm: tuple[float, ...] = ()
@@ -185,7 +189,7 @@ class SpringDescription(_Table, frozen=True, kw_only=True):
     torque_N_m: tuple[float, ...] = ()
     frame_a: Name | None = None
     frame_b: Name | None = None
-    free_length_mm: NotNegative | None = None
+    free_length_mm: Length | None = None
 
 
 class DamperDescription(_Table, frozen=True, kw_only=True):
@@ -200,8 +204,8 @@ class DamperDescription(_Table, frozen=True, kw_only=True):
     """
 
     joint: Name | None = None
-    damping_N_s_per_m: NotNegative | None = None
-    damping_N_m_s_per_rad: NotNegative | None = None
+    damping_N_s_per_m: Damping | None = None
+    damping_N_m_s_per_rad: Damping | None = None
     frame_a: Name | None = None
     frame_b: Name | None = None
 

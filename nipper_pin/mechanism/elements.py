@@ -13,6 +13,8 @@ from ..errors import InputError
 
 COINCIDENT_M = 1e-9
 """Distance below which two points are one and the line between them has no direction [m]."""
+# Least distance of two rows of a table, and largest number in it, in its units.
+_NEAREST, _LARGEST = 1e-12, 1e15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,14 +96,20 @@ def _check_rows(coordinate: tuple[float, ...], force: tuple[float, ...]) -> None
             "a spring table needs at least 2 rows with a coordinate and a force each; found "
             f"{x.size} coordinates and {y.size} forces"
         )
-    elif not (np.isfinite(x) & np.isfinite(y)).all():
-        row = int(np.argmin(np.isfinite(x) & np.isfinite(y)))
-        message = f"row {row + 1} of the spring table holds a value that is not a finite number"
+    elif not (usable := (np.abs(x) <= _LARGEST) & (np.abs(y) <= _LARGEST)).all():
+        row = int(np.argmin(usable)) + 1
+        message = (
+            f"row {row} of the spring table holds a value that is not a finite number of at most "
+            f"{_LARGEST:g}"
+        )
     elif (np.diff(x) <= 0.0).any():
         row = int(np.argmax(np.diff(x) <= 0.0)) + 1
         message = (
             f"the coordinate must rise from row to row; row {row + 1} of the spring table does not"
         )
+    elif (np.diff(x) < _NEAREST).any():
+        row = int(np.argmax(np.diff(x) < _NEAREST)) + 1
+        message = f"rows {row} and {row + 1} of the spring table are too near to tell a slope"
     if message:
         raise InputError(message, rows=int(x.size))
 

@@ -111,6 +111,9 @@ MISTAKES = {
     "table that falls back": (
         TABLE.replace("2.0", "6.0"), "", "springs.steeve.coordinate_mm", "row 3",
     ),
+    "table that leaves touch out": (
+        TABLE.replace("[0.0", "[0.5"), "", "springs.steeve.coordinate_mm", "both sides of 0",
+    ),
     "columns of two lengths": (
         TABLE.replace("90.0, ", ""), "", "springs.steeve.coordinate_mm", "3 coordinates and 2 forc",
     ),
@@ -227,6 +230,17 @@ def test_rows_on_a_line_are_the_line() -> None:
     np.testing.assert_allclose(line.energies(x), energy, atol=1e-14)
 
 
-def test_rows_that_are_not_finite() -> None:
-    with pytest.raises(InputError, match=r"row 2 .* finite"):
-        Characteristic(coordinate=(0.0, math.nan, 1.0), force=(0.0, 1.0, 2.0))
+@pytest.mark.parametrize(
+    ("coordinate", "force", "words"),
+    [
+        ((0.0, math.nan, 1.0), (0.0, 1.0, 2.0), r"row 2 .* finite"),
+        ((0.0, 1.0, 2.0), (0.0, 1.0, -1e300), r"row 3 .* at most 1e\+15"),
+        ((0.0, 1e-300, 2.0), (0.0, 1.0, 2.0), "rows 1 and 2 .* too near"),
+    ],
+)
+def test_rows_that_cannot_be_computed_with(
+    coordinate: tuple[float, ...], force: tuple[float, ...], words: str
+) -> None:
+    """NaN, and what overflows in a slope: a warning would fail the test."""
+    with pytest.raises(InputError, match=words):
+        Characteristic(coordinate=coordinate, force=force)
