@@ -61,7 +61,9 @@ class Characteristic:
         from scipy.interpolate import PchipInterpolator
 
         _check_rows(self.coordinate, self.force)
-        force = PchipInterpolator(np.array(self.coordinate), np.array(self.force))
+        # The reciprocal of a slope that is nearly none may overflow; the harmonic mean is then zero.
+        with np.errstate(over="ignore"):
+            force = PchipInterpolator(np.array(self.coordinate), np.array(self.force))
         object.__setattr__(self, "_force", force)
         object.__setattr__(self, "_energy", force.antiderivative())
 

@@ -230,6 +230,13 @@ def test_rows_on_a_line_are_the_line() -> None:
     np.testing.assert_allclose(line.energies(x), energy, atol=1e-14)
 
 
+def test_a_slope_that_is_nearly_none() -> None:
+    """Its reciprocal overflows, which would be a warning; the force stays between its rows."""
+    flat = Characteristic(coordinate=(0.0, 1.0, 2.0), force=(0.0, 1e-310, 1.0))
+    assert flat.forces(np.array([0.5, 1.0])).max() <= 1e-310
+    assert 0.0 < flat.forces(np.array([1.5]))[0] < 1.0
+
+
 @pytest.mark.parametrize(
     ("coordinate", "force", "words"),
     [
