@@ -27,6 +27,7 @@ TESTS = (
     "tests/hybrid",
     "tests/verification/test_four_bar.py",
     "tests/verification/test_springs_and_dampers.py",
+    "tests/verification/test_springs_in_other_forms.py",
     "tests/verification/test_bouncing_mass.py",
     "tests/verification/test_impact_identities.py",
     "tests/verification/test_reactions.py",

@@ -61,7 +61,7 @@ class Characteristic:
         from scipy.interpolate import PchipInterpolator
 
         _check_rows(self.coordinate, self.force)
-        # The reciprocal of a slope that is nearly none may overflow; the harmonic mean is then zero.
+        # The reciprocal of a slope of nearly none may overflow: the harmonic mean then is zero.
         with np.errstate(over="ignore"):
             force = PchipInterpolator(np.array(self.coordinate), np.array(self.force))
         object.__setattr__(self, "_force", force)

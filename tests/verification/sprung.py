@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nipper_pin import Mechanism, load
+import numpy as np
+
+from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
 
 MASS = 0.7
 INERTIA = 0.02
+STIFFNESS = 90.0
+GRAVITY = 9.81
 
 _TOML = """format = 1
 title = "machine of a test"
@@ -102,3 +106,59 @@ def _joint(
         f'<origin xyz="{origin[0]!r} 0 {origin[1]!r}"/><axis xyz="{axis}"/>'
         '<limit lower="-10" upper="10" effort="1e6" velocity="1e6"/></joint>'
     )
+
+
+def swing(mechanism: Mechanism, seconds: float, **case: object) -> Solution:
+    """A run from rest at touch."""
+    case = {"window": Window.CYCLE, **case}
+    return simulate(mechanism, Case(speed_rpm=60.0 / seconds, **case))  # type: ignore[arg-type]
+
+
+def moved(solution: Solution, t: np.ndarray, joint: str) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinate and rate of a joint."""
+    motion = solution.trajectory.evaluate(t, left=True)
+    place = next(j.index for j in solution.mechanism.joints if j.name == joint)
+    return motion.q[:, place], motion.v[:, place]
+
+
+MANY = f"""
+[springs.table]
+joint = "lower"
+coordinate_deg = [-400.0, -60.0, 10.0, 45.0, 400.0]
+torque_N_m = [-9.0, -2.0, 0.5, 3.0, 20.0]
+[springs.linear]
+joint = "turn"
+stiffness_N_m_per_rad = 3.0
+preload_deg = 20.0
+[dampers.hinge]
+joint = "lower"
+damping_N_m_s_per_rad = 0.2
+[springs.first]
+frame_a = "post"
+frame_b = "tip"
+stiffness_N_per_m = {STIFFNESS}
+free_length_mm = 350.0
+[springs.second]
+frame_a = "knee"
+frame_b = "tip"
+stiffness_N_per_m = 40.0
+free_length_mm = 100.0
+[dampers.first]
+frame_a = "post"
+frame_b = "knee"
+damping_N_s_per_m = 4.0
+[dampers.second]
+frame_a = "knee"
+frame_b = "tip"
+damping_N_s_per_m = 2.0
+"""
+LOWER = ("lower", "continuous", "0 -1 0", (0.3, -0.1))
+FRAMES = {
+    "post": ("frame", 0.6, 0.5),
+    "knee": ("link_turn", 0.05, 0.12),
+    "tip": ("link_lower", 0.25, -0.07),
+}
+
+
+def double_pendulum(folder: Path, **more: object) -> Mechanism:
+    return machine(folder, [HINGE, LOWER], MANY, frames=FRAMES, centre=(0.1, -0.05), **more)  # type: ignore[arg-type]
