@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-# The published problems state their own equations in a module beside the tests.
+# Published problems and sprung machines have modules of their own beside the tests.
 sys.path.insert(0, str(Path(__file__).parent))
 
 import sprung

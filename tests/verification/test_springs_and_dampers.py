@@ -1,7 +1,7 @@
-"""Springs and dampers of every kind against closed forms, and against one another where they agree.
+"""Springs and dampers of every kind against closed forms.
 
 No number comes from the package: forces are checked by differences of energies, motions by closed
-solutions, the E62 with a spring between two points by the E62 with the same spring on its slide.
+solutions.
 """
 
 from __future__ import annotations
@@ -14,10 +14,7 @@ import pytest
 import sprung
 from sprung import GRAVITY, STIFFNESS
 
-from nipper_pin import (
-    ElementError,
-    Mechanism,
-)
+from nipper_pin import ElementError, Mechanism
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 
