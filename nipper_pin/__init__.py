@@ -9,6 +9,7 @@ from .dynamics.system import DriveMode
 from .errors import (
     AssemblyError,
     ConvergenceError,
+    ElementError,
     ImpactError,
     InputError,
     ModelError,
@@ -59,6 +60,7 @@ __all__ = [
     "Collision",
     "ConvergenceError",
     "DriveMode",
+    "ElementError",
     "Event",
     "EventKind",
     "ImpactError",

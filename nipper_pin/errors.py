@@ -112,6 +112,14 @@ class ConvergenceError(SimulationError):
     """
 
 
+class ElementError(SimulationError):
+    """A spring or damper has no force here: its table ends, or its two points coincide.
+
+    Evidence: ``element`` and, for a table, ``joint``, ``coordinate``, ``ends``; for two points
+    ``distance_m``. Both with the time ``t`` and the configuration ``q``.
+    """
+
+
 class ImpactError(SimulationError):
     """No set of impulses satisfies the impact law at a collision.
 

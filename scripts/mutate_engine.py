@@ -26,6 +26,8 @@ TESTS = (
     "tests/dynamics",
     "tests/hybrid",
     "tests/verification/test_four_bar.py",
+    "tests/verification/test_springs_and_dampers.py",
+    "tests/verification/test_springs_in_other_forms.py",
     "tests/verification/test_bouncing_mass.py",
     "tests/verification/test_impact_identities.py",
     "tests/verification/test_reactions.py",
@@ -108,7 +110,25 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-spring-force", "forces of constraint without the springs",
-        "dynamics/multipliers.py", " - system.spring_forces(q)", "",
+        "dynamics/multipliers.py", " - system.applied_forces(q, v)", "",
+    ),
+    Mutation(
+        "strut-sign", "springs and dampers between two points push where they should pull",
+        "dynamics/elements.py", "tau -= np.einsum(", "tau += np.einsum(",
+    ),
+    Mutation(
+        "half-a-strut", "a spring between two points does not load the joints behind its second",
+        "dynamics/multibody.py",
+        "data.oMi[joint_b].act(local_b.translation), -force)",
+        "data.oMi[joint_b].act(local_b.translation), 0.0 * force)",
+    ),
+    Mutation(
+        "beyond-the-table", "a motion that leaves the table of a spring goes on",
+        "dynamics/elements.py", "if outside.size:", "if outside.size > len(x):",
+    ),
+    Mutation(
+        "lost-heat", "the energy balance without what dampers take",
+        "hybrid/energy.py", " - self.impact_losses - self.dissipated", " - self.impact_losses",
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
@@ -116,7 +136,7 @@ MUTATIONS = (
     ),
     Mutation(
         "preload-unit", "preload lengths in centimetres",
-        "mechanism/build.py", '"preload_length_mm", 1e-3)', '"preload_length_mm", 1e-2)',
+        "mechanism/build_elements.py", "        1e-3,\n", "        1e-2,\n",
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",

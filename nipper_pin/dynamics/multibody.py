@@ -29,6 +29,7 @@ _PLANAR_ROWS_OF_A_PIN = (0, 2)
 # removes its effect on the live rows: 2 to 3 iterations to round-off, many more near a dead centre.
 _PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 200}
 _OF_THREAD = threading.local()
+_NO_FORCES = np.empty((0, 2))
 
 
 def multibody(mechanism: Mechanism) -> Multibody:
@@ -99,6 +100,12 @@ class Multibody:
             ],
             dtype=np.intp,
         )
+        names = (name for strut in mechanism.struts for name in (strut.frame_a, strut.frame_b))
+        frames = [
+            mechanism.model.frames[mechanism.model.getFrameId(name, pin.FrameType.BODY)]
+            for name in names
+        ]
+        self._points = [(frame.parentJoint, frame.placement) for frame in frames]
         self.reach_m = mechanism.reach_m
         self.evaluations = 0
 
@@ -236,8 +243,37 @@ class Multibody:
         pin.forwardKinematics(self._plain, self._plain_data, q)
         return [pin.SE3(self._plain_data.oMi[joint]) for joint in self._link_ids]
 
+    def points(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """World places of the points of all struts, and their Jacobians.
+
+        Args:
+            q: Configurations, shape (N, nv).
+
+        Returns:
+            Places (x, z), shape (N, struts, 2, 2) [m], the third axis being points a and b; and
+            their derivatives by q, shape (N, struts, 2, 2, nv).
+        """
+        model, data = self._plain, self._plain_data
+        places = np.empty((len(q), len(self._points), 2))
+        jacobians = np.zeros((len(q), len(self._points), 2, self.nv))
+        axes = pin.LOCAL_WORLD_ALIGNED
+        for q_row, place, jacobian in zip(q, places, jacobians, strict=True):
+            pin.computeJointJacobians(model, data, q_row)
+            for number, (joint, placement) in enumerate(self._points):
+                place[number] = data.oMi[joint].act(placement.translation)[[0, 2]]
+                # Nothing moves the frame of the machine.
+                if joint:
+                    rows = pin.getFrameJacobian(model, data, joint, placement, axes)
+                    jacobian[number] = rows[[0, 2]]
+        return places.reshape(len(q), -1, 2, 2), jacobians.reshape(len(q), -1, 2, 2, self.nv)
+
     def joint_wrenches(
-        self, q: FloatArray, v: FloatArray, a: FloatArray, closure_forces: FloatArray
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        a: FloatArray,
+        closure_forces: FloatArray,
+        point_forces: FloatArray = _NO_FORCES,
     ) -> tuple[FloatArray, FloatArray]:
         """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
 
@@ -246,6 +282,8 @@ class Multibody:
             v: Velocity, shape (nv,).
             a: Acceleration, shape (nv,).
             closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
+            point_forces: Forces (x, z) of the struts on the bodies of their points a, in world
+                axes, shape (struts, 2) [N]; their opposites act at the points b.
 
         Returns:
             Tree joints' wrenches (force x, force z [N], moment counter-clockwise about the joint
@@ -265,12 +303,14 @@ class Multibody:
             place_b = data.oMi[constraint.joint2_id] * constraint.joint2_placement
             world = place_a.rotation @ local
             cut[number] = world[[0, 2]]
-            for joint, place, force in (
-                (constraint.joint1_id, place_a, world),
-                (constraint.joint2_id, place_b, -world),
-            ):
-                acting = pin.SE3(np.eye(3), place.translation).act(pin.Force(force, np.zeros(3)))
-                outer[joint] = outer[joint] + data.oMi[joint].actInv(acting)
+            self._push(outer, constraint.joint1_id, place_a.translation, world)
+            self._push(outer, constraint.joint2_id, place_b.translation, -world)
+        for (x, z), (joint_a, local_a), (joint_b, local_b) in zip(
+            point_forces, self._points[::2], self._points[1::2], strict=True
+        ):
+            force = np.array([x, 0.0, z])
+            self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
+            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
         pin.rnea(model, data, q, v, a, outer)
         wrenches = np.empty((len(self._link_ids), 3))
         for row, joint in enumerate(self._link_ids):
@@ -279,3 +319,10 @@ class Multibody:
             moment = rotation @ data.f[joint].angular
             wrenches[row] = force[0], force[2], -moment[1]
         return wrenches, cut
+
+    def _push(
+        self, outer: pin.StdVec_Force, joint: int, point: FloatArray, force: FloatArray
+    ) -> None:
+        """Add a force at a world point to the outer forces on the body behind a joint, in place."""
+        acting = pin.SE3(np.eye(3), point).act(pin.Force(force, np.zeros(3)))
+        outer[joint] = outer[joint] + self._plain_data.oMi[joint].actInv(acting)

@@ -40,8 +40,8 @@ def multipliers(
 ) -> Multipliers:
     """Solve M a + h = tau + G' la_g + W' la_N for the forces of constraint.
 
-    The rows of the dependent coordinates, on which nothing but springs acts, determine la_g; the
-    rows of stops and drives then give their forces.
+    The rows of the dependent coordinates, on which only springs and dampers act, determine la_g;
+    the rows of stops and drives then give their forces.
 
     Args:
         system: The system.
@@ -52,7 +52,7 @@ def multipliers(
         rows: The phase.
         split: Dependent and independent coordinates; no given one may be dependent.
     """
-    missing = system.body.inverse_dynamics(q, v, a) - system.spring_forces(q)
+    missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
     dependent = list(split.dependent)
     transposed = np.swapaxes(jacobian[:, :, dependent], 1, 2)
     la_g: FloatArray = np.asarray(

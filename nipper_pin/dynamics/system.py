@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop
 from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
+from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
 
@@ -34,8 +35,9 @@ class ConstraintSet:
         given: Driven coordinates and closed stops: never dependent through the closures.
         armature: Inertia added to each joint in flight, shape (nv,).
         stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
-        damping: Of drive trains, likewise; None where there is none.
+        damping: Of dampers and drive trains, likewise; None where there is none.
         freedom: Degrees of freedom that are left.
+        moving: 1 for coordinates that forces move, 0 for those that are prescribed, shape (nv,).
     """
 
     closed: frozenset[str]
@@ -46,6 +48,7 @@ class ConstraintSet:
     stiffness: FloatArray
     damping: FloatArray | None
     freedom: int
+    moving: FloatArray
 
 
 class System:
@@ -79,11 +82,14 @@ class System:
         self.free = np.ones(nv)
         if self.held:
             self.free[self.driven] = 0.0
-        self._stiffness, self._preload = np.zeros(nv), np.zeros(nv)
+        self._stiffness, self._preload, self._damping = np.zeros((3, nv))
         for spring in mechanism.springs:
             self._stiffness[spring.index] += spring.stiffness
             self._preload[spring.index] -= spring.stiffness * spring.preload
+        for damper in mechanism.dampers:
+            self._damping[damper.index] += damper.damping
         self.body = multibody(mechanism)
+        self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
@@ -95,21 +101,28 @@ class System:
             stops = tuple(stop.index for stop in self.mechanism.stops if stop.name in closed)
             given = (*(drive.index for drive in self.mechanism.drives), *stops)
             armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
-            damping = None
-            if self.held:
-                stiffness[self.driven] = 0.0
-            else:
+            moving, damping = self.free.copy(), self._damping.copy()
+            if not self.held:
                 stiffness[self.driven] += self._shaft_stiffness
-                damping = np.zeros(self.body.nv)
-                damping[self.driven] = self._shaft_damping
+                damping[self.driven] += self._shaft_damping
             held_stops = list(stops)
             armature[held_stops] = INFINITE_INERTIA
-            stiffness[held_stops] = 0.0
+            moving[held_stops] = 0.0
+            stiffness *= moving
+            damping *= moving
             prescribed = len(given) if self.held else len(stops)
             freedom = self.body.nv - self.body.closure_rows - prescribed
             others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
             self._sets[closed] = ConstraintSet(
-                closed, stops, others, given, armature, stiffness, damping, freedom
+                closed,
+                stops,
+                others,
+                given,
+                armature,
+                stiffness,
+                damping if damping.any() else None,
+                freedom,
+                moving,
             )
         return self._sets[closed]
 
@@ -185,23 +198,54 @@ class System:
         if rows.stops:
             q[:, rows.stops] = v[:, rows.stops] = 0.0
 
-    def spring_forces(self, q: FloatArray) -> FloatArray:
-        """Generalised forces of the springs, -k (p + x), shape (N, nv)."""
-        return np.asarray(self._preload - self._stiffness * q)
+    def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Generalised forces of all springs and dampers, shape (N, nv).
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+        """
+        forces: FloatArray = self._preload - self._stiffness * q - self._damping * v
+        if self.elements is not None:
+            forces += self.elements.forces(q, v)
+        return forces
 
     def spring_energy(self, q: FloatArray) -> FloatArray:
         """Energy stored in the springs [J], shape (N,)."""
         energy = np.zeros(len(q))
         for spring in self.mechanism.springs:
             energy += 0.5 * spring.stiffness * (spring.preload + q[:, spring.index]) ** 2
+        if self.elements is not None:
+            energy += self.elements.energy(q)
         return energy
+
+    def dissipation(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Power that the dampers of the mechanism turn into heat [W], shape (N,).
+
+        Drive trains are not among them: what they take is work of the drives.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+        """
+        power: FloatArray = v**2 @ self._damping
+        if self.elements is not None:
+            power += self.elements.dissipation(q, v)
+        return power
+
+    def point_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Forces of the struts as :meth:`Elements.point_forces`, shape (N, struts, 2) [N]."""
+        if self.elements is None:
+            return np.zeros((len(q), 0, 2))
+        return self.elements.point_forces(q, v)
 
     def forcing(self, motion: Driven, rows: ConstraintSet) -> FloatArray:
         """Generalised forces that do not depend on the state, shape (N, nv).
 
-        The rest is linear in the state, tau = forcing - stiffness q - damping v. Preloads are
-        -k p; a held shaft has I a_law with its infinite inertia I; an elastic drive train has
-        tau = I a_law + k (q_law - q) + c (v_law - v), with k = I w^2 and c = 2 zeta w I.
+        The rest is linear in the state, tau = forcing - stiffness q - damping v, but for tables and
+        struts (:mod:`.elements`). Preloads are -k p; a held shaft has I a_law with its infinite
+        inertia I; an elastic drive train has tau = I a_law + k (q_law - q) + c (v_law - v), with
+        k = I w^2 and c = 2 zeta w I.
 
         Args:
             motion: Driven coordinates, rates and accelerations of these states, as
@@ -228,6 +272,8 @@ class System:
         tau = forcing - rows.stiffness * q
         if rows.damping is not None:
             tau -= rows.damping * v
+        if self.elements is not None:
+            tau += rows.moving * self.elements.forces(q, v)
         return self.body.accelerations(q, v, tau, rows.armature)
 
     def accelerations(

@@ -195,7 +195,10 @@ def _left_over_alone(
     rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
     coefficients = np.abs(grid.integrals[0] @ a)
     known, last = coefficients[-4:-2].max(axis=0), coefficients[-2:].max(axis=0)
-    missing = last * np.divide(last, known, where=known > last, out=np.ones_like(last))
+    missing = last.copy()
+    if not system.mechanism.tabulated_springs:
+        # Across a row of a table coefficients decay by powers: the next is as large as the last.
+        missing *= np.divide(last, known, where=known > last, out=np.ones_like(last))
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

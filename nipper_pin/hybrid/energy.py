@@ -29,6 +29,7 @@ class EnergyBalance:
         spring_change: Growth of the energy stored in springs.
         kinetic_change: Growth of the kinetic energy (with the shafts' where these are free).
         impact_losses: Energy lost in collisions and at rests.
+        dissipated: Energy that dampers turned into heat.
         kinetic_peak: Largest kinetic energy seen.
     """
 
@@ -38,13 +39,15 @@ class EnergyBalance:
     spring_change: float
     kinetic_change: float
     impact_losses: float
+    dissipated: float
     kinetic_peak: float
 
     @property
     def residual(self) -> float:
         """What the balance fails to close by [J]."""
         supplied = self.drive_work + self.drive_impulse_work + self.gravity_work
-        return supplied - self.spring_change - self.kinetic_change - self.impact_losses
+        stored = self.spring_change + self.kinetic_change
+        return supplied - stored - self.impact_losses - self.dissipated
 
     @property
     def relative(self) -> float:
@@ -55,7 +58,7 @@ class EnergyBalance:
 def energy_balance(
     system: System, segments: Sequence[Segment], events: Sequence[Event]
 ) -> EnergyBalance:
-    """Integrate the drives' power by Gauss quadrature and balance it.
+    """Integrate the power of drives and dampers by Gauss quadrature and balance it.
 
     Args:
         system: The system.
@@ -66,8 +69,8 @@ def energy_balance(
         The balance. Copies of a turn share their panels' arrays and are integrated once.
     """
     points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
-    known: dict[tuple[int, float], tuple[float, float]] = {}
-    work = peak = 0.0
+    known: dict[tuple[int, float], tuple[float, float, float]] = {}
+    work = heat = peak = 0.0
     for segment in segments:
         rows = system.constraint_set(segment.closed)
         for panel, begin, end in pieces(segment):
@@ -78,10 +81,12 @@ def energy_balance(
                 power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
                 known[key] = (
                     float(0.5 * (end - begin) * weights @ power),
+                    float(0.5 * (end - begin) * weights @ system.dissipation(q, v)),
                     float(np.max(_kinetic(system, q, v))),
                 )
             work += known[key][0]
-            peak = max(peak, known[key][1])
+            heat += known[key][1]
+            peak = max(peak, known[key][2])
     trajectory = Trajectory(system, segments)
     first, last = trajectory.span
     # A run may begin or end with a collision: its outer limits belong to the balance.
@@ -106,6 +111,7 @@ def energy_balance(
         spring_change=_change(system.spring_energy(q1), system.spring_energy(q0)),
         kinetic_change=_change(_kinetic(system, q1, v1), _kinetic(system, q0, v0)),
         impact_losses=sum(event.energy_lost for event in events),
+        dissipated=heat,
         kinetic_peak=float(peak),
     )
 

@@ -10,10 +10,12 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions
+from ..dynamics.elements import Elements
 from ..dynamics.system import ConstraintSet, System
-from ..errors import ConvergenceError, SimulationError, SingularConfigurationError
+from ..errors import ConvergenceError, ElementError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from .case import Resolution
+from .collocation import nodes
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -134,6 +136,8 @@ def advance(
                 q=q,
             )
         found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
+        if system.elements is not None:
+            _check_tables(system.elements, panel, found[0].t if found else t_limit)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
             exact = one_state_at(system, rows, panel, t_end)
@@ -148,6 +152,13 @@ def advance(
         q, v, jacobian, _ = one_state_at(system, rows, panel, t)
         a = panel.a[-1]
         h = min(longest, advised)
+
+
+def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
+    """Refuse a panel that leaves a table before the end of the segment; no node may show it."""
+    times = panel.t + panel.h * nodes(panel.order).samples
+    times = np.append(times[times < t_end], min(t_end, panel.t + panel.h))
+    elements.check(panel.interpolate(times)[0], times)
 
 
 def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
@@ -201,7 +212,7 @@ def _panel(
                 attempt = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
             else:
                 attempt = flight_panel(system, rows, split, t, h, q, v, a, resolution)
-        except (ConvergenceError, SingularConfigurationError):
+        except (ConvergenceError, ElementError, SingularConfigurationError):
             # The guess of a long panel may be too far off, or its iteration run away to where the
             # loops do not close; a short one tells the truth.
             if h <= 2.0 * shortest:

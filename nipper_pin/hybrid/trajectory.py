@@ -40,7 +40,8 @@ class Reactions:
         a: Accelerations, shape (K, nv).
         joints: By tree joint: force x, force z [N] and moment counter-clockwise about the joint
             [N m] that the parent link exerts on the child, world axes, shape (K, 3). Along a
-            joint's own coordinate this contains springs, stops and drives that act there.
+            joint's own coordinate this contains springs, dampers, stops and drives that act there;
+            springs and dampers between two points act past the joints.
         closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
         drives: By drive: torque on the driven joint [N m], shape (K,).
         stops: By stop: force along its coordinate [N m or N], zero while open, shape (K,).
@@ -116,9 +117,10 @@ class Trajectory:
             torques[chosen] = forces.drive
             closed = [i for i, stop in enumerate(mechanism.stops) if stop.name in segment.closed]
             stops[np.ix_(chosen, closed)] = forces.la_N
+            pulls = self.system.point_forces(q, v)
             for row, place in enumerate(chosen):
                 wrenches[place], cuts[place] = body.joint_wrenches(
-                    q[row], v[row], a_chosen[row], forces.la_g[row]
+                    q[row], v[row], a_chosen[row], forces.la_g[row], pulls[row]
                 )
         return Reactions(
             t=times,

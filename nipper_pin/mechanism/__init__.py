@@ -2,16 +2,20 @@
 
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
+from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
 from .load import find_model, from_sources, known_models, load
 from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Stop
 from .shapes import collision_model
 
 __all__ = [
+    "COINCIDENT_M",
     "INDEX_PER_TURN",
+    "Characteristic",
     "Closure",
     "ConstantSpeed",
     "Contact",
     "Cylinder",
+    "Damper",
     "Drive",
     "DriveLaw",
     "Fourier",
@@ -22,7 +26,9 @@ __all__ = [
     "Phase",
     "Spring",
     "Stop",
+    "Strut",
     "Table",
+    "TabulatedSpring",
     "collision_model",
     "find_model",
     "from_sources",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -11,19 +10,15 @@ import pinocchio as pin
 
 from ..errors import ModelError, UnknownNameError
 from .assembly import check_assembly
+from .build_elements import build_elements
 from .contact import find_contact
 from .describe import describe
-from .description import Description, ScrewDrive, SpringDescription
+from .description import Description, ScrewDrive
 from .drives import DriveLaw
 from .laws import build_cylinder, build_laws
-from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Spring, Stop
+from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
 from .urdf import Urdf, check_urdf, parse_xml
-
-_AXES = {
-    "prismatic": ("stiffness_N_per_m", "preload_length_mm", 1e-3),
-    "revolute": ("stiffness_N_m_per_rad", "preload_deg", math.pi / 180.0),
-}
 
 
 def build_mechanism(
@@ -52,7 +47,7 @@ def build_mechanism(
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description, urdf, file)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
-    springs = _springs(description, by_name, file)
+    elements = build_elements(description, by_name, urdf.links, model, file)
     phases = _phases(description, file)
     geometry = None
     if any(stop.contact for stop in description.stops.values()):
@@ -78,7 +73,10 @@ def build_mechanism(
         joints=joints,
         closures=closures,
         drives=drives,
-        springs=springs,
+        springs=elements.springs,
+        tabulated_springs=elements.tabulated_springs,
+        dampers=elements.dampers,
+        struts=elements.struts,
         stops=stops,
         phases=phases,
         transition_stop=description.transition_stop,
@@ -150,37 +148,6 @@ def _drives(
             )
         )
     return tuple(drives)
-
-
-def _springs(
-    description: Description, joints: Mapping[str, Joint], file: str
-) -> tuple[Spring, ...]:
-    """Springs in SI units, their keys checked against the kind of joint."""
-    springs = []
-    for name, spring in description.springs.items():
-        joint = _joint(spring.joint, joints, f"{file}: springs.{name}.joint")
-        stiffness, preload = _spring_values(name, spring, joint, file)
-        springs.append(Spring(name=name, index=joint.index, stiffness=stiffness, preload=preload))
-    return tuple(springs)
-
-
-def _spring_values(
-    name: str, spring: SpringDescription, joint: Joint, file: str
-) -> tuple[float, float]:
-    """Stiffness and preload of a spring in SI units."""
-    stiffness_key, preload_key, scale = _AXES[joint.kind]
-    for kind, (*keys, _) in _AXES.items():
-        for key in keys:
-            value = getattr(spring, key)
-            if (value is None) == (kind == joint.kind):
-                allowed = (
-                    f"a spring on the {joint.kind} joint {joint.name} has the keys "
-                    f"{stiffness_key} and {preload_key}, and no others"
-                )
-                raise ModelError(
-                    file=file, key=f"springs.{name}.{key}", value=value, allowed=allowed
-                )
-    return getattr(spring, stiffness_key), scale * getattr(spring, preload_key)
 
 
 def _stops(

@@ -14,6 +14,7 @@ import msgspec
 from ..errors import ModelError
 from .description import (
     ClosureDescription,
+    DamperDescription,
     Description,
     DriveDescription,
     PlanePoint,
@@ -24,6 +25,7 @@ from .description import (
 _SECTIONS: dict[str, Any] = {
     "drives": DriveDescription,
     "springs": SpringDescription,
+    "dampers": DamperDescription,
     "stops": StopDescription,
     "closures": ClosureDescription,
 }

@@ -9,6 +9,10 @@ from msgspec import Meta
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
+# What is larger belongs to no machine, and its products and squares leave the range of a float.
+Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
+Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
+Length = Annotated[float, Meta(ge=0.0, le=1e15)]
 Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
 Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
 Name = Annotated[str, Meta(min_length=1)]
@@ -155,21 +159,55 @@ DriveDescription = (
 
 
 class SpringDescription(_Table, frozen=True, kw_only=True):
-    """A linear spring on a joint: on a prismatic joint the first two, on a hinge the last two.
+    """A spring: linear on a joint, from a table on a joint, or between two points.
 
     Attributes:
-        joint: Joint it acts on.
-        stiffness_N_per_m: Stiffness [N/m].
-        preload_length_mm: Deflection at coordinate zero [mm].
-        stiffness_N_m_per_rad: Torsional stiffness [N m/rad].
-        preload_deg: Deflection at coordinate zero [deg].
+        joint: Joint it acts on, unless it has two points.
+        stiffness_N_per_m: Stiffness on a prismatic joint or between two points [N/m].
+        preload_length_mm: Deflection at coordinate zero of a prismatic joint [mm].
+        stiffness_N_m_per_rad: Torsional stiffness on a hinge [N m/rad].
+        preload_deg: Deflection at coordinate zero of a hinge [deg].
+        file: CSV file with the columns of a table.
+        coordinate_mm: Rising coordinates of a table on a prismatic joint [mm].
+        force_N: Force against the coordinate at each of them [N].
+        coordinate_deg: Rising coordinates of a table on a hinge [deg].
+        torque_N_m: Torque against the coordinate at each of them [N m].
+        frame_a: URDF link whose origin is the first point.
+        frame_b: URDF link whose origin is the second point.
+        free_length_mm: Distance of the two points without force [mm].
     """
 
-    joint: Name
-    stiffness_N_per_m: Positive | None = None
+    joint: Name | None = None
+    stiffness_N_per_m: Stiffness | None = None
     preload_length_mm: float | None = None
-    stiffness_N_m_per_rad: Positive | None = None
+    stiffness_N_m_per_rad: Stiffness | None = None
     preload_deg: float | None = None
+    file: Name | None = None
+    coordinate_mm: tuple[float, ...] = ()
+    force_N: tuple[float, ...] = ()
+    coordinate_deg: tuple[float, ...] = ()
+    torque_N_m: tuple[float, ...] = ()
+    frame_a: Name | None = None
+    frame_b: Name | None = None
+    free_length_mm: Length | None = None
+
+
+class DamperDescription(_Table, frozen=True, kw_only=True):
+    """A linear damper on a joint or between two points.
+
+    Attributes:
+        joint: Joint it acts on, unless it has two points.
+        damping_N_s_per_m: Damping on a prismatic joint or between two points [N s/m].
+        damping_N_m_s_per_rad: Torsional damping on a hinge [N m s/rad].
+        frame_a: URDF link whose origin is the first point.
+        frame_b: URDF link whose origin is the second point.
+    """
+
+    joint: Name | None = None
+    damping_N_s_per_m: Damping | None = None
+    damping_N_m_s_per_rad: Damping | None = None
+    frame_a: Name | None = None
+    frame_b: Name | None = None
 
 
 class ContactDescription(_Table, frozen=True, kw_only=True):
@@ -237,6 +275,7 @@ class Description(_Table, frozen=True, kw_only=True):
         cylinder: The input shaft.
         drives: Driven joints.
         springs: Springs.
+        dampers: Dampers.
         stops: Unilateral stops.
         closures: Cut joints.
         phases: Working phases.
@@ -255,6 +294,7 @@ class Description(_Table, frozen=True, kw_only=True):
     drives: dict[str, DriveDescription] = {}
     stops: dict[str, StopDescription] = {}
     springs: dict[str, SpringDescription] = {}
+    dampers: dict[str, DamperDescription] = {}
     closures: dict[str, ClosureDescription] = {}
     shortcuts: dict[str, str] = {}
     provenance: dict[str, Name] = {}

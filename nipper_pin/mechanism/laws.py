@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -24,8 +22,6 @@ from .description import (
     TableDrive,
 )
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
-
-COLUMNS = ("cylinder_angle_deg", "coordinate_rad")
 
 
 def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, DriveLaw]:
@@ -108,80 +104,6 @@ def _culprit(drive: DriveDescription) -> tuple[str, object]:
             return "guide_offset_mm", drive.guide_offset_mm
         return "crank_radius_mm", drive.crank_radius_mm
     return "cylinder_angle_deg", f"{len(getattr(drive, 'cylinder_angle_deg', ()))} rows"
-
-
-def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
-    """Read the CSV files of table drives into the document, so that it stands on its own.
-
-    Args:
-        data: The TOML document, as written.
-        folder: Model folder that the CSV files must lie in.
-        file: Name of the TOML file, for messages.
-
-    Returns:
-        The document with the columns in place of each file name.
-
-    Raises:
-        ModelError: A file is missing, lies outside the folder or is not such a table.
-    """
-    drives = data.get("drives")
-    if not isinstance(drives, Mapping):
-        return dict(data)
-    changed = {}
-    for name, drive in drives.items():
-        changed[name] = drive
-        if isinstance(drive, Mapping) and drive.get("law") == "table" and "file" in drive:
-            table = {key: value for key, value in drive.items() if key != "file"}
-            changed[name] = {**table, **_read_csv(drive["file"], folder, f"drives.{name}", file)}
-    return {**data, "drives": changed}
-
-
-def _read_csv(name: object, folder: Path, where: str, file: str) -> dict[str, list[float]]:
-    """Read the two columns of a CSV file."""
-    key = f"{where}.file"
-    path = folder / str(name)
-    if not isinstance(name, str) or not path.resolve().is_relative_to(folder.resolve()):
-        raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
-    if not path.is_file():
-        known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
-        allowed = f"a CSV file in the model folder {folder}; found there: {known}"
-        raise ModelError(file=file, key=key, value=name, allowed=allowed)
-    columns: dict[str, list[float]] = {column: [] for column in COLUMNS}
-    with path.open(encoding="utf-8", newline="") as stream:
-        reader = csv.DictReader(stream, skipinitialspace=True)
-        if tuple(reader.fieldnames or ()) != COLUMNS:
-            raise ModelError(
-                file=name,
-                key="first line",
-                value=",".join(reader.fieldnames or ()),
-                allowed=f"the column names {','.join(COLUMNS)}",
-            )
-        for row in reader:
-            for column in COLUMNS:
-                columns[column].append(
-                    _number(row[column], name, f"line {reader.line_num} {column}")
-                )
-    rows = (columns[column] for column in COLUMNS)
-    try:
-        Table(
-            cylinder_angle_rad=tuple(math.radians(angle) for angle in next(rows)),
-            coordinate_rad=tuple(next(rows)),
-        )
-    except InputError as error:
-        value = f"{len(columns[COLUMNS[0]])} rows"
-        raise ModelError(file=name, key="table", value=value, allowed=error.message) from error
-    return columns
-
-
-def _number(text: str | None, file: str, key: str) -> float:
-    """Convert one CSV field to a finite number."""
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ModelError(file=file, key=key, value=text, allowed="a finite number")
-    return value
 
 
 def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float | None:

@@ -35,7 +35,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     import tomllib
 
     from .build import build_mechanism
-    from .laws import inline_tables
+    from .csv_tables import inline_tables
 
     folder = find_model(model)
     name = folder.name
@@ -74,7 +74,7 @@ def from_sources(
         ModelError: A value in the data cannot be used.
     """
     from .build import build_mechanism
-    from .laws import inline_tables
+    from .csv_tables import inline_tables
 
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")

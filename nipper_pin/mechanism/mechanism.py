@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..errors import UnknownNameError
 from .cylinder import Cylinder
 from .drives import DriveLaw, Geared
+from .elements import Damper, Strut, TabulatedSpring
 
 FloatArray = NDArray[np.float64]
 
@@ -166,7 +167,10 @@ class Mechanism:
         joints: Tree joints in the order of their coordinates.
         closures: Cut joints.
         drives: Driven joints.
-        springs: Springs on coordinates.
+        springs: Linear springs on coordinates.
+        tabulated_springs: Springs on coordinates whose force comes from a table.
+        dampers: Linear dampers on coordinates.
+        struts: Springs and dampers between two points.
         stops: Unilateral stops.
         phases: Working phases.
         transition_stop: Stop whose bouncing is "the transition".
@@ -187,6 +191,9 @@ class Mechanism:
     closures: tuple[Closure, ...]
     drives: tuple[Drive, ...]
     springs: tuple[Spring, ...]
+    tabulated_springs: tuple[TabulatedSpring, ...]
+    dampers: tuple[Damper, ...]
+    struts: tuple[Strut, ...]
     stops: tuple[Stop, ...]
     phases: tuple[Phase, ...]
     transition_stop: str

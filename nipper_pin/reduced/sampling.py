@@ -48,6 +48,13 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     """
     if drive != DriveMode.HELD:
         return "the reduced engine needs held drives: inertial shafts move on their own"
+    others = [
+        *(f"table of spring {item.name}" for item in mechanism.tabulated_springs),
+        *(f"damper {item.name}" for item in mechanism.dampers),
+        *(f"{item.kind} {item.name} between two points" for item in mechanism.struts),
+    ]
+    if others:
+        return f"the reduced engine has linear springs on joints only, no {', '.join(others)}"
     free = mechanism.degrees_of_freedom - len(mechanism.drives)
     if free != 1:
         return f"the reduced engine needs one degree of freedom in flight, and {free} are left"

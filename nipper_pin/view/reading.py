@@ -9,7 +9,7 @@ from ..hybrid.case import Window
 from ..hybrid.collisions import Collision, PhaseInterval, Transition
 from ..hybrid.event import Event, EventKind
 from ..hybrid.solution import Solution
-from ..mechanism import Mechanism, Stop
+from ..mechanism import Mechanism, Stop, Strut
 
 TURNS_SHOWN = 2
 
@@ -67,7 +67,7 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def spring_text(mechanism: Mechanism) -> str:
-    """Stiffness, preload deflection and preload force of every spring."""
+    """Stiffness, preload deflection and preload force of every spring, or what its table spans."""
     parts = []
     for spring in mechanism.springs:
         force = digits(spring.stiffness * spring.preload)
@@ -78,7 +78,34 @@ def spring_text(mechanism: Mechanism) -> str:
             stiffness = f"{spring.stiffness / 1e3:g} N/mm"
             preload = f"{spring.preload * 1e3:g} mm ({force} N)"
         parts.append(f"{spring.name} {stiffness}, preload {preload}")
+    for table in mechanism.tabulated_springs:
+        units, rows = units_of(mechanism, table.index), table.characteristic
+        low, high = (f"{units.coordinate_factor * end:g}" for end in rows.ends)
+        forces = f"{rows.force[0]:g} to {rows.force[-1]:g}"
+        unit = "N m" if units.noun == "angle" else "N"
+        parts.append(f"{table.name} table from {low} to {high} {units.coordinate}, {forces} {unit}")
+    for strut in _struts(mechanism, "spring"):
+        parts.append(
+            f"{strut.name} {strut.stiffness / 1e3:g} N/mm from {strut.frame_a} to {strut.frame_b}, "
+            f"free length {1e3 * strut.free_length:g} mm"
+        )
     return "; ".join(parts) or "none"
+
+
+def damper_text(mechanism: Mechanism) -> str:
+    """Damping of every damper; empty without one."""
+    parts = []
+    for damper in mechanism.dampers:
+        turns = units_of(mechanism, damper.index).noun == "angle"
+        parts.append(f"{damper.name} {damper.damping:g} {'N m s/rad' if turns else 'N s/m'}")
+    for strut in _struts(mechanism, "damper"):
+        ends = f"from {strut.frame_a} to {strut.frame_b}"
+        parts.append(f"{strut.name} {strut.damping:g} N s/m {ends}")
+    return "; ".join(parts)
+
+
+def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
+    return [strut for strut in mechanism.struts if strut.kind == kind]
 
 
 def restitution_text(stops: tuple[Stop, ...]) -> str:

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..study.check import Extreme, ModelReport
-from .reading import spring_text
+from .reading import damper_text, spring_text
 
 
 def print_report(report: ModelReport, console: Console) -> None:
@@ -56,6 +56,8 @@ def _joints(report: ModelReport, console: Console) -> None:
         table.add_row(closure.name, "cut pin", closure.frame_a, closure.frame_b, "")
     console.print(table)
     _say(console, f"springs: {spring_text(mechanism)}")
+    if dampers := damper_text(mechanism):
+        _say(console, f"dampers: {dampers}")
 
 
 def _stops(report: ModelReport, console: Console) -> None:

@@ -15,6 +15,7 @@ from ..hybrid.solution import Solution
 from .reading import (
     Units,
     case_text,
+    damper_text,
     digits,
     fixed,
     force_name,
@@ -66,6 +67,8 @@ def _header(solution: Solution, console: Console) -> None:
     if mechanism.stops:
         _say(console, f"restitution: {restitution_text(mechanism.stops)}")
     _say(console, f"springs: {spring_text(mechanism)}")
+    if dampers := damper_text(mechanism):
+        _say(console, f"dampers: {dampers}")
 
 
 def _collisions(solution: Solution, console: Console) -> None:

@@ -58,7 +58,7 @@ _TA, _TB, _U, _UA, _UB = 2308e-5, 916e-5, 4e-2, 1228e-5, 449e-5
 _ZF, _ZT, _FA = 2e-2, 4e-2, 1421e-5
 
 
-def applied(gamma: float) -> tuple[float, float]:
+def _applied(gamma: float) -> tuple[float, float]:
     """Torque of the motor on beta and of the coil spring on gamma [N m]."""
     across = _SD * np.cos(gamma) + _SC * np.sin(gamma)
     along = _SD * np.sin(gamma) - _SC * np.cos(gamma)
@@ -93,10 +93,10 @@ def _mass(q: np.ndarray) -> np.ndarray:
     return M
 
 
-def _forces(q: np.ndarray, v: np.ndarray, spring: float) -> np.ndarray:
+def _forces(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Applied and gyroscopic forces, shape (7,)."""
     beta_dot, theta_dot, _, phi_dot, delta_dot, omega_dot, epsilon_dot = v
-    motor, coil = applied(q[2])
+    motor, coil = _applied(q[2])
     bend = _M2 * _DA * _RR * np.sin(q[1])
     turn = _M4 * _ZT * (_E - _EA) * np.cos(q[3])
     fold = _M6 * _U * (_ZF - _FA) * np.cos(q[5])
@@ -104,7 +104,7 @@ def _forces(q: np.ndarray, v: np.ndarray, spring: float) -> np.ndarray:
         [
             motor - bend * theta_dot * (theta_dot + 2 * beta_dot),
             bend * beta_dot**2,
-            spring * coil,
+            coil,
             turn * delta_dot**2,
             -turn * phi_dot * (phi_dot + 2 * delta_dot),
             -fold * epsilon_dot**2,
@@ -128,11 +128,8 @@ def _spans(q: np.ndarray) -> list[tuple[int, tuple[int, ...], float, float]]:
     return spans
 
 
-def accelerations(q: np.ndarray, v: np.ndarray, spring: float = 1.0) -> np.ndarray:
-    """Accelerations from the stated equations, M a = f + G' la, G a = -G_dot v, shape (7,).
-
-    With ``spring`` zero the coil spring is left out.
-    """
+def accelerations(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Accelerations from the stated equations, M a = f + G' la, G a = -G_dot v, shape (7,)."""
     G, bent = np.zeros((6, 7)), np.zeros(6)
     for row, columns, angle, length in _spans(q):
         rate = sum(v[column] for column in columns)
@@ -142,4 +139,4 @@ def accelerations(q: np.ndarray, v: np.ndarray, spring: float = 1.0) -> np.ndarr
         bent[row] -= length * np.cos(angle) * rate**2
         bent[row + 1] -= length * np.sin(angle) * rate**2
     system = np.block([[_mass(q), G.T], [G, np.zeros((6, 6))]])
-    return np.linalg.solve(system, np.concatenate([_forces(q, v, spring), -bent]))[:7]
+    return np.linalg.solve(system, np.concatenate([_forces(q, v), -bent]))[:7]

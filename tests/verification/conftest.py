@@ -1,5 +1,17 @@
 import sys
 from pathlib import Path
 
-# The published problems state their own equations in a module beside the tests.
+import pytest
+
+# Published problems and sprung machines have modules of their own beside the tests.
 sys.path.insert(0, str(Path(__file__).parent))
+
+import sprung
+
+from nipper_pin import Mechanism
+
+
+@pytest.fixture(scope="session")
+def pendulum(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
+    """A double pendulum with springs and dampers of every kind."""
+    return sprung.double_pendulum(tmp_path_factory.mktemp("pendulum"), gravity=sprung.GRAVITY)

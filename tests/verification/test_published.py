@@ -18,7 +18,6 @@ from scipy.special import ellipj, ellipk
 
 from nipper_pin import Case, ModelError, Outcome, SimulationError, Solution, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.dynamics.multibody import Multibody
 
 MODELS = Path(__file__).parents[2] / "models" / "benchmarks"
 GRAVITY = 9.81
@@ -47,25 +46,17 @@ def test_every_benchmark_states_its_source(name: str) -> None:
 def squeezed() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Angles and rates of Andrews' mechanism at the end, and accelerations at the start.
 
-    The format has no spring between two points; motor and spring are generalised forces here, and
-    scipy integrates the accelerations of the dynamics room.
+    Everything is in the model file: the coil is a spring between two points, the motor a level
+    table of a torque.
     """
-    mechanism = load(MODELS / "andrews_squeezer")
-    body = Multibody(mechanism)
-    names = [joint.name for joint in mechanism.joints]
-    order = [names.index(name) for name in andrews.NAMES]
-    none = np.zeros(body.nv)
-
-    def slope(_: float, y: np.ndarray) -> np.ndarray:
-        q, v = y.reshape(2, -1)
-        tau = np.zeros(body.nv)
-        tau[[order[0], order[2]]] = andrews.applied(andrews.START[2] + q[order[2]])
-        return np.concatenate([v, body.accelerations(q[None], v[None], tau[None], none)[0]])
-
-    still = np.zeros(2 * body.nv)
-    run = solve_ivp(slope, (0.0, andrews.END), still, method="DOP853", rtol=1e-13, atol=1e-15)
-    q, v = run.y[:, -1].reshape(2, -1)
-    return andrews.START + q[order], v[order], slope(0.0, still)[body.nv :][order]
+    solution = _turns("andrews_squeezer", andrews.END)
+    motion = solution.trajectory.evaluate(solution.trajectory.span[1], left=True)
+    order = [_place(solution, name) for name in andrews.NAMES]
+    first = solution.trajectory.reactions(0.0).a[0]
+    assert solution.checks.closure_m <= 1e-13
+    # The hand of the clock has most of the energy: what is left over counts by the coil's share.
+    assert abs(solution.energy.residual) <= 1e-10 * abs(solution.energy.spring_change)
+    return andrews.START + motion.q[0, order], motion.v[0, order], first[order]
 
 
 def test_andrews_squeezer_has_the_published_values(
@@ -87,43 +78,23 @@ def test_andrews_squeezer_has_the_published_values(
     assert np.abs(first[2:]).max() <= 1e-12 * scale
 
 
-def _stated(spring: float) -> np.ndarray:
-    """Angles and rates at the end by the equations of the source alone, shape (2, 7)."""
-    still = np.concatenate([andrews.START, np.zeros(7)])
-    run = solve_ivp(
-        lambda _, y: np.concatenate([y[7:], andrews.accelerations(y[:7], y[7:], spring)]),
-        (0.0, andrews.END), still, method="DOP853", rtol=1e-13, atol=1e-15,
-    )  # fmt: skip
-    return np.asarray(run.y[:, -1].reshape(2, 7))
-
-
 def test_andrews_squeezer_against_its_stated_equations(
     squeezed: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> None:
     """Mass matrix, forces and loops of the source, integrated alone, give the same end to 1e-11.
 
-    Both integrations run at 1e-13; between 1e-11 and 1e-13 ours moves by 3e-12 rad.
+    The independent integration runs at 1e-13, the engine's has some forty panels of 1e-12 each. The
+    first link turns two and a half times from rest; without the coil it would not turn once.
     """
     angles, rates, _ = squeezed
-    end = _stated(1.0)
+    still = np.concatenate([andrews.START, np.zeros(7)])
+    run = solve_ivp(
+        lambda _, y: np.concatenate([y[7:], andrews.accelerations(y[:7], y[7:])]),
+        (0.0, andrews.END), still, method="DOP853", rtol=1e-13, atol=1e-15,
+    )  # fmt: skip
+    end = run.y[:, -1].reshape(2, 7)
     assert np.abs(angles - end[0]).max() <= 1e-11 * np.abs(angles).max()
     assert np.abs(rates - end[1]).max() <= 1e-11 * np.abs(rates).max()
-
-
-def test_andrews_squeezer_without_its_spring_in_the_engine() -> None:
-    """What the format can say, motor and no coil, through ``simulate``: the same end to 1e-9.
-
-    Some hundred panels at 1e-12 each add up to 1e-10; the first link turns by 5 rad from rest.
-    """
-    solution = _turns("andrews_squeezer", andrews.END)
-    motion = solution.trajectory.evaluate(solution.trajectory.span[1], left=True)
-    order = [_place(solution, name) for name in andrews.NAMES]
-    angles, rates = andrews.START + motion.q[0, order], motion.v[0, order]
-    end = _stated(0.0)
-    assert np.abs(angles - end[0]).max() <= 1e-9 * np.abs(end[0]).max()
-    assert np.abs(rates - end[1]).max() <= 1e-9 * np.abs(end[1]).max()
-    assert solution.checks.closure_m <= 1e-13
-    assert abs(end[0, 0]) > 5.0
 
 
 # Two four-bars, bars of 1 m and 1 kg: three cranks turn, two couplers only move along.

@@ -261,7 +261,7 @@ def _forces(
 ) -> Iterator[str]:
     """M a + h = tau + G' la_g + W' la_N in every coordinate, and closed stops push."""
     system, tolerance = solution.system, solution.case.resolution.tolerance
-    inverse, spring = system.body.inverse_dynamics(*state), system.spring_forces(state[0])
+    inverse, spring = system.body.inverse_dynamics(*state), system.applied_forces(*state[:2])
     left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
     size = np.abs(inverse) + np.abs(spring)
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
@@ -302,7 +302,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     energy = solution.energy
     terms = (
         energy.drive_work, energy.drive_impulse_work, energy.gravity_work, energy.spring_change,
-        energy.kinetic_change, energy.impact_losses,
+        energy.kinetic_change, energy.impact_losses, energy.dissipated,
     )  # fmt: skip
     scale = sum(map(abs, terms)) + energy.kinetic_peak
     system, condition = solution.system, 1.0

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import trimesh
 import viser
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...dynamics.multibody import multibody
@@ -16,6 +17,7 @@ from ...mechanism import Mechanism
 from ..scene.solids import CYLINDER, FIXED, Solid, cylinder_axis, solids
 
 _CYLINDER_SECTIONS = 48
+_LINE_COLOUR = (51, 51, 51)
 _NEAR = 1.9  # distance of the camera by the size of the mechanism
 _VIEW = math.radians(45.0)
 _SUN = (-1.0, -3.0, 4.0)
@@ -58,6 +60,10 @@ class Stage:
             handle = self._add(server, f"/{names[solid.body]}/{solid.name}", solid)
             if solid.spring is not None:
                 self._springs.append((handle, solid, solid.spring))
+        self._lines = None
+        if mechanism.struts:
+            rest = self._ends(np.zeros(self._body.nv))
+            self._lines = scene.add_line_segments("/struts", rest, _LINE_COLOUR)
         self._frames[CYLINDER].position = self._axis
         self._look(server)
 
@@ -77,10 +83,19 @@ class Stage:
         for handle, solid, place in self._springs:
             x, y, z = (float(value) for value in solid.scale)
             handle.scale = (x, y, z - float(q[place]))
+        if self._lines is not None:
+            self._lines.points = self._ends(q)
 
     def rest(self) -> None:
         """Move everything to the touch configuration."""
         self.pose(np.zeros(self._body.nv), self._mechanism.cylinder.angle_at_touch_rad)
+
+    def _ends(self, q: FloatArray) -> NDArray[np.float32]:
+        """Both points of every strut, shape (struts, 2, 3) [m]."""
+        places, _ = self._body.points(q[None])
+        ends = np.zeros((len(self._mechanism.struts), 2, 3), dtype=np.float32)
+        ends[:, :, [0, 2]] = places[0]
+        return ends
 
     def _add(self, server: viser.ViserServer, path: str, solid: Solid) -> viser.MeshHandle:
         shape = _shape(solid)

@@ -9,6 +9,7 @@ _PHASES = ("#F0E442", "#56B4E9", "#E69F00", "#009E73", "#CC79A7")
 _UNNAMED = "#777777"
 ARROW = "#D55E00"
 PLAIN = "#9AA0A8"
+LINE = "#333333"
 
 
 def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:

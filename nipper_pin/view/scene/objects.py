@@ -12,13 +12,14 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...mechanism import Mechanism, Stop
+from ...mechanism import Mechanism, Stop, Strut
 from ...mechanism.tree import joint_placements
 from ..reading import force_unit
-from .colours import ARROW, channels
+from .colours import ARROW, LINE, channels
 from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis
 
 ROOT = "nipper"
+LINE_WIDTH = 0.003  # of the reach of the mechanism
 ARROW_LENGTH = 0.18  # of the reach of the mechanism, for the largest impulse
 _READERS = {
     ".stl": geometry.StlMeshGeometry,
@@ -88,6 +89,17 @@ def arrow_commands(mechanism: Mechanism, stop: Stop) -> Iterator[dict[str, objec
     cone = geometry.Cylinder(head, radiusTop=0.0, radiusBottom=3.0 * thick)
     yield _object(f"{path}/head", cone, channels(ARROW), glow=True)
     yield _transform(f"{path}/head", up[1])
+
+
+def strut_path(strut: Strut) -> str:
+    """Path of the node that is stretched from one point of a strut to the other."""
+    return f"{ROOT}/{strut.kind}_{strut.name}"
+
+
+def strut_command(mechanism: Mechanism, strut: Strut) -> dict[str, object]:
+    """Command that draws a strut as a line one unit long, along y; the animation places it."""
+    line = geometry.Cylinder(1.0, LINE_WIDTH * mechanism.reach_m)
+    return _object(strut_path(strut), line, channels(LINE), glow=True)
 
 
 def _joint(mechanism: Mechanism, stop: Stop) -> int:

@@ -14,7 +14,7 @@ import umsgpack
 from ...hybrid.solution import Solution
 from ...hybrid.storage import complete_file
 from .film import Film, Look, film
-from .objects import arrow_commands, arrow_stops, solid_commands
+from .objects import arrow_commands, arrow_stops, solid_commands, strut_command
 from .readings import readings
 from .solids import solids
 from .tracks import animation
@@ -80,6 +80,7 @@ def _messages(shown: Film) -> list[str]:
         sent += solid_commands(mechanism, solid)
     for stop in arrow_stops(mechanism):
         sent += arrow_commands(mechanism, stop)
+    sent += (strut_command(mechanism, strut) for strut in mechanism.struts)
     sent.append(animation(shown, drawn))
     return [base64.b64encode(umsgpack.packb(item)).decode("ascii") for item in sent]
 

@@ -149,11 +149,12 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
         for placement, parent in zip(model.jointPlacements, model.parents, strict=True)
         if parent == joint
     ]
-    cut = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
+    named = {name for item in mechanism.closures for name in (item.frame_a, item.frame_b)}
+    named |= {name for item in mechanism.struts for name in (item.frame_a, item.frame_b)}
     ends += [
         np.array(frame.placement.translation)
         for frame in model.frames
-        if frame.parentJoint == joint and frame.name in cut
+        if frame.parentJoint == joint and frame.name in named
     ]
     thick = 0.02 * mechanism.reach_m
     ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]

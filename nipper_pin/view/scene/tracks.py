@@ -14,12 +14,13 @@ import umsgpack
 from ...arrays import FloatArray
 from .colours import channels, phase_colour
 from .film import Film, bouncing_stop
-from .objects import arrow_path, arrow_stops, body_path, solid_path
+from .objects import arrow_path, arrow_stops, body_path, solid_path, strut_path
 from .solids import CYLINDER, Solid, cylinder_axis
 
 HELD = 0.6  # seconds of playback that the arrow of an impulse is shown
 _FADE = 0.4
 _JUMP = 1e-3
+_SHORTEST = 1e-6  # m
 _FLOAT32 = 0x17  # meshcat's code for a typed array in a message
 
 
@@ -30,7 +31,8 @@ def animation(film: Film, solids: Sequence[Solid]) -> dict[str, object]:
         film: The film.
         solids: What the mechanism is drawn with.
     """
-    clips = [*_bodies(film), *_springs(film, solids), *_phases(film, solids), *_arrows(film)]
+    clips = [*_bodies(film), *_springs(film, solids), *_struts(film), *_phases(film, solids),
+             *_arrows(film)]  # fmt: skip
     return {
         "type": "set_animation",
         "path": "",
@@ -82,6 +84,31 @@ def _springs(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]
             scale[:, 2] -= film.drawn[:, solid.spring]
             path = solid_path(film.solution.mechanism, solid)
             yield _clip(path, film.pace.playback, ("scale", "vector3", scale))
+
+
+def _struts(film: Film) -> Iterator[dict[str, object]]:
+    """Lines between the two points of springs and dampers: middle, direction and length."""
+    struts = film.solution.mechanism.struts
+    if not struts:
+        return
+    places, _ = film.solution.system.body.points(film.drawn)
+    for number, strut in enumerate(struts):
+        first, second = places[:, number, 0], places[:, number, 1]
+        x, z = 0.5 * (first + second).T
+        along = second - first
+        # A quarter turn about x lays the line, which stands along y, along z; from there it turns
+        # about -y, as everything in the plane does.
+        half = 0.5 * np.unwrap(np.arctan2(-along[:, 0], along[:, 1]))
+        turned = np.column_stack([np.cos(half), -np.sin(half), np.sin(half), np.cos(half)])
+        # Nothing at all would leave a matrix that cannot be inverted.
+        length = np.maximum(np.hypot(*along.T), _SHORTEST)
+        yield _clip(
+            strut_path(strut),
+            film.pace.playback,
+            ("position", "vector3", np.column_stack([x, np.zeros(len(x)), z])),
+            ("quaternion", "quaternion", np.sqrt(0.5) * turned),
+            ("scale", "vector3", np.column_stack([np.ones_like(x), length, np.ones_like(x)])),
+        )
 
 
 def _phases(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:

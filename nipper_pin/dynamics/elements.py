@@ -1,0 +1,153 @@
+"""Springs and dampers that are not linear in the state: tables on joints, and struts.
+
+A strut joins two points a and b. With d = b - a, l = |d|, u = d / l and G_d = dd/dq,
+
+    T = k (l - l_0) + c l_dot,      l_dot = u' G_d v,      tau = -G_d' (T u),
+    energy k (l - l_0)^2 / 2,       dissipated power c l_dot^2.
+
+A table f on the coordinate x gives tau = -f(x) and stores its integral. All of this is a function
+of (q, v) alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ElementError
+from ..mechanism import COINCIDENT_M, Mechanism
+from .multibody import Multibody
+
+# A root of a gap at the end of a table may lie, by round-off, beyond it: in parts of its length.
+_ROUND_OFF = 1e-9
+
+
+def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
+    """Tables and struts of a mechanism; None if it has neither."""
+    if mechanism.tabulated_springs or mechanism.struts:
+        return Elements(mechanism, body)
+    return None
+
+
+class Elements:
+    """Forces, energy and losses of tables and struts.
+
+    Args:
+        mechanism: The mechanism.
+        body: Its multibody system.
+    """
+
+    def __init__(self, mechanism: Mechanism, body: Multibody) -> None:
+        """Lay the values of the struts out as arrays, shape (struts,)."""
+        self._joints = mechanism.joints
+        self._tables = mechanism.tabulated_springs
+        self._struts = mechanism.struts
+        self._body = body
+        self._stiffness = np.array([strut.stiffness for strut in self._struts])
+        self._free_length = np.array([strut.free_length for strut in self._struts])
+        self._damping = np.array([strut.damping for strut in self._struts])
+        self._directed = np.array([strut.directed for strut in self._struts], dtype=bool)
+
+    def forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Generalised forces, shape (N, nv) [N or N m].
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+
+        Raises:
+            ElementError: Two points coincide.
+        """
+        tau = np.zeros_like(q)
+        for table in self._tables:
+            tau[:, table.index] -= table.characteristic.forces(q[:, table.index])
+        if self._struts:
+            pull, jacobian, _ = self._pulls(q, v)
+            tau -= np.einsum("nsi,nsij->nj", pull, jacobian)
+        return tau
+
+    def energy(self, q: FloatArray) -> FloatArray:
+        """Energy stored in tables and struts [J], shape (N,)."""
+        energy = np.zeros(len(q))
+        for table in self._tables:
+            energy += table.characteristic.energies(q[:, table.index])
+        if self._struts:
+            places, _ = self._body.points(q)
+            length = np.linalg.norm(places[:, :, 1] - places[:, :, 0], axis=2)
+            energy += 0.5 * (length - self._free_length) ** 2 @ self._stiffness
+        return energy
+
+    def dissipation(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Power that the struts turn into heat [W], shape (N,); arguments as :meth:`forces`."""
+        if not self._damping.any():
+            return np.zeros(len(q))
+        _, _, rate = self._pulls(q, v)
+        return np.asarray(rate**2 @ self._damping)
+
+    def point_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Forces (x, z) on the points a of the struts, world axes, shape (N, struts, 2) [N]."""
+        return self._pulls(q, v)[0]
+
+    def check(self, q: FloatArray, t: FloatArray) -> None:
+        """Refuse a motion that leaves a table.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            t: Their times [s], shape (N,).
+
+        Raises:
+            ElementError: Names table, joint, time and coordinate of the first such state.
+        """
+        for table in self._tables:
+            low, high = table.characteristic.ends
+            x = q[:, table.index]
+            slack = _ROUND_OFF * (high - low)
+            outside = np.flatnonzero((x < low - slack) | (x > high + slack))
+            if outside.size:
+                row = int(outside[0])
+                joint = self._joints[table.index]
+                factor, unit = (
+                    (1e3, "mm") if joint.kind == "prismatic" else (np.degrees(1.0), "deg")
+                )
+                message = (
+                    f"spring {table.name}: at t = {t[row]:.6g} s joint {joint.name} stands at "
+                    f"{factor * x[row]:.6g} {unit}, and the rows of its table go from "
+                    f"{factor * low:g} to {factor * high:g} {unit}; add rows"
+                )
+                raise ElementError(
+                    message,
+                    element=table.name,
+                    joint=joint.name,
+                    coordinate=float(x[row]),
+                    ends=(low, high),
+                    t=float(t[row]),
+                    q=q[row],
+                )
+
+    def _pulls(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Forces T u on the points a, (N, struts, 2), G_d, (N, struts, 2, nv), and l_dot."""
+        places, jacobians = self._body.points(q)
+        line = places[:, :, 1] - places[:, :, 0]
+        jacobian = jacobians[:, :, 1] - jacobians[:, :, 0]
+        length = np.sqrt(np.einsum("nsi,nsi->ns", line, line))
+        self._check_lengths(length, q)
+        # Points of a spring of free length zero may coincide: its force vanishes with the line.
+        inverse = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
+        rate = inverse * np.einsum("nsi,nsij,nj->ns", line, jacobian, v)
+        density = (
+            self._stiffness * (1.0 - self._free_length * inverse) + self._damping * rate * inverse
+        )
+        return density[:, :, None] * line, jacobian, rate
+
+    def _check_lengths(self, length: FloatArray, q: FloatArray) -> None:
+        short = self._directed & (length < COINCIDENT_M)
+        if short.any():
+            row, place = (int(found[0]) for found in np.nonzero(short))
+            strut = self._struts[place]
+            message = (
+                f"{strut.kind} {strut.name}: its points {strut.frame_a} and {strut.frame_b} "
+                "coincide, so its force has no direction; move one of them off the other's way"
+            )
+            raise ElementError(
+                message, element=strut.name, distance_m=float(length[row, place]), q=q[row]
+            )

@@ -1,0 +1,215 @@
+"""From the springs and dampers of a model file to elements in SI units, their keys checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from ..errors import InputError, ModelError, UnknownNameError
+from .description import DamperDescription, Description, SpringDescription
+from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
+from .mechanism import Joint, Spring
+from .tree import joint_placements
+
+
+@dataclass(frozen=True)
+class _Keys:
+    """Keys on one kind of joint, and the factor from the unit of its coordinate to the SI unit."""
+
+    linear: tuple[str, str]
+    table: tuple[str, str]
+    damper: str
+    scale: float
+
+
+_OF_JOINT = {
+    "prismatic": _Keys(
+        ("stiffness_N_per_m", "preload_length_mm"),
+        ("coordinate_mm", "force_N"),
+        "damping_N_s_per_m",
+        1e-3,
+    ),
+    "revolute": _Keys(
+        ("stiffness_N_m_per_rad", "preload_deg"),
+        ("coordinate_deg", "torque_N_m"),
+        "damping_N_m_s_per_rad",
+        math.pi / 180.0,
+    ),
+}
+_POINTS = ("frame_a", "frame_b")
+_SPRING_OF_POINTS = (*_POINTS, "stiffness_N_per_m", "free_length_mm")
+_DAMPER_OF_POINTS = (*_POINTS, "damping_N_s_per_m")
+_TABLES = tuple(key for keys in _OF_JOINT.values() for key in keys.table)
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Springs and dampers of a mechanism, as its fields of the same names."""
+
+    springs: tuple[Spring, ...]
+    tabulated_springs: tuple[TabulatedSpring, ...]
+    dampers: tuple[Damper, ...]
+    struts: tuple[Strut, ...]
+
+
+def build_elements(
+    description: Description,
+    joints: Mapping[str, Joint],
+    links: Sequence[str],
+    model: pin.Model,
+    file: str,
+) -> Elements:
+    """Build springs and dampers.
+
+    Args:
+        description: The TOML file.
+        joints: Tree joints by name.
+        links: Names of all links of the URDF.
+        model: Pinocchio model of the tree.
+        file: Name of the TOML file, for messages.
+
+    Raises:
+        UnknownNameError: A joint or frame does not exist.
+        ModelError: Keys do not go together, or the values make no spring or damper.
+    """
+    springs: list[Spring] = []
+    tables: list[TabulatedSpring] = []
+    dampers: list[Damper] = []
+    struts: list[Strut] = []
+    for name, spring in description.springs.items():
+        where = f"springs.{name}"
+        if _between_points(spring):
+            _check_keys(spring, _SPRING_OF_POINTS, None, where, file)
+            values = {
+                # The check leaves neither of them None.
+                "stiffness": spring.stiffness_N_per_m or 0.0,
+                "free_length": 1e-3 * (spring.free_length_mm or 0.0),
+            }
+            struts.append(_strut("spring", name, spring, values, links, model, file))
+            continue
+        joint = _joint(spring, joints, where, file)
+        keys = _OF_JOINT[joint.kind]
+        if any(getattr(spring, key) for key in _TABLES):
+            _check_keys(spring, ("joint", *keys.table), joint, where, file)
+            rows = _characteristic(spring, keys, where, file)
+            tables.append(TabulatedSpring(name=name, index=joint.index, characteristic=rows))
+            continue
+        _check_keys(spring, ("joint", *keys.linear), joint, where, file)
+        stiffness, preload = (getattr(spring, key) for key in keys.linear)
+        springs.append(
+            Spring(name=name, index=joint.index, stiffness=stiffness, preload=keys.scale * preload)
+        )
+    for name, damper in description.dampers.items():
+        where = f"dampers.{name}"
+        if _between_points(damper):
+            _check_keys(damper, _DAMPER_OF_POINTS, None, where, file)
+            values = {"damping": damper.damping_N_s_per_m or 0.0}
+            struts.append(_strut("damper", name, damper, values, links, model, file))
+            continue
+        joint = _joint(damper, joints, where, file)
+        key = _OF_JOINT[joint.kind].damper
+        _check_keys(damper, ("joint", key), joint, where, file)
+        dampers.append(Damper(name=name, index=joint.index, damping=getattr(damper, key)))
+    return Elements(tuple(springs), tuple(tables), tuple(dampers), tuple(struts))
+
+
+_Entry = SpringDescription | DamperDescription
+
+
+def _between_points(entry: _Entry) -> bool:
+    return entry.frame_a is not None or entry.frame_b is not None
+
+
+def _joint(entry: _Entry, joints: Mapping[str, Joint], where: str, file: str) -> Joint:
+    """The joint that an element acts on."""
+    key = f"{where}.joint"
+    if entry.joint is None:
+        allowed = "the name of a joint, or frame_a and frame_b for an element between two points"
+        raise ModelError(file=file, key=key, value=None, allowed=allowed)
+    if entry.joint not in joints:
+        where = f"{file}: {key}"
+        raise UnknownNameError(kind="joint", name=entry.joint, known=joints, where=where)
+    return joints[entry.joint]
+
+
+def _check_keys(
+    entry: _Entry, wanted: Sequence[str], joint: Joint | None, where: str, file: str
+) -> None:
+    """Refuse an element with a key too many or too few."""
+    noun = where.partition("s.")[0]
+    place = f"on the {joint.kind} joint {joint.name}" if joint else "between two points"
+    keys = [key for key in wanted if key != "joint"]
+    only = "key" if len(keys) == 1 else "keys"
+    listed = " and ".join([", ".join(keys[:-1]), keys[-1]] if keys[:-1] else keys)
+    for key in entry.__struct_fields__:
+        value = getattr(entry, key)
+        if (value is None or value == ()) == (key in wanted):
+            allowed = f"a {noun} {place} has the {only} {listed}, and no others"
+            if joint and noun == "spring" and keys[0] not in _TABLES:
+                table = " and ".join(_OF_JOINT[joint.kind].table)
+                allowed += f" (or, for a table, file or {table})"
+            raise ModelError(file=file, key=f"{where}.{key}", value=value, allowed=allowed)
+
+
+def _characteristic(
+    spring: SpringDescription, keys: _Keys, where: str, file: str
+) -> Characteristic:
+    """Rows of a table in SI units."""
+    coordinates, forces = (getattr(spring, key) for key in keys.table)
+    key = f"{where}.{keys.table[0]}"
+    try:
+        rows = Characteristic(
+            coordinate=tuple(keys.scale * value for value in coordinates), force=forces
+        )
+    except InputError as error:
+        value = f"{len(coordinates)} rows"
+        raise ModelError(file=file, key=key, value=value, allowed=error.message) from error
+    low, high = rows.ends
+    if not low <= 0.0 <= high:
+        allowed = "rows on both sides of 0, the coordinate at touch, or one of them there"
+        value = f"rows from {coordinates[0]:g} to {coordinates[-1]:g}"
+        raise ModelError(file=file, key=key, value=value, allowed=allowed)
+    return rows
+
+
+def _strut(
+    kind: Literal["spring", "damper"],
+    name: str,
+    entry: _Entry,
+    values: Mapping[str, float],
+    links: Sequence[str],
+    model: pin.Model,
+    file: str,
+) -> Strut:
+    """An element between two points that can move and do not coincide at touch."""
+    where = f"{kind}s.{name}"
+    strut = Strut(
+        name=name, kind=kind, frame_a=entry.frame_a or "", frame_b=entry.frame_b or "", **values
+    )
+    frames = []
+    for side in _POINTS:
+        frame = getattr(strut, side)
+        if frame not in links:
+            place = f"{file}: {where}.{side}"
+            raise UnknownNameError(kind="frame", name=frame, known=links, where=place)
+        frames.append(model.frames[model.getFrameId(frame, pin.FrameType.BODY)])
+    key, value = f"{where}.frame_b", strut.frame_b
+    if frames[0].parentJoint == frames[1].parentJoint:
+        allowed = f"a point of another link than {strut.frame_a}: on one link nothing moves"
+        raise ModelError(file=file, key=key, value=value, allowed=allowed)
+    world = joint_placements(model)
+    first, second = (
+        world[frame.parentJoint].act(frame.placement.translation)[[0, 2]] for frame in frames
+    )
+    if strut.directed and np.hypot(*(second - first)) < COINCIDENT_M:
+        allowed = (
+            f"a point away from {strut.frame_a} at touch: between points that coincide a force "
+            "has no direction"
+        )
+        raise ModelError(file=file, key=key, value=value, allowed=allowed)
+    return strut

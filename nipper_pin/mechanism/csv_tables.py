@@ -1,0 +1,114 @@
+"""Tables in CSV files of a model folder, read into the document so that it stands on its own."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..errors import InputError, ModelError
+from .drives import Table
+from .elements import Characteristic
+
+Columns = tuple[str, str]
+_DRIVE: Columns = ("cylinder_angle_deg", "coordinate_rad")
+_SLIDE: Columns = ("coordinate_mm", "force_N")
+_HINGE: Columns = ("coordinate_deg", "torque_N_m")
+
+
+def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
+    """Read the CSV files of table drives and springs into the document.
+
+    Args:
+        data: The TOML document, as written.
+        folder: Model folder that the CSV files must lie in.
+        file: Name of the TOML file, for messages.
+
+    Returns:
+        The document with the columns in place of each file name.
+
+    Raises:
+        ModelError: A file is missing, lies outside the folder or is not such a table.
+    """
+    changed = dict(data)
+    for section, choices in (("drives", (_DRIVE,)), ("springs", (_SLIDE, _HINGE))):
+        entries = data.get(section)
+        if isinstance(entries, Mapping):
+            changed[section] = {
+                name: _inlined(entry, choices, folder, f"{section}.{name}", file)
+                if _has_file(section, entry)
+                else entry
+                for name, entry in entries.items()
+            }
+    return changed
+
+
+def _has_file(section: str, entry: object) -> bool:
+    """True for a table that names a file; one of a wrong kind is left to the description."""
+    if not isinstance(entry, Mapping) or "file" not in entry:
+        return False
+    return section == "springs" or entry.get("law") == "table"
+
+
+def _inlined(
+    entry: Mapping[str, object], choices: Sequence[Columns], folder: Path, where: str, file: str
+) -> dict[str, object]:
+    """A table with the columns of its file in place of the name."""
+    table = {key: value for key, value in entry.items() if key != "file"}
+    for key in (key for columns in choices for key in columns if key in table):
+        allowed = "a file or its columns written out, not both"
+        raise ModelError(file=file, key=f"{where}.{key}", value=table[key], allowed=allowed)
+    return {**table, **_read_csv(entry["file"], choices, folder, where, file)}
+
+
+def _read_csv(
+    name: object, choices: Sequence[Columns], folder: Path, where: str, file: str
+) -> dict[str, list[float]]:
+    """Read the two columns of a CSV file."""
+    key = f"{where}.file"
+    path = folder / str(name)
+    if not isinstance(name, str) or not path.resolve().is_relative_to(folder.resolve()):
+        raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
+    if not path.is_file():
+        known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
+        allowed = f"a CSV file in the model folder {folder}; found there: {known}"
+        raise ModelError(file=file, key=key, value=name, allowed=allowed)
+    with path.open(encoding="utf-8", newline="") as stream:
+        reader = csv.DictReader(stream, skipinitialspace=True)
+        header = tuple(reader.fieldnames or ())
+        if header not in choices:
+            raise ModelError(
+                file=name,
+                key="first line",
+                value=",".join(header),
+                allowed=f"the column names {' or '.join(map(','.join, choices))}",
+            )
+        columns: dict[str, list[float]] = {column: [] for column in header}
+        for row in reader:
+            for column in header:
+                columns[column].append(
+                    _number(row[column], name, f"line {reader.line_num} {column}")
+                )
+    first, second = (tuple(columns[column]) for column in header)
+    try:
+        if header == _DRIVE:
+            angles = tuple(math.radians(angle) for angle in first)
+            Table(cylinder_angle_rad=angles, coordinate_rad=second)
+        else:
+            Characteristic(coordinate=first, force=second)
+    except InputError as error:
+        value = f"{len(first)} rows"
+        raise ModelError(file=name, key="table", value=value, allowed=error.message) from error
+    return columns
+
+
+def _number(text: str | None, file: str, key: str) -> float:
+    """Convert one CSV field to a finite number."""
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ModelError(file=file, key=key, value=text, allowed="a finite number")
+    return value

@@ -1,0 +1,166 @@
+"""Springs and dampers beyond the linear spring on a joint: dampers, tables, two-point elements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import InputError
+
+COINCIDENT_M = 1e-9
+"""Distance below which two points are one and the line between them has no direction [m]."""
+# Least distance of two rows of a table, and largest number in it, in its units.
+_NEAREST, _LARGEST = 1e-12, 1e15
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damper:
+    """A linear damper on one coordinate x: force -damping * x_dot.
+
+    Attributes:
+        name: Name of the damper.
+        index: Place of the coordinate in q and v.
+        damping: [N s/m] or [N m s/rad].
+    """
+
+    name: str
+    index: int
+    damping: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Characteristic:
+    """Force of a spring over its coordinate, through the rows of a table.
+
+    A piecewise cubic with continuous slope that never overshoots: between two rows the force stays
+    between theirs, so a table that rises makes a spring that is stable everywhere, and rows on a
+    line give the line. A smoother spline would ring at the kink of a progressive spring and make
+    stiffness of the wrong sign there.
+
+    Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300 (PCHIP).
+
+    Attributes:
+        coordinate: Rising coordinates, at least two [m or rad].
+        force: Force against the coordinate at each of them [N or N m].
+
+    Raises:
+        InputError: The rows are not such a table.
+    """
+
+    coordinate: tuple[float, ...]
+    force: tuple[float, ...]
+    _force: Callable[[FloatArray], FloatArray] = field(init=False, repr=False, compare=False)
+    _energy: Callable[[FloatArray], FloatArray] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Check the rows and fit the interpolant."""
+        from scipy.interpolate import PchipInterpolator
+
+        _check_rows(self.coordinate, self.force)
+        # The reciprocal of a slope of nearly none may overflow: the harmonic mean then is zero.
+        with np.errstate(over="ignore"):
+            force = PchipInterpolator(np.array(self.coordinate), np.array(self.force))
+        object.__setattr__(self, "_force", force)
+        object.__setattr__(self, "_energy", force.antiderivative())
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last coordinate [m or rad]."""
+        return self.coordinate[0], self.coordinate[-1]
+
+    def forces(self, x: FloatArray) -> FloatArray:
+        """Force against the coordinate [N or N m].
+
+        Args:
+            x: Coordinates, shape (N,). Beyond the ends the last cubic goes on: an iteration may
+                try such a state, but no motion that contains one is accepted.
+
+        Returns:
+            Shape (N,).
+        """
+        return np.asarray(self._force(x))
+
+    def energies(self, x: FloatArray) -> FloatArray:
+        """Energy stored since the first row [J], the exact integral of the force, shape (N,)."""
+        return np.asarray(self._energy(x))
+
+
+def _check_rows(coordinate: tuple[float, ...], force: tuple[float, ...]) -> None:
+    """Refuse rows that are no function of the coordinate."""
+    x, y = np.asarray(coordinate, dtype=np.float64), np.asarray(force, dtype=np.float64)
+    message = ""
+    if x.shape != y.shape or x.size < 2:
+        message = (
+            "a spring table needs at least 2 rows with a coordinate and a force each; found "
+            f"{x.size} coordinates and {y.size} forces"
+        )
+    elif not (usable := (np.abs(x) <= _LARGEST) & (np.abs(y) <= _LARGEST)).all():
+        row = int(np.argmin(usable)) + 1
+        message = (
+            f"row {row} of the spring table holds a value that is not a finite number of at most "
+            f"{_LARGEST:g}"
+        )
+    elif (np.diff(x) <= 0.0).any():
+        row = int(np.argmax(np.diff(x) <= 0.0)) + 1
+        message = (
+            f"the coordinate must rise from row to row; row {row + 1} of the spring table does not"
+        )
+    elif (np.diff(x) < _NEAREST).any():
+        row = int(np.argmax(np.diff(x) < _NEAREST)) + 1
+        message = f"rows {row} and {row + 1} of the spring table are too near to tell a slope"
+    if message:
+        raise InputError(message, rows=int(x.size))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabulatedSpring:
+    """A spring on one coordinate x whose force -f(x) comes from a table.
+
+    Attributes:
+        name: Name of the spring.
+        index: Place of the coordinate in q and v.
+        characteristic: f.
+    """
+
+    name: str
+    index: int
+    characteristic: Characteristic
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strut:
+    """A linear spring or damper between two points, acting along the line that joins them.
+
+    With the distance l of the points its tension is
+    stiffness * (l - free_length) + damping * l_dot.
+
+    Attributes:
+        name: Name of the spring or damper.
+        kind: The table of the model file that it stands in.
+        frame_a: URDF frame whose origin is the first point.
+        frame_b: URDF frame whose origin is the second point.
+        stiffness: Zero for a damper [N/m].
+        free_length: Distance without force of a spring [m].
+        damping: Zero for a spring [N s/m].
+    """
+
+    name: str
+    kind: Literal["spring", "damper"]
+    frame_a: str
+    frame_b: str
+    stiffness: float = 0.0
+    free_length: float = 0.0
+    damping: float = 0.0
+
+    @property
+    def directed(self) -> bool:
+        """True if its force has no direction where the points coincide.
+
+        The force of a spring of free length zero is proportional to the line itself, and
+        vanishes with it.
+        """
+        return self.damping > 0.0 or self.stiffness * self.free_length > 0.0

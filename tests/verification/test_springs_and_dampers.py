@@ -1,0 +1,332 @@
+"""Springs and dampers of every kind against closed forms.
+
+No number comes from the package: forces are checked by differences of energies, motions by closed
+solutions.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sprung
+from sprung import GRAVITY, STIFFNESS
+
+from nipper_pin import ElementError, Mechanism
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
+
+PRELOAD, DAMPING = 0.03, 1.3
+
+
+# The same oscillator, its spring and damper on the joint or between two points of the line.
+ON_A_SLIDE = f"""
+[springs.coil]
+joint = "x"
+stiffness_N_per_m = {STIFFNESS}
+preload_length_mm = {1e3 * PRELOAD}
+[dampers.oil]
+joint = "x"
+damping_N_s_per_m = {DAMPING}
+"""
+ON_A_HINGE = f"""
+[springs.coil]
+joint = "turn"
+stiffness_N_m_per_rad = {STIFFNESS}
+preload_deg = {math.degrees(PRELOAD)!r}
+[dampers.oil]
+joint = "turn"
+damping_N_m_s_per_rad = {DAMPING}
+"""
+ON_A_LINE = f"""
+[springs.coil]
+frame_a = "wall"
+frame_b = "link_x"
+stiffness_N_per_m = {STIFFNESS}
+free_length_mm = {1e3 * (0.4 - PRELOAD)!r}
+[dampers.oil]
+frame_a = "link_x"
+frame_b = "wall"
+damping_N_s_per_m = {DAMPING}
+"""
+
+
+@pytest.mark.parametrize("kind", ["slide", "hinge", "line"])
+def test_damped_oscillator(kind: str, tmp_path: Path) -> None:
+    """x + p = p exp(-d t) (cos w t + d / w sin w t): motion, decrement and heat, to 1e-11.
+
+    Some twenty panels at 1e-12 each. With a damping off by a thousandth the last of five swings
+    would be wrong by half a per cent of itself; the decrement alone would not notice a wrong start.
+    """
+    joint = sprung.HINGE if kind == "hinge" else sprung.SLIDE_X
+    springs = {"slide": ON_A_SLIDE, "hinge": ON_A_HINGE, "line": ON_A_LINE}[kind]
+    wall = {"wall": ("frame", -0.4, 0.0)}
+    mechanism = sprung.machine(tmp_path, [joint], springs, frames=wall)
+    inertia = sprung.INERTIA if kind == "hinge" else sprung.MASS
+    d = 0.5 * DAMPING / inertia
+    square = STIFFNESS / inertia - d**2
+    assert square > 0.0
+    w = math.sqrt(square)
+    period = math.tau / w
+    solution = sprung.swing(mechanism, 5.0 * period)
+    t = np.linspace(0.0, 5.0 * period, 101)
+    x, v = sprung.moved(solution, t, joint[0])
+    wave = PRELOAD * np.exp(-d * t)
+    exact = wave * (np.cos(w * t) + d / w * np.sin(w * t))
+    rate = -wave * (w + d**2 / w) * np.sin(w * t)
+    assert np.abs(x + PRELOAD - exact).max() <= 1e-11 * PRELOAD
+    assert np.abs(v - rate).max() <= 1e-11 * PRELOAD * w
+    peaks = (x + PRELOAD)[::20]
+    np.testing.assert_allclose(np.log(peaks[:-1] / peaks[1:]), d * period, rtol=1e-8)
+    # All energy is the spring's at first; what is left of it is in spring and mass.
+    left = 0.5 * STIFFNESS * exact[-1] ** 2 + 0.5 * inertia * rate[-1] ** 2
+    lost = 0.5 * STIFFNESS * PRELOAD**2 - left
+    assert solution.energy.dissipated == pytest.approx(lost, rel=1e-11)
+    assert abs(solution.energy.residual) <= 1e-11 * lost
+
+
+def test_spring_of_free_length_zero_passes_through_its_point(tmp_path: Path) -> None:
+    """A force proportional to the line has no singular point: x = a cos w t, to 1e-11.
+
+    The mass passes the point four times. With a direction instead of the line as factor it would
+    be refused there, as the next test shows.
+    """
+    frames = {"post": ("frame", 0.25, 0.0)}
+    spring = f"""
+[springs.band]
+frame_a = "post"
+frame_b = "link_x"
+stiffness_N_per_m = {STIFFNESS}
+free_length_mm = 0.0
+"""
+    w = math.sqrt(STIFFNESS / sprung.MASS)
+    solution = sprung.swing(
+        sprung.machine(tmp_path, [sprung.SLIDE_X], spring, frames=frames), 4.0 * math.pi / w
+    )
+    t = np.linspace(*solution.trajectory.span, 81)
+    x, _ = sprung.moved(solution, t, "x")
+    assert np.abs(x - 0.25 * (1.0 - np.cos(w * t))).max() <= 1e-11 * 0.25
+
+
+def test_points_that_come_to_coincide_are_refused(tmp_path: Path) -> None:
+    """One error that names the element and its frames, at the time of the meeting.
+
+    Up to there x = a (1 - cos w t) with the stiffness of both springs; at the post the force of
+    the rod would jump from 10 N one way to 10 N the other.
+    """
+    text = f"""
+[springs.puller]
+joint = "x"
+stiffness_N_per_m = {STIFFNESS}
+preload_length_mm = -150.0
+[springs.rod]
+frame_a = "post"
+frame_b = "link_x"
+stiffness_N_per_m = 200.0
+free_length_mm = 50.0
+"""
+    frames = {"post": ("frame", 0.1, 0.0)}
+    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], text, frames=frames)
+    a, w = (0.15 * STIFFNESS + 10.0) / (STIFFNESS + 200.0), math.sqrt(290.0 / sprung.MASS)
+    with pytest.raises(ElementError, match=r"spring rod: .*post and link_x coincide") as caught:
+        sprung.swing(mechanism, 2.0)
+    assert caught.value.evidence["element"] == "rod"
+    assert caught.value.evidence["t"] == pytest.approx(math.acos(1.0 - 0.1 / a) / w, abs=1e-6)
+
+
+def test_damper_between_points_that_coincide_is_refused(tmp_path: Path) -> None:
+    """Exactly at the meeting its force has no direction; a micrometre away it has."""
+    text = """
+[dampers.oil]
+frame_a = "post"
+frame_b = "link_x"
+damping_N_s_per_m = 2.0
+"""
+    frames = {"post": ("frame", 0.25, 0.0)}
+    mechanism = sprung.machine(tmp_path, [sprung.SLIDE_X], text, frames=frames)
+    system = System(mechanism, ShaftMotion(mechanism, 1.0, 0.0))
+    place = next(joint.index for joint in mechanism.joints if joint.name == "x")
+    q, v = np.zeros((2, 1, 2))
+    q[0, place], v[0, place] = 0.25 - 1e-6, 3.0
+    assert system.applied_forces(q, v)[0, place] == pytest.approx(-6.0, rel=1e-9)
+    q[0, place] = 0.25
+    with pytest.raises(ElementError, match=r"damper oil: .*post and link_x coincide"):
+        system.applied_forces(q, v)
+
+
+def elastic_pendulum(folder: Path, length: float, angle: float) -> Mechanism:
+    """A mass with both slides on a spring of free length 0.3 m that hangs from a post."""
+    frames = {"post": ("frame", -length * math.sin(angle), length * math.cos(angle))}
+    spring = f"""
+[springs.band]
+frame_a = "post"
+frame_b = "link_z"
+stiffness_N_per_m = {STIFFNESS}
+free_length_mm = 300.0
+"""
+    return sprung.machine(
+        folder, [sprung.SLIDE_X, sprung.SLIDE_Z], spring, frames=frames, gravity=GRAVITY
+    )
+
+
+LENGTH = 0.3 + sprung.MASS * GRAVITY / STIFFNESS
+
+
+def test_elastic_pendulum_keeps_its_energy(tmp_path: Path) -> None:
+    """From 50 degrees, stretched by 5 cm, over some ten swings: 1e-10 of what is exchanged.
+
+    Spring and gravity exchange a joule and more while the mass swings all over the plane, so a
+    force that is not the gradient of the energy by a billionth would show.
+    """
+    mechanism = elastic_pendulum(tmp_path, LENGTH + 0.05, math.radians(50.0))
+    solution = sprung.swing(mechanism, 12.0)
+    energy = solution.energy
+    t = np.linspace(*solution.trajectory.span, 400)
+    q = solution.trajectory.evaluate(t, left=True).q
+    assert np.ptp(q[:, [j.index for j in mechanism.joints if j.name in "xz"]], axis=0).min() > 0.3
+    spring = solution.system.spring_energy(q)
+    assert np.ptp(spring) > 1.0
+    assert abs(energy.residual) <= 1e-10 * np.ptp(spring)
+    assert energy.dissipated == 0.0
+
+
+def test_small_swings_of_the_elastic_pendulum(tmp_path: Path) -> None:
+    """Half a period pi sqrt(l / g) after a start at 1e-4 rad the mass is on the other side.
+
+    The deviations are of the order of the angle squared, 1e-8, and so is the tolerance of 1e-6 of
+    the swing (the spring's own swing has a frequency of its own and an amplitude of that order).
+    """
+    angle = 1e-4
+    half = math.pi * math.sqrt(LENGTH / GRAVITY)
+    solution = sprung.swing(elastic_pendulum(tmp_path, LENGTH, angle), half)
+    t = np.linspace(0.0, half, 21)
+    x, _ = sprung.moved(solution, t, "x")
+    swung = LENGTH * math.sin(angle)
+    assert np.abs(x - -swung * (1.0 - np.cos(np.pi * t / half))).max() <= 1e-6 * swung
+
+
+def test_vertical_swings_of_the_elastic_pendulum(tmp_path: Path) -> None:
+    """Stretched by 5 cm it swings up and down with sqrt(k / m): z = a (1 - cos w t), to 1e-10."""
+    w = math.sqrt(STIFFNESS / sprung.MASS)
+    solution = sprung.swing(elastic_pendulum(tmp_path, LENGTH + 0.05, 0.0), 3.0 * math.tau / w)
+    t = np.linspace(*solution.trajectory.span, 81)
+    z, _ = sprung.moved(solution, t, "z")
+    assert np.abs(z - 0.05 * (1.0 - np.cos(w * t))).max() <= 1e-10 * 0.05
+
+
+def test_forces_are_the_gradient_of_the_energy(pendulum: Mechanism) -> None:
+    """Central differences of the energy at random configurations, to 1e-8 of the largest force.
+
+    With steps of 1e-5 rad they are wrong by 1e-10 (third derivatives of some 1e2 N m) and by the
+    round-off of some joules, 1e-10 too. Energy and force are separate formulas; nothing here knows
+    a Jacobian.
+    """
+    system = System(pendulum, ShaftMotion(pendulum, 1.0, 0.0))
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-1.5, 1.5, (40, 3))
+    forces = system.applied_forces(q, np.zeros_like(q))
+    step = 1e-5
+    for column in range(3):
+        moved_by = np.zeros(3)
+        moved_by[column] = step
+        slope = system.spring_energy(q + moved_by) - system.spring_energy(q - moved_by)
+        slope /= 2.0 * step
+        assert np.abs(forces[:, column] + slope).max() <= 1e-8 * np.abs(forces).max()
+    assert (
+        np.abs(forces).max(axis=0)[[j.index for j in pendulum.joints if j.name != "clock"]].min()
+        > 1.0
+    )
+
+
+def test_dampers_dissipate_what_their_forces_take(pendulum: Mechanism) -> None:
+    """Power -v' tau of the part of the forces that goes with the rates, and it is never negative.
+
+    The rate of each line by differences of its length, 1e-5 rad apart, gives the power a second
+    time, to 1e-8.
+    """
+    system = System(pendulum, ShaftMotion(pendulum, 1.0, 0.0))
+    rng = np.random.default_rng(4)
+    q, v = rng.uniform(-1.5, 1.5, (40, 3)), rng.uniform(-5.0, 5.0, (40, 3))
+    power = system.dissipation(q, v)
+    taken = -np.einsum(
+        "ij,ij->i", system.applied_forces(q, v) - system.applied_forces(q, 0.0 * v), v
+    )
+    np.testing.assert_allclose(power, taken, rtol=1e-11)
+    assert power.min() > 0.0
+    assert power.mean() > 1.0
+    step = 1e-6
+    lengths = []
+    for sign in (1.0, -1.0):
+        places, _ = system.body.points(q + sign * step * v)
+        lengths.append(np.linalg.norm(places[:, :, 1] - places[:, :, 0], axis=2))
+    rates = (lengths[0] - lengths[1]) / (2.0 * step)
+    lower = next(joint.index for joint in pendulum.joints if joint.name == "lower")
+    dampings = np.array([strut.damping for strut in pendulum.struts])
+    again = rates**2 @ dampings + 0.2 * v[:, lower] ** 2
+    np.testing.assert_allclose(power, again, rtol=1e-7)
+
+
+def test_energy_of_everything_together(pendulum: Mechanism) -> None:
+    """Two seconds of a double pendulum with all kinds at once: the balance closes to 1e-10.
+
+    The heat is more than a fifth of what is exchanged, so the balance cannot close without it.
+    """
+    solution = sprung.swing(pendulum, 2.0)
+    energy = solution.energy
+    exchanged = abs(energy.gravity_work) + abs(energy.spring_change) + energy.dissipated
+    assert energy.dissipated > 0.2 * exchanged
+    assert abs(energy.residual) <= 1e-10 * exchanged
+
+
+def test_reactions_with_forces_past_the_joints(pendulum: Mechanism) -> None:
+    """Newton and Euler for the lower link, with the pulls of its two lines from their lengths.
+
+    Accelerations by differences of the dense velocities; h = 1e-5 s leaves 1e-8. Neither the
+    Jacobians of the points nor the outer forces of the recursion are used.
+    """
+    solution = sprung.swing(pendulum, 0.5)
+    h, t = 1e-5, 0.31
+    times = t + h * np.array([-1.0, 0.0, 1.0])
+    motion = solution.trajectory.evaluate(times)
+    body = solution.system.body
+    states = [body.link_velocities(q, v) for q, v in zip(motion.q, motion.v, strict=True)]
+    link = pendulum.links.index("link_lower")
+    spin = (states[2][0][link] - states[0][0][link]) / (2.0 * h)
+    thrust = (states[2][1][link] - states[0][1][link]) / (2.0 * h)
+    q, v = motion.q[1], motion.v[1]
+    placement = body.placements(q)[link]
+    centre, hinge, tip = (
+        (placement.rotation @ np.array([x, 0.0, z]) + placement.translation)[[0, 2]]
+        for x, z in ((0.1, -0.05), (0.0, 0.0), (0.25, -0.07))
+    )
+    ahead, behind = (body.points((q + sign * h * v)[None])[0][0] for sign in (1.0, -1.0))
+    now = body.points(q[None])[0][0]
+    force = np.array([0.0, -sprung.MASS * GRAVITY])
+    pulls = np.zeros(2)
+    for number, strut in enumerate(pendulum.struts):
+        if strut.frame_b != "tip":
+            continue
+        line = now[number, 1] - now[number, 0]
+        length = np.linalg.norm(line)
+        rate = (np.linalg.norm(np.diff(ahead[number], axis=0))
+                - np.linalg.norm(np.diff(behind[number], axis=0))) / (2.0 * h)  # fmt: skip
+        tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
+        pulls -= tension * line / length
+    reactions = solution.trajectory.reactions(t)
+    joint = reactions.joints["lower"][0]
+    np.testing.assert_allclose(
+        joint[:2], sprung.MASS * thrust - force - pulls, atol=1e-6 * np.abs(joint).max()
+    )
+
+    def moment(at: np.ndarray, push: np.ndarray) -> float:
+        """Counter-clockwise about the hinge."""
+        x, z = at - hinge
+        return float(x * push[1] - z * push[0])
+
+    about = (
+        sprung.INERTIA * spin + moment(centre, sprung.MASS * thrust - force) - moment(tip, pulls)
+    )
+    assert joint[2] == pytest.approx(about, abs=1e-6 * np.abs(joint).max())
+    assert np.hypot(*pulls) > 1.0
