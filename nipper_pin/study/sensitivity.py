@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from .identify.geometry import Sources, layout
 from .identify.parameters import read_values, with_values
 from .identify.targets import Condition, transition_quantities
 from .identify.working import middle_half, working_cycle
+from .processes import mapped
 
 QUANTITIES = ("first_rebound_amplitude", "transition_time", "clamping_force")
 """Amplitude of the first rebound; time from the first collision to rest; mean lip force over the
@@ -161,6 +163,7 @@ def sensitivities(
     speed_rpm: float,
     paths: Sequence[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
 ) -> Sensitivities:
     """Find the sensitivities of a model.
 
@@ -169,6 +172,7 @@ def sensitivities(
         speed_rpm: Cylinder speed [r/min].
         paths: Numbers to ask for; by default :func:`every_path`.
         progress: Called with (numbers done, numbers in all).
+        workers: Processes; 1: this process alone. Their number does not change a bit of the result.
 
     Raises:
         UnknownNameError: A path leads nowhere.
@@ -181,37 +185,12 @@ def sensitivities(
     values = dict(zip(inner, read_values(sources, inner), strict=True))
     values[SPEED] = speed_rpm
     here = _direct(mechanism, speed_rpm)
+    find = partial(_row, sources, speed_rpm, here)
     rows = []
-    for done, path in enumerate(chosen, start=1):
-        value = values[path]
-        unit, step = _unit(path, value)
-
-        def at(
-            find: Callable[[Mechanism, float], FloatArray], x: float, path: str = path
-        ) -> FloatArray:
-            if path == SPEED:
-                return find(mechanism, x)
-            return find(with_values(sources, {path: x}).build(), speed_rpm)
-
-        narrow, wide = (
-            (at(_direct, value + h) - at(_direct, value - h)) / (2.0 * h)
-            for h in (step, 2.0 * step)
-        )
-        h = 0.5 * step
-        control = (at(_other, value + h) - at(_other, value - h)) / (2.0 * h)
-        # 1 % of the value, or one unit, in percent of the quantity.
-        scale = (value if unit == "%" else 100.0) / here
-        rows.append(
-            Sensitivity(
-                path=path,
-                value=value,
-                unit=unit,
-                per=scale * (4.0 * narrow - wide) / 3.0,
-                control=scale * control,
-            )
-        )
+    for row in mapped(find, [(path, values[path]) for path in chosen], workers):
+        rows.append(row)
         if progress is not None:
-            progress(done, len(chosen))
+            progress(len(rows), len(chosen))
     return Sensitivities(
         model=mechanism.name,
         speed_rpm=speed_rpm,
@@ -219,6 +198,34 @@ def sensitivities(
         transition_time_s=float(here[1]),
         clamping_force_N=float(here[2]),
         rows=tuple(rows),
+    )
+
+
+def _row(
+    sources: Sources, speed_rpm: float, here: FloatArray, number: tuple[str, float]
+) -> Sensitivity:
+    """Find the effect of one number, in both ways."""
+    path, value = number
+    unit, step = _unit(path, value)
+
+    def at(find: Callable[[Mechanism, float], FloatArray], x: float) -> FloatArray:
+        if path == SPEED:
+            return find(sources.build(), x)
+        return find(with_values(sources, {path: x}).build(), speed_rpm)
+
+    narrow, wide = (
+        (at(_direct, value + h) - at(_direct, value - h)) / (2.0 * h) for h in (step, 2.0 * step)
+    )
+    h = 0.5 * step
+    control = (at(_other, value + h) - at(_other, value - h)) / (2.0 * h)
+    # 1 % of the value, or one unit, in percent of the quantity.
+    scale = (value if unit == "%" else 100.0) / here
+    return Sensitivity(
+        path=path,
+        value=value,
+        unit=unit,
+        per=scale * (4.0 * narrow - wide) / 3.0,
+        control=scale * control,
     )
 
 

@@ -25,7 +25,8 @@ from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
 from nipper_pin.view.paper.question_figures import question_plates
 from nipper_pin.view.paper.report import Material, material, report_html
-from nipper_pin.view.paper.supplements import Supplements, read_identification
+from nipper_pin.study.identify.record import read_identification
+from nipper_pin.view.paper.supplements import Supplements
 from nipper_pin.view.paper.tables import percent
 
 
