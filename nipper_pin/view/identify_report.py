@@ -66,7 +66,7 @@ def _targets(fit: Fit, console: Console) -> None:
 
 
 def _free(fit: Fit, known: Determinability, console: Console) -> None:
-    table = _table("number", "before", "identified", "bounds", "range left")
+    table = _table("number", "before", "identified", "bounds", "left", "known")
     for item in fit.objective.problem.free:
         value = fit.values[item.path]
         width = item.high - item.low
@@ -75,11 +75,17 @@ def _free(fit: Fit, known: Determinability, console: Console) -> None:
         table.add_row(
             item.path,
             f"{item.start:.5g}",
-            f"{value:.5g}{' (at its bound)' if edge else ''}",
+            f"{value:.5g}{'*' if edge else ' '}",
             f"{item.low:g} to {item.high:g}",
-            f"{100 * left:.0f} %{'' if left < DETERMINED else ' (not known)'}",
+            f"{100 * left:.0f} %",
+            "yes" if left < DETERMINED else "no",
         )
     console.print(table)
+    _say(
+        console,
+        "left: part of its range that the targets leave a number; known if less than "
+        f"{100 * DETERMINED:.0f} %. *: at its bound",
+    )
 
 
 def _limits(fit: Fit, console: Console) -> None:

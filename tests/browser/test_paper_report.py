@@ -36,7 +36,7 @@ def files(study: PaperStudy, tmp_path_factory: pytest.TempPathFactory) -> list[P
     # A few numbers of the fifty: the page has the same parts.
     paths = ("speed_rpm", "stops.jaw.restitution", "springs.steeve.preload_length_mm")
     added = Supplements(sensitivities(study.mechanism, 650.0, paths))
-    return write_paper(study, tmp_path_factory.mktemp("paper") / "new" / "folder", added)
+    return write_paper(study, tmp_path_factory.mktemp("paper") / "new" / "folder", lambda: added)
 
 
 @pytest.fixture

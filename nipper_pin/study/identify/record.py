@@ -19,7 +19,8 @@ WORD = (
     "An estimate, never the maker's data."
 )
 
-_KEYS = {"title", "model", "caution", "seed", "targets", "free", "within_4_percent"}
+_KEYS = {"title", "model", "caution", "seed", "targets", "free", "within_4_percent",
+         "singular_values", "identifiable_directions", "profiles"}  # fmt: skip
 _TARGET_KEYS = {"name", "wanted", "found", "relative_deviation"}
 _FREE_KEYS = {"path", "low", "high", "before", "identified", "range_left", "determined"}
 

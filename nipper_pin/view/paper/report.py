@@ -17,12 +17,12 @@ from ...study.paper.study import FAR, IDENTIFIED, NEAR, NOTE
 from ...study.sensitivity import conclusions
 from ..reading import digits, spring_text
 from .canvas import MARK, Plate
+from .identification import identification_plate, identification_tables
 from .kinematic_figures import kinematic_plates
 from .published_figures import published_plates
 from .question_figures import question_plates
 from .supplements import (
     Supplements,
-    identification_tables,
     sensitivity_plate,
     sensitivity_table,
 )
@@ -85,6 +85,7 @@ def material(study: PaperStudy, supplements: Supplements, drawn: Sequence[Plate]
         plates.append(sensitivity_plate(supplements.sensitivities))
         tables.append(sensitivity_table(supplements.sensitivities))
     if supplements.identification is not None:
+        plates.append(identification_plate(supplements.identification))
         tables.extend(identification_tables(supplements.identification))
     return Material(tuple(plates), tuple(tables))
 

@@ -12,7 +12,7 @@ from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity, label
 from ..reading import digits
 from ..style import LINES, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
-from .tables import Column, Table, percent
+from .tables import Column, Table
 
 _SHOWN = 5
 _WORDS = ("first amplitude", "transition time", "clamping force")
@@ -80,44 +80,6 @@ def sensitivity_table(found: Sensitivities) -> Table:
         ),
         tuple(_row(item) for item in found.ranked(QUANTITIES[0])),
     )
-
-
-def identification_tables(document: Mapping[str, Any]) -> list[Table]:
-    """Targets that were met, and what became of the free numbers."""
-    return [
-        Table(
-            "identification_targets",
-            "Targets of the identification",
-            (
-                Column("name", "target"),
-                Column("wanted", "wanted", digits),
-                Column("found", "found", digits),
-                Column("relative_deviation", "deviation", percent),
-            ),
-            tuple(
-                (item["name"], item["wanted"], item["found"], item["relative_deviation"])
-                for item in document["targets"]
-            ),
-        ),
-        Table(
-            "identified_numbers",
-            "Numbers that were identified",
-            (
-                Column("path", "number"),
-                Column("before", "before", digits),
-                Column("identified", "identified", digits),
-                Column("low", "from", digits),
-                Column("high", "to", digits),
-                Column("range_left", "range left", lambda v: f"{100.0 * v:.0f} %"),
-                Column("determined", "determined", lambda v: "yes" if v else "no"),
-            ),
-            tuple(
-                (item["path"], item["before"], item["identified"], item["low"], item["high"],
-                 item["range_left"], item["determined"])
-                for item in document["free"]
-            ),
-        ),
-    ]  # fmt: skip
 
 
 def _row(item: Sensitivity) -> tuple[Any, ...]:

@@ -115,8 +115,8 @@ def ratio_words(name: str) -> str:
         "restitution": (given.restitutions, "e = {:g} to {:g}"),
         "stiffness": ([1e-3 * rate for rate in given.stiffnesses], "{:g} to {:g} N/mm"),
     }[study]
-    what, _, kind = quantity.rpartition("_")
-    return f"{kind} of the {what.replace('_', ' ')}, {unit.format(values[0], values[-1])}"
+    what = quantity.rpartition("_")[0].replace("_", " ")
+    return f"{what}, {unit.format(values[0], values[-1])}"
 
 
 _RATIO = (
@@ -135,7 +135,7 @@ def ratio_table(study: PaperStudy) -> Table:
         return Table("ratios", title, _RATIO, tuple(rows))
     columns = (
         *_RATIO,
-        Column("identified", "identified model", digits),
+        Column("identified", "identified", digits),
         Column("identified_deviation", "deviation", percent),
     )
     more = [(i.ours, i.relative_deviation) for i in study.identified]
