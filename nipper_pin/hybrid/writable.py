@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from pathlib import Path
 
 from ..errors import InputError
@@ -23,9 +23,13 @@ def check_folder(path: str | Path) -> None:
         what = "is" if place == target.absolute() else f"cannot be made: {place} is"
         message = f"{target} {what} not a folder; name another one"
         raise InputError(message, folder=str(target))
-    if not os.access(place, os.W_OK | os.X_OK):
-        message = f"{target} cannot be written: no permission in {place}; name another folder"
-        raise InputError(message, folder=str(target))
+    try:
+        # Permissions do not tell all: file systems are read-only, full, or no place for files.
+        with tempfile.TemporaryDirectory(dir=place, prefix=".nipper-pin-"):
+            pass
+    except OSError as error:
+        message = f"{target} cannot be written ({error.strerror} in {place}); name another folder"
+        raise InputError(message, folder=str(target)) from error
 
 
 def check_file(path: str | Path) -> None:

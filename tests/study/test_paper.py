@@ -386,6 +386,36 @@ def test_values_of_the_model_reach_the_study(tmp_path, capsys):
     assert [turn["index"] for turn in record["phase_1"]["turns"]] == [None, None, None]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--out", "file"], "not a folder"),
+        (["--out", "file/below"], "not a folder"),
+        (["--out", "/proc/nowhere"], "cannot be written"),
+        (["--json", "absent/result.json"], "no folder"),
+        (["--out", "new", "--identification", "file"], "identify --json"),
+        (["--json", "-", "--identification", "file"], "--out DIR"),
+    ],
+)
+def test_what_cannot_be_written_or_read_is_refused_before_the_study(
+    tmp_path, monkeypatch, capsys, arguments, word
+):
+    """The study takes many seconds; here it would fail the test by being begun."""
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+
+    def begun(*_, **__):
+        pytest.fail("the study was begun")
+
+    monkeypatch.setattr("nipper_pin.study.paper.paper_study", begun)
+    monkeypatch.setattr("nipper_pin.study.sensitivity.sensitivities", begun)
+    assert main(["study", "paper", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert word in " ".join(said.err.split())
+    assert [item.name for item in tmp_path.iterdir()] == ["file"]
+
+
 def test_a_folder_of_another_kind_of_model_is_unusable(tmp_path: Path, capsys):
     four_bar = Path(__file__).parent.parent / "verification" / "models" / "four_bar"
     shutil.copytree(four_bar, tmp_path / "four_bar")

@@ -57,6 +57,14 @@ class Determinability:
         order = np.argsort(self.narrowed, kind="stable")
         return tuple(self.paths[i] for i in order if self.narrowed[i] < DETERMINED)
 
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviations of all numbers by path, with the targets, in units of their ranges.
+
+        Of a number that the targets leave open this is the one of its range alone, 1 / sqrt(12).
+        """
+        return dict(zip(self.paths, (_RANGE_SIGMA * self.narrowed).tolist(), strict=True))
+
     def ranked(self) -> tuple[tuple[str, float], ...]:
         """All numbers with what is left of their ranges, the best determined first."""
         order = np.argsort(self.narrowed, kind="stable")

@@ -34,7 +34,7 @@ def record(fit: Fit, known: Determinability, profiles: Sequence[Profile] = ()) -
         profiles: Profile likelihoods.
     """
     problem = fit.objective.problem
-    left = dict(known.ranked())
+    left, deviations = dict(known.ranked()), known.deviations
     return {
         "title": problem.title,
         "model": problem.sources.name,
@@ -71,6 +71,7 @@ def record(fit: Fit, known: Determinability, profiles: Sequence[Profile] = ()) -
                 "high": item.high,
                 "before": item.start,
                 "identified": fit.values[item.path],
+                "standard_deviation": deviations[item.path] * (item.high - item.low),
                 "range_left": left[item.path],
                 "determined": left[item.path] < DETERMINED,
                 "why": item.why,
