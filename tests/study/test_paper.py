@@ -29,6 +29,8 @@ from nipper_pin.study.paper.shares import shares
 from nipper_pin.study.paper.studies import run_studies
 from nipper_pin.study.scenes import bouncing_mass
 from nipper_pin.study.transitions import transition_table
+from nipper_pin.view.paper.tables import percent
+from nipper_pin.view.reading import digits
 
 NAMES = {
     "speed.first_rebound_amplitude_increase": 1.184,
@@ -63,6 +65,23 @@ def test_agreement_with_the_published_ratios(study):
     assert study.within(0.04) >= 8
     for item in study.ratios:
         assert item.relative_deviation == item.ours / item.published - 1.0
+
+
+def test_the_pages_show_what_the_study_gives(study):
+    """Every digit of the two tables in the documentation, which say what is documented as ours."""
+    docs = Path(__file__).parents[2] / "docs"
+    first = (docs / "paper.md").read_text(encoding="utf-8")
+    second = (docs / "identification.md").read_text(encoding="utf-8")
+    for item, other in zip(study.ratios, study.identified, strict=True):
+        ours, found = (
+            f" {digits(each.ours)} | {percent(each.relative_deviation)} |" for each in (item, other)
+        )
+        assert f"| `{item.name}` | {item.published:g} |{ours}\n" in first
+        assert f"| {item.name} | {item.published:g} |{ours}{found}\n" in second
+    ((low, high),) = study.counts.rebounds_match
+    assert f"{low:.4f} to {high:.4f} rad/s" in first
+    ((low, high),) = study.counts.times_match
+    assert f"{low:.2f} to {high:.2f} rad/s" in first
 
 
 def test_ratios_are_those_of_the_certified_solution(study):

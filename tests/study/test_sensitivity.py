@@ -17,14 +17,13 @@ import numpy as np
 import pytest
 
 from nipper_pin import Mechanism
+from nipper_pin.study.conclusions import conclusions, label
 from nipper_pin.study.identify import working_cycle
 from nipper_pin.study.identify.working import middle_half
 from nipper_pin.study.sensitivity import (
     QUANTITIES,
     Sensitivities,
-    conclusions,
     every_path,
-    label,
     sensitivities,
 )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...study.sensitivity import label
+from ...study.conclusions import label
 from ..reading import digits
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate

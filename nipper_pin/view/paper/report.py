@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from ...study.conclusions import conclusions
 from ...study.paper import PaperStudy
 from ...study.paper.counts import HIGHEST, LOWEST
 from ...study.paper.ratios import within
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, NOTE
-from ...study.sensitivity import conclusions
 from ..reading import digits, spring_text
 from .canvas import MARK, Plate
 from .identification import identification_plate, identification_tables

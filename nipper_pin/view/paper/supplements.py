@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity, label
+from ...study.conclusions import label
+from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
 from ..reading import digits
 from ..style import LINES, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
