@@ -78,7 +78,7 @@ def _free(fit: Fit, known: Determinability, console: Console) -> None:
             f"{value:.5g}{'*' if edge else ' '}",
             f"{deviations[item.path] * width:.2g}",
             f"{item.low:g}..{item.high:g}",
-            f"{100 * left[item.path]:.0f} %{' ' if left[item.path] < DETERMINED else '?'}",
+            f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
         )
     console.print(table)
     _say(
