@@ -31,11 +31,6 @@ def write_paper(
         InputError: The folder cannot be written.
     """
     target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{target}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(target)) from error
     drawn = study_plates(study)
     added = supplements()
     content = material(study, added, drawn)
@@ -52,7 +47,13 @@ def write_paper(
         files[f"{plate.name}.pdf"] = plate.pdf
     for table in content.tables:
         files[f"{table.name}.csv"] = table.csv_text().encode()
-    for name, data in files.items():
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{target}: cannot be made a folder ({error.strerror})"
+        raise InputError(message, folder=str(target)) from error
+    # The page comes last: a new page has everything that belongs to it.
+    for name, data in reversed(files.items()):
         with complete_file(target / name) as partial:
             partial.write_bytes(data)
     return [target / name for name in files]
