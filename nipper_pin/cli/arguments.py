@@ -82,6 +82,24 @@ def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
     return mechanism.cylinder.rated_speed_rpm
 
 
+def check_outputs(folder: str | None, document: str | None) -> None:
+    """Refuse what cannot be written before anything is computed for it.
+
+    Args:
+        folder: Folder of files, or None.
+        document: File of the JSON document, - for stdout, or None.
+
+    Raises:
+        InputError: One of them cannot be written.
+    """
+    from ..hybrid.writable import check_file, check_folder
+
+    if folder is not None:
+        check_folder(folder)
+    if document is not None and document != "-":
+        check_file(document)
+
+
 def write_json(document: dict[str, Any], target: str) -> None:
     """Write a document to a file, which appears only when it is complete, or to stdout."""
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from .arguments import write_json
+from .arguments import check_outputs, write_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
+    from ..mechanism.new_folder import check_new_folder
     from ..study.identify import (
         determinability,
         identify,
@@ -48,6 +49,9 @@ def _run(options: argparse.Namespace) -> None:
     )
 
     problem = read_problem(options.problem)
+    check_outputs(options.out, options.json)
+    if options.out is not None:
+        check_new_folder(options.out)
     with _progress() as advance:
         fit = identify(
             problem,

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Callable
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .arguments import load_mechanism, write_json
+from ..errors import InputError
+from .arguments import check_outputs, load_mechanism, write_json
 
 if TYPE_CHECKING:
+    from ..mechanism import Mechanism
     from ..study.paper import PaperStudy
 
 _FOLDER = "out/paper"
@@ -54,19 +58,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.paper import paper_study
-
-    def say(text: str) -> None:
-        if sys.stderr.isatty():
-            sys.stderr.write(f"{text} ...\n")
-
     folder = options.out
     if folder is None and options.json is None:
         folder = _FOLDER
+    check_outputs(folder, options.json)
+    document = None
+    if options.identification is not None:
+        if folder is None:
+            message = "--identification goes into the report; give --out DIR as well"
+            raise InputError(message, argument="--identification")
+        from ..study.identify.record import read_identification
+
+        document = read_identification(options.identification)
     mechanism = load_mechanism(options)
-    result = paper_study(mechanism, say)
-    if folder is not None:
-        report = _write(result, folder, options.identification, say)
+
+    from ..study.paper import paper_study
+
+    if folder is None:
+        result = paper_study(mechanism, _say)
+    else:
+        result, report = _with_report(mechanism, folder, document)
     if options.json is not None:
         write_json(result.record(), options.json)
     if options.json == "-":
@@ -81,16 +92,31 @@ def _run(options: argparse.Namespace) -> None:
         console.print(f"report: {report}", soft_wrap=True)
 
 
-def _write(
-    result: PaperStudy, folder: str, identification: str | None, say: Callable[[str], None]
-) -> Path:
-    """Write the report with sensitivities, and with an identification if there is one."""
-    from ..study.sensitivity import sensitivities
-    from ..view.paper.files import write_paper
-    from ..view.paper.supplements import Supplements, read_identification
+def _say(text: str) -> None:
+    if sys.stderr.isatty():
+        sys.stderr.write(f"{text} ...\n")
 
-    document = None if identification is None else read_identification(identification)
-    say("sensitivities")
-    found = sensitivities(result.mechanism, result.published.common_speed_rpm)
-    say("figures")
-    return write_paper(result, folder, Supplements(found, document))[0]
+
+def _with_report(
+    mechanism: Mechanism, folder: str, identification: Mapping[str, Any] | None
+) -> tuple[PaperStudy, Path]:
+    """Do the study, and write the report with sensitivities and any identification."""
+    from ..study.paper import paper_study
+    from ..study.paper.published import published
+    from ..study.sensitivity import sensitivities
+
+    # Sensitivities are half of the work and need nothing of the rest.
+    with ThreadPoolExecutor(1) as beside:
+        found = beside.submit(
+            sensitivities,
+            mechanism,
+            published().common_speed_rpm,
+            workers=os.cpu_count() or 1,
+        )
+        result = paper_study(mechanism, _say)
+        from ..view.paper.files import write_paper
+        from ..view.paper.supplements import Supplements
+
+        _say("figures")
+        files = write_paper(result, folder, lambda: Supplements(found.result(), identification))
+    return result, files[0]

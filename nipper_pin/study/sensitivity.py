@@ -9,8 +9,10 @@ half the step. The two agree to the truncation of the second.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,12 +20,13 @@ import numpy as np
 from ..arrays import FloatArray
 from ..hybrid.case import Case, Window
 from ..hybrid.simulate import simulate
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
 from .identify.geometry import Sources, layout
 from .identify.parameters import read_values, with_values
 from .identify.targets import Condition, transition_quantities
 from .identify.working import middle_half, working_cycle
+from .processes import mapped
 
 QUANTITIES = ("first_rebound_amplitude", "transition_time", "clamping_force")
 """Amplitude of the first rebound; time from the first collision to rest; mean lip force over the
@@ -37,6 +40,8 @@ _SAMPLES = 48
 # Half widths of the differences: of a length [mm], of an angle [deg], of all others by their value.
 _STEPS = {"_mm": 0.05, "_deg": 0.05}
 _RELATIVE_STEP = 2e-3
+# What the tables of the reduced engine cover, by what the transition needs.
+_ROOM = 1.5
 # Numbers of the document that neither bounces nor lip forces see while the drives are held, and
 # places of shafts, which go with their points.
 _UNSEEN = (
@@ -161,6 +166,7 @@ def sensitivities(
     speed_rpm: float,
     paths: Sequence[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
 ) -> Sensitivities:
     """Find the sensitivities of a model.
 
@@ -169,6 +175,7 @@ def sensitivities(
         speed_rpm: Cylinder speed [r/min].
         paths: Numbers to ask for; by default :func:`every_path`.
         progress: Called with (numbers done, numbers in all).
+        workers: Processes; 1: this process alone. Their number does not change a bit of the result.
 
     Raises:
         UnknownNameError: A path leads nowhere.
@@ -181,37 +188,12 @@ def sensitivities(
     values = dict(zip(inner, read_values(sources, inner), strict=True))
     values[SPEED] = speed_rpm
     here = _direct(mechanism, speed_rpm)
+    find = partial(_row, sources, speed_rpm, here)
     rows = []
-    for done, path in enumerate(chosen, start=1):
-        value = values[path]
-        unit, step = _unit(path, value)
-
-        def at(
-            find: Callable[[Mechanism, float], FloatArray], x: float, path: str = path
-        ) -> FloatArray:
-            if path == SPEED:
-                return find(mechanism, x)
-            return find(with_values(sources, {path: x}).build(), speed_rpm)
-
-        narrow, wide = (
-            (at(_direct, value + h) - at(_direct, value - h)) / (2.0 * h)
-            for h in (step, 2.0 * step)
-        )
-        h = 0.5 * step
-        control = (at(_other, value + h) - at(_other, value - h)) / (2.0 * h)
-        # 1 % of the value, or one unit, in percent of the quantity.
-        scale = (value if unit == "%" else 100.0) / here
-        rows.append(
-            Sensitivity(
-                path=path,
-                value=value,
-                unit=unit,
-                per=scale * (4.0 * narrow - wide) / 3.0,
-                control=scale * control,
-            )
-        )
+    for row in mapped(find, [(path, values[path]) for path in chosen], workers):
+        rows.append(row)
         if progress is not None:
-            progress(done, len(chosen))
+            progress(len(rows), len(chosen))
     return Sensitivities(
         model=mechanism.name,
         speed_rpm=speed_rpm,
@@ -219,6 +201,36 @@ def sensitivities(
         transition_time_s=float(here[1]),
         clamping_force_N=float(here[2]),
         rows=tuple(rows),
+    )
+
+
+def _row(
+    sources: Sources, speed_rpm: float, here: FloatArray, number: tuple[str, float]
+) -> Sensitivity:
+    """Find the effect of one number, in both ways."""
+    path, value = number
+    unit, step = _unit(path, value)
+
+    other = partial(_other, near=here)
+
+    def at(find: Callable[[Mechanism, float], FloatArray], x: float) -> FloatArray:
+        if path == SPEED:
+            return find(sources.build(), x)
+        return find(with_values(sources, {path: x}).build(), speed_rpm)
+
+    narrow, wide = (
+        (at(_direct, value + h) - at(_direct, value - h)) / (2.0 * h) for h in (step, 2.0 * step)
+    )
+    h = 0.5 * step
+    control = (at(other, value + h) - at(other, value - h)) / (2.0 * h)
+    # 1 % of the value, or one unit, in percent of the quantity.
+    scale = (value if unit == "%" else 100.0) / here
+    return Sensitivity(
+        path=path,
+        value=value,
+        unit=unit,
+        per=scale * (4.0 * narrow - wide) / 3.0,
+        control=scale * control,
     )
 
 
@@ -237,9 +249,17 @@ def _direct(mechanism: Mechanism, speed_rpm: float) -> FloatArray:
     return np.array([found["first_rebound_amplitude"], found["transition_time"], force])
 
 
-def _other(mechanism: Mechanism, speed_rpm: float) -> FloatArray:
-    """The quantities by the reduced engine and from a simulated cycle."""
-    found = transition(build(mechanism), speed_rpm=speed_rpm)
+def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray) -> FloatArray:
+    """The quantities by the reduced engine and from a simulated cycle.
+
+    Args:
+        mechanism: The mechanism.
+        speed_rpm: Cylinder speed [r/min].
+        near: Quantities of a mechanism nearby, shape (3,); they say how much to tabulate.
+    """
+    travel = min(_ROOM * rad_s_from_rpm(speed_rpm) * float(near[1]), math.tau)
+    model = build(mechanism, travel_rad=travel, gap_max=_ROOM * float(near[0]))
+    found = transition(model, speed_rpm=speed_rpm)
     solution = simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))
     stop = mechanism.transition_stop
     closing = next(item.t for item in solution.collisions if item.stop == stop)
@@ -251,133 +271,3 @@ def _other(mechanism: Mechanism, speed_rpm: float) -> FloatArray:
     places, weights = middle_half(closing, opening)
     force = float(weights @ solution.trajectory.reactions(places).contacts[stop])
     return np.array([found.rebound_amplitude[0], found.duration, force])
-
-
-_WORDS = {
-    "points": {
-        "x_mm": "pin {} forward",
-        "z_mm": "pin {} upward",
-        "radius_mm": "distance of pin {} from its shaft",
-        "angle_deg": "angle of pin {} about its shaft",
-    },
-    "links": {
-        "mass_kg": "mass of {}",
-        "gyration_mm": "radius of gyration of {}",
-        "com_x_mm": "centre of mass of {} forward",
-        "com_z_mm": "centre of mass of {} upward",
-    },
-}
-_SAID = ("first bounce", "transition", "clamping force")
-_FEW = 3
-_NOTHING = 1e-6
-_GAIN = 10.0
-# Larger changes than these are no longer small, and the sentences would not hold.
-_SMALL = {"mm": 5.0, "deg": 5.0, "%": 20.0}
-
-
-def label(path: str) -> str:
-    """A number of the model in words.
-
-    Args:
-        path: Its path.
-    """
-    steps = path.split(".")
-    if len(steps) == 3 and steps[2] in _WORDS.get(steps[0], {}):
-        return _WORDS[steps[0]][steps[2]].format(steps[1].replace("_", " ").removesuffix(" pin"))
-    last = steps[-1]
-    for ending in ("_N_per_m", "_N_m_per_rad", "_mm", "_deg", "_rpm"):
-        last = last.removesuffix(ending)
-    words = last.replace("_", " ")
-    if len(steps) == 3:
-        return f"{words} of {steps[0].removesuffix('s')} {steps[1].replace('_', ' ')}"
-    return f"cylinder {words}" if steps[0] in (SPEED, "cylinder") else words
-
-
-def conclusions(found: Sensitivities) -> tuple[str, ...]:
-    """What the sensitivities mean to whoever designs or sets the machine, in sentences.
-
-    Args:
-        found: The sensitivities.
-
-    Returns:
-        Sentences made from the numbers; they hold for small changes of one number at a time.
-    """
-    bounce, lasts, clamp = (
-        1e3 * found.amplitude_rad,
-        1e3 * found.transition_time_s,
-        found.clamping_force_N,
-    )
-    text = [
-        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
-        f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
-        f"{clamp:.3g} N."
-    ]
-    by_path = {row.path: row for row in found.rows}
-    if SPEED in by_path:
-        faster = by_path[SPEED].per
-        text.append(
-            f"1 % more speed makes the first bounce {_more(faster[0], 'higher', 'lower')}, the "
-            f"transition {_more(faster[1], 'longer', 'shorter')} and the clamping force "
-            f"{_more(faster[2], 'larger', 'smaller')}."
-        )
-    for place, quantity in enumerate(QUANTITIES):
-        for unit, one in (("mm", "1 mm"), ("deg", "1 degree"), ("%", "1 %")):
-            text.extend(_strongest(found, quantity, place, unit, one))
-    gain = [row for row in found.rows if _helps(row)]
-    if gain:
-        text.append(
-            "These calm the bounce and press harder at the same time: "
-            + "; ".join(_dose(row) for row in sorted(gain, key=_worth)[:_FEW])
-            + "."
-        )
-    still = [row.path for row in found.rows if np.abs(row.per).max() < _NOTHING]
-    if still:
-        links = sorted({path.split(".")[1] for path in still if path.startswith("links.")})
-        others = [label(path) for path in still if not path.startswith("links.")]
-        named = [*others, *(f"mass and inertia of {link.replace('_', ' ')}" for link in links)]
-        text.append(
-            "Without any effect while the shafts hold their speed: " + ", ".join(named) + "."
-        )
-    return tuple(text)
-
-
-def _strongest(
-    found: Sensitivities, quantity: str, place: int, unit: str, one: str
-) -> tuple[str, ...]:
-    """The sentence on the numbers of one unit that change a quantity most."""
-    rows = [
-        row
-        for row in found.ranked(quantity)
-        if row.unit == unit and row.path != SPEED and abs(row.per[place]) >= _NOTHING
-    ][:_FEW]
-    if not rows:
-        return ()
-    items = ", ".join(f"{label(row.path)} {row.per[place]:+.2g} %" for row in rows)
-    return (f"What {one} more changes the {_SAID[place]} by, the strongest first: {items}.",)
-
-
-def _more(percent: float, up: str, down: str) -> str:
-    return f"{abs(percent):.2g} % {up if percent > 0.0 else down}"
-
-
-def _helps(row: Sensitivity) -> bool:
-    """Whether a small change lowers bounce and time by enough, and raises the force."""
-    bounce, lasts, clamp = row.per
-    sense = -1.0 if bounce > 0.0 else 1.0
-    small = abs(bounce) * _SMALL[row.unit] >= _GAIN
-    adjustable = row.path != SPEED and not row.path.startswith("stops.")
-    return bool(small and adjustable and sense * lasts < 0.0 < sense * clamp)
-
-
-def _worth(row: Sensitivity) -> float:
-    """Gain of clamping force, negative, for a first bounce lower by a given part."""
-    return float(row.per[2] / row.per[0])
-
-
-def _dose(row: Sensitivity) -> str:
-    change = -_GAIN / row.per[0]
-    unit = {"deg": "degrees"}.get(row.unit, row.unit)
-    return (
-        f"{label(row.path)} {change:+.2g} {unit} for a bounce lower by {_GAIN:g} % "
-        f"(clamping force {change * row.per[2]:+.2g} %)"
-    )

@@ -66,20 +66,26 @@ def _targets(fit: Fit, console: Console) -> None:
 
 
 def _free(fit: Fit, known: Determinability, console: Console) -> None:
-    table = _table("number", "before", "identified", "bounds", "range left")
+    table = _table("number", "before", "found", "+-", "bounds", "left")
+    left, deviations = dict(known.ranked()), known.deviations
     for item in fit.objective.problem.free:
         value = fit.values[item.path]
         width = item.high - item.low
         edge = min(value - item.low, item.high - value) < _NEAR * width
-        left = dict(known.ranked())[item.path]
         table.add_row(
             item.path,
             f"{item.start:.5g}",
-            f"{value:.5g}{' (at its bound)' if edge else ''}",
-            f"{item.low:g} to {item.high:g}",
-            f"{100 * left:.0f} %{'' if left < DETERMINED else ' (not known)'}",
+            f"{value:.5g}{'*' if edge else ' '}",
+            f"{deviations[item.path] * width:.2g}",
+            f"{item.low:g}..{item.high:g}",
+            f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
         )
     console.print(table)
+    _say(
+        console,
+        "+-: standard deviation. left: part of its range that the targets leave a number; ?: "
+        f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
+    )
 
 
 def _limits(fit: Fit, console: Console) -> None:

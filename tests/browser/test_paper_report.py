@@ -19,7 +19,7 @@ from nipper_pin.view.paper.supplements import Supplements
 FIGURES = [
     "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "jaw_and_steeve",
     "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",
-    "sensitivities",
+    "sensitivities", "identification",
 ]  # fmt: skip
 COLOUR_BARS = {"stop_force-axes_3", "designs-axes_4"}
 # Frames, ticks and their labels alone are fewer than these.
@@ -35,8 +35,17 @@ def study(e62: Mechanism) -> PaperStudy:
 def files(study: PaperStudy, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     # A few numbers of the fifty: the page has the same parts.
     paths = ("speed_rpm", "stops.jaw.restitution", "springs.steeve.preload_length_mm")
-    added = Supplements(sensitivities(study.mechanism, 650.0, paths))
-    return write_paper(study, tmp_path_factory.mktemp("paper") / "new" / "folder", added)
+    document = {
+        "title": "one number", "model": "e62", "caution": "Fitted, not validated.", "seed": 7,
+        "within_4_percent": 1, "singular_values": [12.0, 0.3], "identifiable_directions": 1,
+        "targets": [{"name": "a", "wanted": 2.0, "found": 2.2, "relative_deviation": 0.1}],
+        "free": [{"path": paths[2], "low": 6.0, "high": 22.0, "before": 11.0, "identified": 8.25,
+                  "range_left": 0.43, "determined": True}],
+        "profiles": [{"path": paths[2], "sigma": 0.5, "values": [7.75, 8.25, 8.75],
+                      "cost": [0.6, 0.0, 0.45], "quadratic": [0.5, 0.0, 0.5]}],
+    }  # fmt: skip
+    added = Supplements(sensitivities(study.mechanism, 650.0, paths), document)
+    return write_paper(study, tmp_path_factory.mktemp("paper") / "new" / "folder", lambda: added)
 
 
 @pytest.fixture
@@ -98,9 +107,10 @@ def test_every_panel_holds_a_curve_or_marks(report):
         " const marks = [...axes.querySelectorAll('[clip-path] use')].filter(free).length;"
         " return [axes.id, clipped, marks]; })"
     )
-    # Two colour bars are panels of their own, filled with an image or cells; bars are patches.
+    # Insets are panels too. Two colour bars are panels of their own, filled with an image or cells;
+    # bars are patches.
     curves = [item for item in panels if item[1] > 0 or item[2] >= 3]
-    assert len(panels) == 37
+    assert len(panels) == 44
     others = {item[0] for item in panels} - {item[0] for item in curves}
     assert {name for name in others if not name.startswith("sensitivities-")} <= COLOUR_BARS
 
@@ -128,7 +138,7 @@ def test_the_ratios_are_in_the_table_that_is_seen(report, study):
 
 def test_what_is_read_first_says_whose_numbers_these_are(report):
     """Without scrolling."""
-    note = report.page.locator(".note")
+    note = report.page.locator(".note").first
     assert "never the maker's data" in note.inner_text()
     assert note.bounding_box()["y"] < 600.0
 

@@ -31,6 +31,7 @@ from nipper_pin.study.identify import (
     read_values,
     with_values,
     working_cycle,
+    write_model,
 )
 from nipper_pin.study.identify.fit import descend
 
@@ -395,6 +396,63 @@ def test_nonsense_in_measurements_is_refused(tmp_path: Path, text: str, word: st
         read_measured(file)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["--out", "taken"], "not empty"),
+        (["--out", "file"], "not a folder"),
+        (["--out", "file/below"], "not a folder"),
+        (["--json", "absent/result.json"], "no folder"),
+        (["--json", "taken"], "is a folder"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_the_search(
+    measured: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    word: str,
+) -> None:
+    """A search takes minutes; here it would fail the test by being begun."""
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "notes.txt").write_text("mine", encoding="utf-8")
+    (tmp_path / "file").write_text("mine", encoding="utf-8")
+    before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
+
+    def begun(*_: object, **__: object) -> None:
+        pytest.fail("the search was begun")
+
+    monkeypatch.setattr("nipper_pin.study.identify.identify", begun)
+    assert main(["identify", str(measured), *arguments]) == 2
+    assert word in " ".join(capsys.readouterr().err.split())
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_model_that_cannot_be_finished_leaves_nothing(
+    camera: Problem, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk is full at the third mesh: neither a part of the model nor a temporary folder."""
+    fit = identify(replace(camera, tolerance=1e-6), starts=1, workers=1)
+    copied = []
+
+    def full(source: Path, target: Path) -> None:
+        copied.append(target)
+        if len(copied) == 3:
+            raise OSError(28, "No space left on device")
+        target.write_bytes(source.read_bytes())
+
+    monkeypatch.setattr("nipper_pin.study.identify.write.shutil.copyfile", full)
+    with pytest.raises(InputError, match="No space left"):
+        write_model(fit, tmp_path / "found")
+    assert len(copied) == 3
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.undo()
+    write_model(fit, tmp_path / "found")
+    assert [item.name for item in tmp_path.iterdir()] == ["found"]
+
+
 def test_command_writes_a_model_that_simulate_accepts(
     measured: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -433,7 +491,12 @@ def test_report_names_what_is_not_known(
     fit = identify(thin, starts=1, workers=1)
     known = determinability(fit.objective, fit.best.z)
     print_fit(fit, known, (), Console(width=100))
-    text = " ".join(capsys.readouterr().out.split())
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line.split() for line in lines]
+    left = {row[0]: row[-1] for row in rows if row and row[0] in TRUE}
+    assert set(left) == set(TRUE)
+    # One target narrows one direction: two numbers at least are not known.
+    assert sum(word.endswith("%?") for word in left.values()) >= 2
+    text = " ".join(" ".join(lines).split())
     assert "1 of 3 directions" in text
-    assert "not known" in text
     assert "Fitted, not validated" in text

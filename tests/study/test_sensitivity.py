@@ -17,14 +17,13 @@ import numpy as np
 import pytest
 
 from nipper_pin import Mechanism
+from nipper_pin.study.conclusions import conclusions, label
 from nipper_pin.study.identify import working_cycle
 from nipper_pin.study.identify.working import middle_half
 from nipper_pin.study.sensitivity import (
     QUANTITIES,
     Sensitivities,
-    conclusions,
     every_path,
-    label,
     sensitivities,
 )
 
@@ -169,3 +168,13 @@ def test_record_is_complete(found: Sensitivities) -> None:
     for row, item in zip(rows, found.rows, strict=True):
         assert [row[name] for name in QUANTITIES] == item.per.tolist()
         assert all(type(row[name]) is float for name in QUANTITIES)
+
+
+def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
+    """A row depends on its number alone; rows come back in the order that was asked for."""
+    paths = ("stops.jaw.restitution", "links.top_nipper.mass_kg", "speed_rpm")
+    one = sensitivities(e62, SPEED, paths)
+    two = sensitivities(e62, SPEED, paths, workers=2)
+    assert [row.path for row in two.rows] == list(paths)
+    for a, b in zip(one.rows, two.rows, strict=True):
+        assert (a.per.tolist(), a.control.tolist()) == (b.per.tolist(), b.control.tolist())

@@ -17,6 +17,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from nipper_pin.errors import InputError
 from nipper_pin.mechanism import Mechanism
+from nipper_pin.study.identify.record import read_identification
 from nipper_pin.study.paper import PaperStudy, paper_study
 from nipper_pin.study.paper.designs import RESTITUTIONS, SPEEDS_RPM
 from nipper_pin.study.sensitivity import sensitivities
@@ -24,8 +25,8 @@ from nipper_pin.view.paper.files import write_paper
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
 from nipper_pin.view.paper.question_figures import question_plates
-from nipper_pin.view.paper.report import Material, material, report_html
-from nipper_pin.view.paper.supplements import Supplements, read_identification
+from nipper_pin.view.paper.report import Material, material, report_html, study_plates
+from nipper_pin.view.paper.supplements import Supplements
 from nipper_pin.view.paper.tables import percent
 
 
@@ -36,7 +37,7 @@ def study(e62: Mechanism) -> PaperStudy:
 
 @pytest.fixture(scope="module")
 def content(study: PaperStudy) -> Material:
-    return material(study, Supplements())
+    return material(study, Supplements(), study_plates(study))
 
 
 @pytest.fixture(scope="module")
@@ -83,17 +84,19 @@ def test_the_page_is_well_formed_and_points_nowhere_else(page):
 
 
 def test_every_figure_and_table_is_on_the_page_once_with_its_number(page, content):
-    for items, prefix, word in (
-        (content.plates, "", "Figure"),
-        (content.tables, "table-", "Table"),
+    """The paper's own keep the paper's numbers; all others count from A1 on, in their order."""
+    for items, prefix, word, own in (
+        (content.plates, "", "Figure", ["11", "12", "13", "14"]),
+        (content.tables, "table-", "Table", ["3", "4", "5"]),
     ):
-        for number, item in enumerate(items, start=1):
+        for item in items:
             assert page.count(f' id="{prefix}{item.name}"') == 1
-            assert f"<b>{word} {number}. " in page
-    # In the order of their numbers.
-    for word, count in (("Figure", len(content.plates)), ("Table", len(content.tables))):
-        numbers = [int(n) for n in re.findall(rf"<b>{word} (\d+)\. ", page)]
-        assert numbers == list(range(1, count + 1))
+        numbers = re.findall(rf"<b>{word} (A?\d+)\. ", page)
+        others = [number for number in numbers if number.startswith("A")]
+        assert [number for number in numbers if number not in others] == own
+        assert others == [f"A{i}" for i in range(1, len(items) - len(own) + 1)]
+    for number in ("11", "12", "13", "14"):
+        assert re.search(rf'<figure id="figure_{number}">.*?<b>Figure {number}\. ', page, re.S)
 
 
 def test_no_value_is_missing_or_unwritten(page):
@@ -209,6 +212,12 @@ IDENTIFIED = {
     "caution": "Fitted, not validated.",
     "seed": 7,
     "within_4_percent": 1,
+    "singular_values": [12.0, 0.3],
+    "identifiable_directions": 1,
+    "profiles": [
+        {"path": "springs.steeve.preload_length_mm", "sigma": 0.5, "values": [7.75, 8.25, 8.75],
+         "cost": [0.6, 0.0, 0.45], "quadratic": [0.5, 0.0, 0.5]}
+    ],
     "targets": [{"name": "a", "wanted": 2.0, "found": 2.2, "relative_deviation": 0.1}],
     "free": [
         {
@@ -225,7 +234,7 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     found = sensitivities(e62, 650.0, chosen)
     (tmp_path / "identified.json").write_text(json.dumps(IDENTIFIED), encoding="utf-8")
     document = read_identification(tmp_path / "identified.json")
-    report, *others = write_paper(study, tmp_path / "out", Supplements(found, document))
+    report, *others = write_paper(study, tmp_path / "out", lambda: Supplements(found, document))
     page = report.read_text(encoding="utf-8")
     assert re.search(
         r"<h2>6 Sensitivities</h2>.*<h2>7 Identification</h2>.*<h2>8 Limits", page, re.S
@@ -234,6 +243,7 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     assert "<td>8.250</td>" in page
     names = {path.name for path in others}
     assert names >= {"sensitivities.svg", "sensitivities.csv", "identified_numbers.csv"}
+    assert names >= {"identification.svg", "identification.pdf"}
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out/sensitivities.csv").read_text())))
     # 1 % more of the restitution: amplitude by e^2, so by nearly 2 % and never by more.
     change = {row["path"]: float(row["first_amplitude_percent"]) for row in rows}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 
 from ...errors import InputError
 from ..load import known_models
+from ..new_folder import new_folder
 from ..schema import SCHEMA_FILE, schema_text
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -33,21 +33,9 @@ def write_skeleton(folder: Path) -> Path:
     if name in known_models():
         message = f"{name} is a model that comes with the package; give yours another name"
         raise InputError(message, folder=str(folder))
-    try:
-        if target.exists() and (not target.is_dir() or any(target.iterdir())):
-            message = f"{target} is there already and is not empty; name a new folder"
-            raise InputError(message, folder=str(folder))
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # Written beside it and renamed: a folder that is there is complete.
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{name}-") as home:
-            partial = Path(home) / name
-            partial.mkdir()
-            for file, text in skeleton(name).items():
-                (partial / file).write_text(text, encoding="utf-8")
-            partial.replace(target)
-    except OSError as error:
-        message = f"{target} cannot be written: {error.strerror}; name another folder"
-        raise InputError(message, folder=str(folder)) from error
+    with new_folder(target) as partial:
+        for file, text in skeleton(name).items():
+            (partial / file).write_text(text, encoding="utf-8")
     return target
 
 

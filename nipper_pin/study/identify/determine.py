@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from ...arrays import FloatArray
+from ..processes import mapped
 from .fit import Fit
 from .objective import Objective
 
@@ -58,6 +56,14 @@ class Determinability:
         """Numbers that the targets determine, the best first."""
         order = np.argsort(self.narrowed, kind="stable")
         return tuple(self.paths[i] for i in order if self.narrowed[i] < DETERMINED)
+
+    @property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviations of all numbers by path, with the targets, in units of their ranges.
+
+        Of a number that the targets leave open this is the one of its range alone, 1 / sqrt(12).
+        """
+        return dict(zip(self.paths, (_RANGE_SIGMA * self.narrowed).tolist(), strict=True))
 
     def ranked(self) -> tuple[tuple[str, float], ...]:
         """All numbers with what is left of their ranges, the best determined first."""
@@ -132,7 +138,8 @@ def profile(
     low, high = max(0.0, z[place] - reach * sigma), min(1.0, z[place] + reach * sigma)
     grid = np.linspace(low, high, points)
     task = partial(_held, objective, z, place)
-    cost = np.array(list(_mapped(task, grid, workers))) - fit.best.cost
+    count = workers if workers is not None else os.cpu_count() or 1
+    cost = np.array(list(mapped(task, grid, count))) - fit.best.cost
     # Only a number that its bound holds back has a slope at the best fit.
     slope = float(jacobian[:, place] @ objective.residuals(z))
     off = grid - z[place]
@@ -144,15 +151,6 @@ def profile(
         quadratic=slope * off + 0.5 * (off / sigma) ** 2,
         sigma=sigma * width,
     )
-
-
-def _mapped(task: partial[float], grid: FloatArray, workers: int | None) -> Iterator[float]:
-    count = workers if workers is not None else os.cpu_count() or 1
-    if count == 1:
-        yield from map(task, grid)
-        return
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(task, grid)
 
 
 def _held(objective: Objective, z: FloatArray, place: int, value: float) -> float:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -15,6 +13,7 @@ from scipy.stats import qmc
 
 from ...arrays import FloatArray
 from ...errors import InputError, SimulationError
+from ..processes import mapped
 from .objective import UNUSABLE, Objective, excesses
 from .problem import Problem
 
@@ -115,7 +114,7 @@ def identify(
     begins = list(_starts(objective, starts, seed))
     found: list[Descent] = []
     count = min(starts, workers if workers is not None else os.cpu_count() or 1)
-    for descent in _descents(objective, begins, count):
+    for descent in mapped(partial(descend, objective), begins, count):
         found.append(descent)
         if progress is not None:
             progress(len(found), starts, min(item.cost for item in found))
@@ -151,15 +150,6 @@ def _starts(objective: Objective, count: int, seed: int) -> Iterator[FloatArray]
     points = draws.random_base2(int(np.ceil(np.log2(needed))))[:needed]
     # Drawn within the middle of the ranges: a descent has to have room on both sides.
     yield from 0.1 + 0.8 * points.reshape(count - 1, _DRAWS, size)
-
-
-def _descents(objective: Objective, begins: list[FloatArray], workers: int) -> Iterator[Descent]:
-    if workers == 1:
-        yield from map(partial(descend, objective), begins)
-        return
-    # Fresh processes: a fork of one that has threads may never end.
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(partial(descend, objective), begins)
 
 
 def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS) -> Descent:

@@ -256,4 +256,8 @@ def _measured(line: Mapping[str, str | None], where: str) -> Target:
         message = f"{where}: speed_rpm and sigma have to be above zero"
         raise InputError(message, speed_rpm=speed, sigma=sigma)
     at = Condition(speed, numbers["restitution"], numbers["stiffness"])
-    return Target(name=where, quantity=quantity, at=at, value=value, sigma=sigma)
+    settings = [f"{speed:g} r/min"]
+    settings += [f"e = {at.restitution:g}"] if at.restitution is not None else []
+    settings += [f"k = {at.stiffness:g}"] if at.stiffness is not None else []
+    name = ", ".join([quantity, *settings])
+    return Target(name=name, quantity=quantity, at=at, value=value, sigma=sigma)

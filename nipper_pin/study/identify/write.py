@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from ...errors import InputError
 from ...mechanism import Mechanism, load
+from ...mechanism.new_folder import new_folder
 from ...mechanism.urdf import parse_xml
 from .fit import Fit
 from .parameters import with_values
@@ -30,7 +30,7 @@ def write_model(fit: Fit, folder: str | Path) -> Mechanism:
         The mechanism, read back from the files.
 
     Raises:
-        InputError: The folder cannot be written, or holds something else.
+        InputError: The folder cannot be written, or holds something else; then nothing is written.
     """
     target = Path(folder).resolve()
     name = target.name
@@ -45,21 +45,16 @@ def write_model(fit: Fit, folder: str | Path) -> Mechanism:
         "AN ESTIMATE: fitted to the targets, which does not validate it. Never the maker's data.",
     ]
     text = "".join(f"# {line}\n" for line in heading) + "\n" + toml(document)
-    try:
-        if target.is_dir() and any(target.iterdir()):
-            message = f"{target} is not empty; name a new folder for the identified model"
-            raise InputError(message, folder=str(target))
-        target.mkdir(parents=True, exist_ok=True)
+    with new_folder(target) as partial:
         root = _renamed(sources.urdf, name, heading)
         if _moves_pins(fit):
             _show_collision_shapes(root)
-        _copy_meshes(root, Path(sources.folder), target)
+        _copy_meshes(root, Path(sources.folder), partial)
         urdf = '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
-        (target / f"{name}.urdf").write_text(urdf, encoding="utf-8")
-        (target / f"{name}.toml").write_text(text, encoding="utf-8")
-    except OSError as error:
-        message = f"{target}: {error}; name a folder that can be written"
-        raise InputError(message, folder=str(target)) from error
+        (partial / f"{name}.urdf").write_text(urdf, encoding="utf-8")
+        (partial / f"{name}.toml").write_text(text, encoding="utf-8")
+        # What cannot be read back does not take its place.
+        load(partial)
     return load(target)
 
 

@@ -24,7 +24,6 @@ class Branch:
         q: Configurations, shape (K, nv) [rad or m].
         v: Velocities at the speed of the branch, shape (K, nv).
         a: Accelerations, shape (K, nv).
-        angular: Angular velocities of the links, shape (K, links) [rad/s].
         forces: Forces of the closed stops along their coordinates, shape (K, closed) [N m or N].
     """
 
@@ -33,7 +32,6 @@ class Branch:
     q: FloatArray
     v: FloatArray
     a: FloatArray
-    angular: FloatArray
     forces: FloatArray
 
 
@@ -74,8 +72,7 @@ def branch(
     v = close_velocities(v, jacobian, split)
     a = system.accelerations(motion, q, v, rows)
     forces = multipliers(system, q, v, a, jacobian, rows, split).la_N
-    angular = np.array([system.body.link_velocities(*state)[0] for state in zip(q, v, strict=True)])
-    return Branch(closed, index, q, v, a, angular, forces)
+    return Branch(closed, index, q, v, a, forces)
 
 
 def touch_index(mechanism: Mechanism) -> float:

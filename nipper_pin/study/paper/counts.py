@@ -18,7 +18,9 @@ from ...arrays import FloatArray
 from .published import Published
 from .studies import Studies, Study
 
-LOWEST, HIGHEST = 1e-4, 1.0
+# Above the highest there is one collision whatever the restitution, below the lowest the numbers
+# only go on as they have begun.
+LOWEST, HIGHEST = 1e-5, 10.0
 _PER_DECADE = 100
 Interval = tuple[float, float]
 

@@ -48,6 +48,8 @@ class Kinematics:
         closed: Motion with the jaw shut.
         is_open: Where the jaw is open, shape (K,).
         link_angles: Rotation of every link from the touch configuration, shape (K, links) [rad].
+        link_rates: Their rates, shape (K, links) [rad/s].
+        link_accelerations: Their accelerations, shape (K, links) [rad/s^2].
         stop_jaw: Place of the jaw angle in q.
         stop_steeve: Place of the stroke in q.
         closing_index: Where the jaw closes.
@@ -61,6 +63,8 @@ class Kinematics:
     closed: Branch
     is_open: NDArray[np.bool_]
     link_angles: FloatArray
+    link_rates: FloatArray
+    link_accelerations: FloatArray
     stop_jaw: int
     stop_steeve: int
     closing_index: float
@@ -121,7 +125,10 @@ def kinematics(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> Kinematic
         shaft = ShaftMotion(mechanism, rad_s_from_rpm(speed), cylinder.angle_at_touch_rad)
         times = shaft.period * (index - index[0]) / INDEX_PER_TURN
         guides.append(Guide(speed, *shaft.driven(times)))
-    q = np.where(is_open[:, None], opened.q, closed.q)
+    angles, rates, accelerations = (
+        _of_links(mechanism, np.where(is_open[:, None], one, two))
+        for one, two in ((opened.q, closed.q), (opened.v, closed.v), (opened.a, closed.a))
+    )
     return Kinematics(
         speed_rpm=speeds_rpm[0],
         index=index,
@@ -129,7 +136,9 @@ def kinematics(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> Kinematic
         open=opened,
         closed=closed,
         is_open=is_open,
-        link_angles=_link_angles(mechanism, q),
+        link_angles=angles,
+        link_rates=rates,
+        link_accelerations=accelerations,
         stop_jaw=jaw.index,
         stop_steeve=steeve.index,
         closing_index=touch_index(mechanism),
@@ -137,10 +146,13 @@ def kinematics(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> Kinematic
     )
 
 
-def _link_angles(mechanism: Mechanism, q: FloatArray) -> FloatArray:
-    """Sums of the hinge angles from the frame to every link, shape (K, links)."""
-    angles: dict[str, FloatArray] = {}
+def _of_links(mechanism: Mechanism, values: FloatArray) -> FloatArray:
+    """Sums over the hinges from the frame to every link, shape (K, links).
+
+    Hinges of a planar mechanism turn about one direction: angles, rates and accelerations add up.
+    """
+    sums: dict[str, FloatArray] = {}
     for joint in mechanism.joints:
-        own = q[:, joint.index] if joint.kind == "revolute" else np.zeros(len(q))
-        angles[joint.child] = angles.get(joint.parent, np.zeros(len(q))) + own
-    return np.stack([angles[link] for link in mechanism.links], axis=1)
+        own = values[:, joint.index] if joint.kind == "revolute" else np.zeros(len(values))
+        sums[joint.child] = sums.get(joint.parent, np.zeros(len(values))) + own
+    return np.stack([sums[link] for link in mechanism.links], axis=1)

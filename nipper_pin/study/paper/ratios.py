@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -50,6 +51,11 @@ def ratios(studies: Studies, conditions: Published) -> tuple[Ratio, ...]:
         message = f"no study gives {', '.join(unknown)}; known: {', '.join(ours)}"
         raise InputError(message, unknown=unknown)
     return tuple(Ratio(name, value, ours[name]) for name, value in conditions.ratios.items())
+
+
+def within(items: Sequence[Ratio], deviation: float) -> int:
+    """Number of ratios that deviate by no more than this."""
+    return sum(abs(item.relative_deviation) <= deviation for item in items)
 
 
 def ratio_values(studies: Studies) -> dict[str, float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
-from functools import cached_property
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -28,20 +27,16 @@ class Plate:
         title: What it shows, in a few words.
         caption: What is to be seen, with the numbers.
         figure: The picture.
+        svg: The figure as an SVG document.
+        pdf: The figure as a PDF document.
     """
 
     name: str
     title: str
     caption: str
     figure: Figure
-
-    @cached_property
-    def svg(self) -> str:
-        """The figure as an SVG document, the same bytes for the same numbers."""
-        stream = io.StringIO()
-        with rc_context({"svg.fonttype": "path", "svg.hashsalt": self.name}):
-            self.figure.savefig(stream, format="svg", metadata={"Date": None, "Title": self.title})
-        return stream.getvalue()
+    svg: str
+    pdf: bytes
 
     @property
     def inline_svg(self) -> str:
@@ -56,13 +51,23 @@ class Plate:
         head = re.sub(r'\s(width|height)="[^"]*"', "", head)
         return f'{head} role="img" aria-label="{self.title}">{tail}'
 
-    @property
-    def pdf(self) -> bytes:
-        """The figure as a PDF document."""
-        stream = io.BytesIO()
-        with rc_context({"pdf.fonttype": 42}):
-            self.figure.savefig(stream, format="pdf", metadata={"CreationDate": None})
-        return stream.getvalue()
+
+def plate(name: str, title: str, caption: str, figure: Figure) -> Plate:
+    """Draw a figure, with the same bytes for the same numbers.
+
+    Args:
+        name: Name of its files.
+        title: What it shows.
+        caption: What is to be seen.
+        figure: The picture; its layout is fixed by this.
+    """
+    picture, document = io.StringIO(), io.BytesIO()
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": name, "pdf.fonttype": 42}):
+        figure.savefig(picture, format="svg", metadata={"Date": None, "Title": title})
+        # What the first drawing has laid out holds for the second.
+        figure.set_layout_engine("none")
+        figure.savefig(document, format="pdf", metadata={"CreationDate": None})
+    return Plate(name, title, caption, figure, picture.getvalue(), document.getvalue())
 
 
 def new_figure(height_in: float) -> Figure:

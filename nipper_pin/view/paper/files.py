@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 from ...errors import InputError
 from ...hybrid.storage import complete_file
 from ...study.paper import PaperStudy
-from .report import material, report_html
+from .report import material, report_html, study_plates
 from .supplements import Supplements
 
 
 def write_paper(
-    study: PaperStudy, folder: str | Path, supplements: Supplements | None = None
+    study: PaperStudy, folder: str | Path, supplements: Callable[[], Supplements] = Supplements
 ) -> list[Path]:
     """Write the study; each file appears only when it is complete.
 
     Args:
         study: The study.
         folder: Folder, made if it does not exist; files of the same names are replaced.
-        supplements: Results of other studies, to be shown after it.
+        supplements: Gives results of other studies, to be shown after it. Asked when the figures
+            of this study are drawn, so that the others can be computed meanwhile.
 
     Returns:
         The files, ``report.html`` first.
@@ -29,13 +31,9 @@ def write_paper(
         InputError: The folder cannot be written.
     """
     target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{target}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(target)) from error
-    added = supplements or Supplements()
-    content = material(study, added)
+    drawn = study_plates(study)
+    added = supplements()
+    content = material(study, added, drawn)
     record = study.record()
     if added.sensitivities is not None:
         record["sensitivities"] = added.sensitivities.record()
@@ -49,7 +47,13 @@ def write_paper(
         files[f"{plate.name}.pdf"] = plate.pdf
     for table in content.tables:
         files[f"{table.name}.csv"] = table.csv_text().encode()
-    for name, data in files.items():
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{target}: cannot be made a folder ({error.strerror})"
+        raise InputError(message, folder=str(target)) from error
+    # The page comes last: a new page has everything that belongs to it.
+    for name, data in reversed(files.items()):
         with complete_file(target / name) as partial:
             partial.write_bytes(data)
     return [target / name for name in files]

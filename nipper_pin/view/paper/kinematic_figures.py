@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from ...arrays import FloatArray
 from ...mechanism import INDEX_PER_TURN
 from ...study.paper import PaperStudy
-from ..style import LINES, SMALL, TINTS, tidy
-from .canvas import Plate, grid, letter, new_figure
+from ..style import LINES, SMALL, TEXT, TINTS, tidy
+from .canvas import Plate, grid, letter, new_figure, plate
 
 DEGREES = math.degrees(1.0)
 _DASHES = ("-", "--", ":", "-.")
@@ -43,7 +43,7 @@ def _guide(study: PaperStudy) -> Plate:
     tidy(panels[-1], "index of the comb cycle (40 to a turn)", f"{drive}\n{names[-1]}")
     swing = DEGREES * float(np.ptp(turn.guides[0].angle[:, 0]))
     peak = float(np.abs(turn.guides[-1].acceleration[:, 0]).max())
-    return Plate(
+    return plate(
         "guide",
         "Oscillating guide over a turn",
         f"Angle, rate and acceleration of the {drive} shaft, driven by the oscillating guide. It "
@@ -56,24 +56,32 @@ def _guide(study: PaperStudy) -> Plate:
 
 def _links(study: PaperStudy) -> Plate:
     turn = study.kinematics
-    figure = new_figure(3.8)
-    axes = figure.add_subplot()
+    figure = new_figure(6.8)
+    panels = figure.subplots(3, 1, sharex=True)
     order, index = _order(study)
-    for i, link in enumerate(study.mechanism.links):
-        axes.plot(index, DEGREES * turn.link_angles[order, i], color=LINES[i % len(LINES)],
-                  linestyle=_DASHES[i // len(LINES)], linewidth=1.3,
-                  label=link.replace("_", " "))  # fmt: skip
-    _phases(study, axes)
-    grid(axes)
-    tidy(axes, "index of the comb cycle (40 to a turn)", "rotation from the touch position [deg]")
-    figure.legend(loc="outside upper center", ncols=4, fontsize=SMALL, frameon=False)
-    return Plate(
+    rows = (DEGREES * turn.link_angles, turn.link_rates, turn.link_accelerations)
+    names = ("rotation [deg]", "angular rate\n[rad/s]", "angular acceleration\n[rad/s$^2$]")
+    for number, (axes, values, name) in enumerate(zip(panels, rows, names, strict=True)):
+        for i, link in enumerate(study.mechanism.links):
+            shown = values[order, i]
+            axes.plot(index, shown if number == 0 else _broken(turn.is_open[order], shown),
+                      color=LINES[i % len(LINES)], linestyle=_DASHES[i // len(LINES)],
+                      linewidth=1.2, label=link.replace("_", " "))  # fmt: skip
+        _phases(study, axes)
+        letter(axes, f"({'abc'[number]})")
+        grid(axes)
+        tidy(axes, "", name)
+    panels[-1].set_xlabel("index of the comb cycle (40 to a turn)", fontsize=TEXT)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=4,
+                  fontsize=SMALL, frameon=False)  # fmt: skip
+    return plate(
         "links",
-        "Rotation of the links over a turn",
-        "Rotation of every link from the touch configuration, counter-clockwise in the side view, "
-        "through phases 1 and 2. Positions do not depend on the speed. Where the jaw is closed "
-        "(shaded) top and bottom nipper turn together; where it is open the two halves of the "
-        "steeve do, and always, since they slide straight.",
+        "Motion of the links over a turn",
+        "(a) Rotation of every link from the touch configuration, counter-clockwise in the side "
+        f"view, (b) its angular rate and (c) its angular acceleration at {turn.speed_rpm:g} r/min, "
+        "through phases 1 and 2. Positions do not depend on the speed, rates are proportional to "
+        "it and accelerations to its square. Where the jaw is closed (shaded) top and bottom "
+        "nipper turn together; the two halves of the steeve always do, since they slide straight.",
         figure,
     )
 
@@ -100,7 +108,7 @@ def _stops(study: PaperStudy) -> Plate:
             tidy(axes, "", f"{kind}{name}\n[{text}]")
     for axes in panels[-1]:
         axes.set_xlabel("index (40 to a turn)", fontsize=SMALL)
-    return Plate(
+    return plate(
         "jaw_and_steeve",
         "Jaw angle and steeve stroke over a turn",
         f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "

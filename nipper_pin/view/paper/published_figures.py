@@ -8,12 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ...arrays import FloatArray
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
 from ..sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
-from .canvas import Plate, grid, letter, new_figure
+from .canvas import Plate, grid, letter, new_figure, plate
 
 DEGREES = math.degrees(1.0)
 # Thresholds at which collisions are counted in figures and tables [rad/s].
@@ -36,19 +37,40 @@ def _angle(study: PaperStudy) -> Plate:
         at = [1e3 * item.t for item in solution.collisions]
         axes.plot(at, np.zeros(len(at)), "|", color="black", markersize=8.0)
         axes.plot(durations[number], 0.0, "s", color="black", markersize=3.5)
+        _close_up(axes, 1e3 * t, 1e3 * DEGREES * q[:, jaw.index], at)
         letter(axes, f"({'abc'[number]})  {solution.case.speed_rpm:g} r/min")
         grid(axes)
         tidy(axes, "", "jaw angle [deg]")
     tidy(panels[-1], "time from the first collision [ms]", "jaw angle [deg]")
     shown = ", ".join(f"{value:.3f}" for value in durations)
-    return Plate(
+    return plate(
         "figure_11",
         "Jaw angle during the transition",
         "Jaw angle against time from the first collision at three speeds (figure 11 of the paper). "
         "Strokes mark collisions, the square the time of rest as the limit of the series: "
-        f"{shown} ms.",
+        f"{shown} ms. Insets: from the second collision on, in thousandths of a degree.",
         figure,
     )
+
+
+def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, collisions: list[float]) -> None:
+    """Show the second rebound and what follows, which are small beside the first.
+
+    Args:
+        axes: The panel.
+        t: Times, shape (K,) [ms].
+        angle: Jaw angles, shape (K,) [mdeg].
+        collisions: Times of the collisions [ms].
+    """
+    inner = axes.inset_axes((0.855, 0.42, 0.14, 0.52))
+    later = t >= collisions[1]
+    inner.plot(t[later], angle[later], color=LINES[0], linewidth=1.1)
+    inner.plot(collisions[1:], np.zeros(len(collisions) - 1), "|", color="black", markersize=5.0)
+    inner.tick_params(labelsize=SMALL - 1.5)
+    inner.xaxis.set_major_locator(MaxNLocator(2))
+    inner.yaxis.set_major_locator(MaxNLocator(3))
+    inner.set_ylabel("[mdeg]", fontsize=SMALL - 1.5)
+    grid(inner)
 
 
 def _impulses(study: PaperStudy) -> Plate:
@@ -69,13 +91,17 @@ def _impulses(study: PaperStudy) -> Plate:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     linear.legend(fontsize=SMALL, frameon=False)
     first = ", ".join(f"{value:.3f}" for value in table.impulse[:, 0])
-    return Plate(
+    seconds = table.impulse[:, 1] / table.impulse[:, 0]
+    low, high = float(seconds.min()), float(seconds.max())
+    return plate(
         "figure_12",
         "Impulse of each collision",
         "Normal impulse at the lips in each collision, one series a speed (figure 12 of the "
         f"paper). The first impulses, {first} N s, are proportional to the speed, because with "
-        "held shafts nothing but the approach rate sets them; from one collision to the next they "
-        "fall by nearly the restitution.",
+        f"held shafts nothing but the approach rate sets them. The second is {low:.3f} to "
+        f"{high:.3f} of the first, and not e = {study.published.common_restitution:g}, because the "
+        "closing force changes during the long first rebound; later ones, which are short, fall by "
+        "nearly e.",
         figure,
     )
 
@@ -88,7 +114,7 @@ def _restitution(study: PaperStudy) -> Plate:
               linewidth=1.2, label="ours")  # fmt: skip
     published = 1.0 + study.published.ratios["restitution.transition_time_increase"]
     time.plot(data.values[-1], 1e3 * data.durations[0] * published, "x", color="black",
-              label="published ratio on our first value")  # fmt: skip
+              label="published ratio")  # fmt: skip
     time.legend(fontsize=SMALL, frameon=False)
     letter(time, "(a)")
     grid(time)
@@ -98,12 +124,13 @@ def _restitution(study: PaperStudy) -> Plate:
     for axes in (time, number):
         axes.set_xticks(data.values)
     speed = study.published.common_speed_rpm
-    return Plate(
+    return plate(
         "figure_13",
         "Transition over the restitution",
         f"(a) Transition time and (b) number of collisions against the restitution at {speed:g} "
-        "r/min (figure 13 of the paper). The number depends on the separation rate at which one "
-        "stops to count.",
+        "r/min (figure 13 of the paper). Cross: the published ratio applied to our value at the "
+        "smallest restitution. The number depends on the separation rate at which one stops to "
+        "count, which is not published.",
         figure,
     )
 
@@ -123,7 +150,8 @@ def _stiffness(study: PaperStudy) -> Plate:
                   linewidth=1.2, label=label)  # fmt: skip
         if ratio is not None:
             change = 1.0 + study.published.ratios[ratio]
-            time.plot(rates[-1], 1e3 * values[0] * change, "x", color="black", zorder=5)
+            time.plot(rates[-1], 1e3 * values[0] * change, "x", color="black", zorder=5,
+                      label="published ratio" if i == 1 else None)  # fmt: skip
     time.set_ylim(0.0, 1.25e3 * float(data.durations.max()))
     time.legend(fontsize=SMALL, frameon=False, ncols=2)
     letter(time, "(a)")
@@ -131,8 +159,10 @@ def _stiffness(study: PaperStudy) -> Plate:
     tidy(time, "spring rate [N/mm]", "time [ms]")
     _draw_counts(number, data, 1e-3)
     tidy(number, "spring rate [N/mm]", "collisions")
+    for axes in (time, number):
+        axes.set_xticks(rates)
     speed = study.published.common_speed_rpm
-    return Plate(
+    return plate(
         "figure_14",
         "Transition over the spring rate",
         f"(a) Times and (b) number of collisions against the spring rate at {speed:g} r/min, the "
@@ -150,6 +180,6 @@ def _draw_counts(panel: Axes, data: Study, factor: float = 1.0) -> None:
                    label=f"threshold {threshold:g} rad/s")  # fmt: skip
     panel.set_ylim(0.0, 1.45 * numbers.max())
     panel.yaxis.set_major_locator(MaxNLocator(integer=True))
-    panel.legend(fontsize=SMALL, frameon=False)
+    panel.legend(fontsize=SMALL, frameon=False, loc="upper right")
     letter(panel, "(b)")
     grid(panel)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ...study.paper import PaperStudy
@@ -10,8 +13,11 @@ from ...study.paper.designs import RESTITUTIONS, SPEEDS_RPM
 from ...study.paper.drives import FACTORS
 from ...study.paper.phase_one import PRELOADS
 from ...study.paper.phase_one import SPEEDS_RPM as STOP_SPEEDS
-from ..style import LINES, MARKERS, SMALL, tidy
-from .canvas import Plate, grid, letter, new_figure
+from ..style import LINES, MARKERS, SMALL, TEXT, tidy
+from .canvas import Plate, grid, letter, new_figure, plate
+
+# How far a label stands from the frame, and how far it may go from its speed.
+_MARGIN = (110.0, 0.012)
 
 
 def question_plates(study: PaperStudy) -> list[Plate]:
@@ -35,7 +41,8 @@ def _thresholds(study: PaperStudy) -> Plate:
                        label="rebounds +300 %")  # fmt: skip
     number.set_xscale("log")
     number.yaxis.set_major_locator(MaxNLocator(integer=True))
-    number.legend(fontsize=SMALL, frameon=False)
+    number.set_ylim(0.0, 1.35 * counts.restitution.max())
+    number.legend(fontsize=SMALL, frameon=False, ncols=2, loc="upper right")
     tidy(number, "threshold [rad/s]", "collisions")
     time.semilogx(counts.thresholds, counts.time_increase, color=LINES[0], linewidth=1.3,
                   label="stop at the threshold")  # fmt: skip
@@ -49,7 +56,7 @@ def _thresholds(study: PaperStudy) -> Plate:
     for axes, text in ((number, "(a)"), (time, "(b)")):
         letter(axes, text)
         grid(axes)
-    return Plate(
+    return plate(
         "thresholds",
         "Collisions and transition time over the threshold",
         "(a) Number of collisions against the separation rate at which one stops to count, for "
@@ -77,7 +84,7 @@ def _drives(study: PaperStudy) -> Plate:
         tidy(axes, "shaft inertia by that of the model [-]", f"change of the\n{text} [%]")
     panels[0].legend(fontsize=SMALL, frameon=False)
     worst = 100.0 * max(item.first_amplitude for item in study.drives.effects if item.factor == 1.0)
-    return Plate(
+    return plate(
         "drives",
         "Inertial shafts beside held ones",
         "Change of (a) the first rebound amplitude and (b) the transition time when an impact is "
@@ -102,7 +109,7 @@ def _stop_force(study: PaperStudy) -> Plate:
     preloads = 1e3 * PRELOADS
     filled = chart.contourf(STOP_SPEEDS, preloads, forces, levels=12, cmap="RdBu",
                             vmin=-np.abs(forces).max(), vmax=np.abs(forces).max())  # fmt: skip
-    figure.colorbar(filled, ax=chart).set_label("smallest stop force [N]", fontsize=SMALL)
+    _bar(figure, filled, [chart], "smallest stop force [N]")
     limit = [stop.threshold_rpm(float(p)) for p in PRELOADS]
     chart.plot(limit, preloads, color="black", linewidth=1.6, label="lets go beyond")
     for item in stop.releases:
@@ -115,7 +122,7 @@ def _stop_force(study: PaperStudy) -> Plate:
     letter(curve, "(a)")
     letter(chart, "(b)")
     grid(curve)
-    return Plate(
+    return plate(
         "stop_force",
         "Force on the steeve's stop in phase 1",
         f"(a) Force of the stop while the jaw is open, preload {1e3 * stop.preload_m:g} mm, as if "
@@ -143,7 +150,7 @@ def _fixed_step(study: PaperStudy) -> Plate:
         tidy(axes, "step [s]", "relative error")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=5,
                   fontsize=SMALL, frameon=False)  # fmt: skip
-    return Plate(
+    return plate(
         "fixed_step",
         "Error of fixed steps",
         "Relative errors of the fixed-step scheme against our solution for two explicit rules; "
@@ -174,7 +181,7 @@ def _shares(study: PaperStudy) -> Plate:
     for panel, text in ((axes, "(a)"), (rest, "(b)")):
         letter(panel, text)
         grid(panel)
-    return Plate(
+    return plate(
         "shares",
         "Share of the first two rebounds",
         "(a) Share of the first two rebounds in the transition time against the restitution, and "
@@ -196,18 +203,41 @@ def _designs(study: PaperStudy) -> Plate:
                                alpha=0.75)  # fmt: skip
         lines = axes.contour(SPEEDS_RPM, RESTITUTIONS, times, levels=levels, colors="black",
                              linewidths=0.8)  # fmt: skip
-        axes.clabel(lines, fmt="%g", fontsize=SMALL - 1.0)
+        _label(lines, 640.0)
         index = axes.contour(SPEEDS_RPM, RESTITUTIONS, data.index_units[number],
                              levels=[1.0, 2.0, 3.0, 4.0], colors=LINES[0], linewidths=0.9,
                              linestyles="--")  # fmt: skip
-        axes.clabel(index, fmt="%g", fontsize=SMALL - 1.0)
+        _label(index, 440.0)
         letter(axes, f"({'abc'[number]})  {1e-3 * data.stiffnesses[number]:g} N/mm")
         tidy(axes, "speed [r/min]", "restitution e [-]" if number == 0 else "")
-    figure.colorbar(filled, ax=list(panels)).set_label("transition time [ms]", fontsize=SMALL)
-    return Plate(
+    _bar(figure, filled, list(panels), "transition time [ms]")
+    return plate(
         "designs",
         "Transition time over speed, restitution and spring rate",
         "Full lines: transition time in ms. Dashed: the same in units of the index, 40 to a turn, "
         "the part of the cycle in which the jaw does not hold. The preload length is kept.",
         figure,
     )
+
+
+def _bar(figure: Figure, filled: ContourSet, panels: list[Axes], text: str) -> None:
+    """Add a colour bar with letters of the size of the other ones."""
+    bar = figure.colorbar(filled, ax=panels)
+    bar.set_label(text, fontsize=TEXT)
+    bar.ax.tick_params(labelsize=SMALL)
+
+
+def _label(lines: ContourSet, speed_rpm: float) -> None:
+    """Write the value on each line where it comes nearest to a speed, clear of the frame.
+
+    Two sets of lines that are labelled at different speeds do not write over one another.
+    """
+    places = []
+    low, high = (RESTITUTIONS[0] + _MARGIN[1], RESTITUTIONS[-1] - _MARGIN[1])
+    for path in lines.get_paths():
+        x, y = np.asarray(path.vertices, dtype=float).reshape(-1, 2).T
+        inside = (y > low) & (y < high) & (np.abs(x - speed_rpm) < _MARGIN[0])
+        if inside.any():
+            nearest = np.argmin(np.where(inside, np.abs(x - speed_rpm), np.inf))
+            places.append((float(x[nearest]), float(y[nearest])))
+    lines.clabel(fmt="%g", fontsize=SMALL - 1.0, manual=places)

@@ -10,17 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from ...study.conclusions import conclusions
 from ...study.paper import PaperStudy
-from ...study.paper.study import FAR, NEAR, NOTE
-from ...study.sensitivity import conclusions
+from ...study.paper.counts import HIGHEST, LOWEST
+from ...study.paper.ratios import within
+from ...study.paper.study import FAR, IDENTIFIED, NEAR, NOTE
 from ..reading import digits, spring_text
 from .canvas import MARK, Plate
+from .identification import identification_plate, identification_tables
 from .kinematic_figures import kinematic_plates
 from .published_figures import published_plates
 from .question_figures import question_plates
 from .supplements import (
     Supplements,
-    identification_tables,
     sensitivity_plate,
     sensitivity_table,
 )
@@ -29,6 +31,7 @@ from .tables import (
     count_table,
     drive_table,
     force_table,
+    inertial_ratio_table,
     percent,
     published_tables,
     ratio_table,
@@ -53,16 +56,27 @@ class Material:
     tables: tuple[Table, ...]
 
 
-def material(study: PaperStudy, supplements: Supplements) -> Material:
-    """Draw all figures and fill all tables."""
-    plates = [*published_plates(study), *kinematic_plates(study), *question_plates(study)]
+def study_plates(study: PaperStudy) -> list[Plate]:
+    """Draw the figures of the study itself."""
+    return [*published_plates(study), *kinematic_plates(study), *question_plates(study)]
+
+
+def material(study: PaperStudy, supplements: Supplements, drawn: Sequence[Plate]) -> Material:
+    """Fill all tables, and add the figures of other studies to those of this one.
+
+    Args:
+        study: The study.
+        supplements: Results of other studies.
+        drawn: Figures of the study.
+    """
+    plates = list(drawn)
     tables = [
-        ratio_table(study.ratios),
+        ratio_table(study),
         *published_tables(study),
         count_table(study),
         rest_table(study),
         drive_table(study),
-        ratio_table(study.drives.ratios, "ratios_inertial_shafts", "The same with inertial shafts"),
+        inertial_ratio_table(study),
         stop_table(study),
         step_table(study),
         force_table(study),
@@ -71,6 +85,7 @@ def material(study: PaperStudy, supplements: Supplements) -> Material:
         plates.append(sensitivity_plate(supplements.sensitivities))
         tables.append(sensitivity_table(supplements.sensitivities))
     if supplements.identification is not None:
+        plates.append(identification_plate(supplements.identification))
         tables.extend(identification_tables(supplements.identification))
     return Material(tuple(plates), tuple(tables))
 
@@ -93,12 +108,15 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    figure_numbers = numbers([plate.name for plate in content.plates])
+    table_numbers = numbers([table.name for table in content.tables])
     plates = {
-        plate.name: {"number": i, "plate": plate, "svg": plate.inline_svg}
-        for i, plate in enumerate(content.plates, start=1)
+        plate.name: {"number": figure_numbers[plate.name], "plate": plate, "svg": plate.inline_svg}
+        for plate in content.plates
     }
     tables = {
-        table.name: {"number": i, "table": table} for i, table in enumerate(content.tables, start=1)
+        table.name: {"number": table_numbers[table.name], "table": table}
+        for table in content.tables
     }
     template = environment.get_template(_TEMPLATE)
     return template.render(
@@ -107,6 +125,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         tables=tables,
         note=NOTE,
         mark=MARK,
+        identified_model=IDENTIFIED,
         near=NEAR,
         far=FAR,
         springs=spring_text(study.mechanism),
@@ -121,6 +140,24 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
     )
 
 
+def numbers(names: Sequence[str]) -> dict[str, str]:
+    """Numbers of figures or tables by name: those of the paper for its own, A1, A2, ... for others.
+
+    Args:
+        names: Names in the order in which they appear.
+    """
+    found: dict[str, str] = {}
+    added = 0
+    for name in names:
+        kind, _, number = name.partition("_")
+        if kind in ("figure", "table") and number.isdigit():
+            found[name] = number
+        else:
+            added += 1
+            found[name] = f"A{added}"
+    return found
+
+
 def _facts(study: PaperStudy) -> dict[str, Any]:
     """Numbers that the text needs and no table holds."""
     studies, given = study.studies, study.published
@@ -132,6 +169,9 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
     low, high = given.restitutions[0], given.restitutions[-1]
     return {
         "worst": worst,
+        "identified_near": within(study.identified, NEAR),
+        "identified_far": within(study.identified, FAR),
+        "thresholds": f"{LOWEST:g} to {HIGHEST:g}",
         "duration_ms": 1e3 * float(studies.speed.durations[common]),
         "share": float(studies.speed.shares[common]),
         "limit_increase": math.log(low) / math.log(high) - 1.0,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
-from ...study.paper.ratios import Ratio
+from ...study.paper.published import published
 from ...study.paper.studies import Study
 from ..reading import digits
 
@@ -100,21 +100,52 @@ _TIMES = (
 )
 
 
-def ratio_table(
-    items: Sequence[Ratio], name: str = "ratios", title: str = "Published ratios beside ours"
-) -> Table:
-    """Published ratios beside ours."""
-    return Table(
-        name,
-        title,
-        (
-            Column("name", "ratio", _readable),
-            Column("published", "published", _general),
-            Column("ours", "ours", digits),
-            Column("relative_deviation", "deviation", percent),
-        ),
-        tuple((i.name, i.published, i.ours, i.relative_deviation) for i in items),
+def ratio_words(name: str) -> str:
+    """A published ratio in words: what changes, and between which two cases.
+
+    Args:
+        name: Study and quantity, as in the JSON document.
+    """
+    study, _, quantity = name.partition(".")
+    if quantity.startswith("first_two_share_"):
+        return f"share of the first two rebounds, {quantity.rsplit('_', 1)[1]} r/min"
+    given = published()
+    values, unit = {
+        "speed": (given.speeds_rpm, "{:g} to {:g} r/min"),
+        "restitution": (given.restitutions, "e = {:g} to {:g}"),
+        "stiffness": ([1e-3 * rate for rate in given.stiffnesses], "{:g} to {:g} N/mm"),
+    }[study]
+    what = quantity.rpartition("_")[0].replace("_", " ")
+    return f"{what}, {unit.format(values[0], values[-1])}"
+
+
+_RATIO = (
+    Column("name", "ratio", ratio_words),
+    Column("published", "published", _general),
+    Column("ours", "ours", digits),
+    Column("relative_deviation", "deviation", percent),
+)
+
+
+def ratio_table(study: PaperStudy) -> Table:
+    """Published ratios beside ours, and beside those of the identified model."""
+    title = "Published ratios beside ours"
+    rows = [(i.name, i.published, i.ours, i.relative_deviation) for i in study.ratios]
+    if not study.identified:
+        return Table("ratios", title, _RATIO, tuple(rows))
+    columns = (
+        *_RATIO,
+        Column("identified", "identified", digits),
+        Column("identified_deviation", "deviation", percent),
     )
+    more = [(i.ours, i.relative_deviation) for i in study.identified]
+    return Table("ratios", title, columns, tuple((*a, *b) for a, b in zip(rows, more, strict=True)))
+
+
+def inertial_ratio_table(study: PaperStudy) -> Table:
+    """Published ratios beside ours with inertial shafts."""
+    rows = tuple((i.name, i.published, i.ours, i.relative_deviation) for i in study.drives.ratios)
+    return Table("ratios_inertial_shafts", "The same with inertial shafts", _RATIO, rows)
 
 
 def published_tables(study: PaperStudy) -> list[Table]:
@@ -134,8 +165,8 @@ def published_tables(study: PaperStudy) -> list[Table]:
               (Column("restitution", "e [-]", _general), *_AMPLITUDES, *_TIMES, share),
               _rows(studies.restitution)),
         Table("table_5", "Rebounds over the spring rate (table 5 of the paper)",
-              (Column("stiffness_N_per_m", "k [N/mm]", _scaled(1e-3)), *_AMPLITUDES, *_TIMES,
-               share), _rows(studies.stiffness)),
+              (Column("stiffness_N_per_m", "k [N/mm]", lambda v: _general(1e-3 * v)),
+               *_AMPLITUDES, *_TIMES, share), _rows(studies.stiffness)),
     ]  # fmt: skip
 
 
@@ -255,7 +286,7 @@ def force_table(study: PaperStudy) -> Table:
         "constant_force",
         "What a constant closing force alone would give",
         (
-            Column("name", "ratio", _readable),
+            Column("name", "ratio", ratio_words),
             Column("constant_force", "constant force", digits),
             Column("ours", "ours", digits),
             Column("published", "published", _general),
@@ -271,8 +302,3 @@ def _rows(data: Study) -> tuple[tuple[Any, ...], ...]:
          float(data.durations[i]), float(data.shares[i]))
         for i, value in enumerate(data.values)
     )  # fmt: skip
-
-
-def _readable(name: str) -> str:
-    study, _, quantity = name.partition(".")
-    return f"{study}: {quantity.replace('_', ' ')}"

@@ -1,0 +1,64 @@
+"""Folders of models that are written: complete, or not there at all."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..errors import InputError
+
+
+def check_new_folder(folder: str | Path) -> Path:
+    """Refuse a folder that holds something already.
+
+    Args:
+        folder: Folder that a model is to be written into. It may exist if it is empty.
+
+    Returns:
+        The folder, resolved.
+
+    Raises:
+        InputError: It is a file, is not empty, or cannot be looked at.
+    """
+    target = Path(folder).resolve()
+    try:
+        occupied = target.exists() and (not target.is_dir() or any(target.iterdir()))
+    except OSError as error:
+        raise _unwritable(target, error) from error
+    if occupied:
+        message = f"{target} is there already and is not empty; name a new folder"
+        raise InputError(message, folder=str(target))
+    return target
+
+
+@contextmanager
+def new_folder(folder: str | Path) -> Iterator[Path]:
+    """Give a folder of the same name elsewhere that takes its place only if nothing fails.
+
+    Args:
+        folder: Folder to write; folders above it are made.
+
+    Yields:
+        An empty folder to write into.
+
+    Raises:
+        InputError: The folder is occupied or cannot be written.
+    """
+    target = check_new_folder(folder)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # Beside it, since only within one file system is renaming one step.
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as home:
+            partial = Path(home) / target.name
+            partial.mkdir()
+            yield partial
+            partial.replace(target)
+    except OSError as error:
+        raise _unwritable(target, error) from error
+
+
+def _unwritable(target: Path, error: OSError) -> InputError:
+    message = f"{target} cannot be written: {error.strerror}; name another folder"
+    return InputError(message, folder=str(target))

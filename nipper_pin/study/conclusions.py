@@ -1,0 +1,136 @@
+"""Sensitivities in the words of those who design or set the machine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
+
+_WORDS = {
+    "points": {
+        "x_mm": "pin {} forward",
+        "z_mm": "pin {} upward",
+        "radius_mm": "distance of pin {} from its shaft",
+        "angle_deg": "angle of pin {} about its shaft",
+    },
+    "links": {
+        "mass_kg": "mass of {}",
+        "gyration_mm": "radius of gyration of {}",
+        "com_x_mm": "centre of mass of {} forward",
+        "com_z_mm": "centre of mass of {} upward",
+    },
+}
+_SAID = ("first bounce", "transition", "clamping force")
+_FEW = 3
+_NOTHING = 1e-6
+_GAIN = 10.0
+# Larger changes than these are no longer small, and the sentences would not hold.
+_SMALL = {"mm": 5.0, "deg": 5.0, "%": 20.0}
+
+
+def label(path: str) -> str:
+    """A number of the model in words.
+
+    Args:
+        path: Its path.
+    """
+    steps = path.split(".")
+    if len(steps) == 3 and steps[2] in _WORDS.get(steps[0], {}):
+        return _WORDS[steps[0]][steps[2]].format(steps[1].replace("_", " ").removesuffix(" pin"))
+    last = steps[-1]
+    for ending in ("_N_per_m", "_N_m_per_rad", "_mm", "_deg", "_rpm"):
+        last = last.removesuffix(ending)
+    words = last.replace("_", " ")
+    if len(steps) == 3:
+        return f"{words} of {steps[0].removesuffix('s')} {steps[1].replace('_', ' ')}"
+    return f"cylinder {words}" if steps[0] in (SPEED, "cylinder") else words
+
+
+def conclusions(found: Sensitivities) -> tuple[str, ...]:
+    """What the sensitivities mean to whoever designs or sets the machine, in sentences.
+
+    Args:
+        found: The sensitivities.
+
+    Returns:
+        Sentences made from the numbers; they hold for small changes of one number at a time.
+    """
+    bounce, lasts, clamp = (
+        1e3 * found.amplitude_rad,
+        1e3 * found.transition_time_s,
+        found.clamping_force_N,
+    )
+    text = [
+        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
+        f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
+        f"{clamp:.3g} N."
+    ]
+    by_path = {row.path: row for row in found.rows}
+    if SPEED in by_path:
+        faster = by_path[SPEED].per
+        text.append(
+            f"1 % more speed makes the first bounce {_more(faster[0], 'higher', 'lower')}, the "
+            f"transition {_more(faster[1], 'longer', 'shorter')} and the clamping force "
+            f"{_more(faster[2], 'larger', 'smaller')}."
+        )
+    for place, quantity in enumerate(QUANTITIES):
+        for unit, one in (("mm", "1 mm"), ("deg", "1 degree"), ("%", "1 %")):
+            text.extend(_strongest(found, quantity, place, unit, one))
+    gain = [row for row in found.rows if _helps(row)]
+    if gain:
+        text.append(
+            "These calm the bounce and press harder at the same time: "
+            + "; ".join(_dose(row) for row in sorted(gain, key=_worth)[:_FEW])
+            + "."
+        )
+    still = [row.path for row in found.rows if np.abs(row.per).max() < _NOTHING]
+    if still:
+        links = sorted({path.split(".")[1] for path in still if path.startswith("links.")})
+        others = [label(path) for path in still if not path.startswith("links.")]
+        named = [*others, *(f"mass and inertia of {link.replace('_', ' ')}" for link in links)]
+        text.append(
+            "Without any effect while the shafts hold their speed: " + ", ".join(named) + "."
+        )
+    return tuple(text)
+
+
+def _strongest(
+    found: Sensitivities, quantity: str, place: int, unit: str, one: str
+) -> tuple[str, ...]:
+    """The sentence on the numbers of one unit that change a quantity most."""
+    rows = [
+        row
+        for row in found.ranked(quantity)
+        if row.unit == unit and row.path != SPEED and abs(row.per[place]) >= _NOTHING
+    ][:_FEW]
+    if not rows:
+        return ()
+    items = ", ".join(f"{label(row.path)} {row.per[place]:+.2g} %" for row in rows)
+    return (f"What {one} more changes the {_SAID[place]} by, the strongest first: {items}.",)
+
+
+def _more(percent: float, up: str, down: str) -> str:
+    return f"{abs(percent):.2g} % {up if percent > 0.0 else down}"
+
+
+def _helps(row: Sensitivity) -> bool:
+    """Whether a small change lowers bounce and time by enough, and raises the force."""
+    bounce, lasts, clamp = row.per
+    sense = -1.0 if bounce > 0.0 else 1.0
+    small = abs(bounce) * _SMALL[row.unit] >= _GAIN
+    adjustable = row.path != SPEED and not row.path.startswith("stops.")
+    return bool(small and adjustable and sense * lasts < 0.0 < sense * clamp)
+
+
+def _worth(row: Sensitivity) -> float:
+    """Gain of clamping force, negative, for a first bounce lower by a given part."""
+    return float(row.per[2] / row.per[0])
+
+
+def _dose(row: Sensitivity) -> str:
+    change = -_GAIN / row.per[0]
+    unit = {"deg": "degrees"}.get(row.unit, row.unit)
+    return (
+        f"{label(row.path)} {change:+.2g} {unit} for a bounce lower by {_GAIN:g} % "
+        f"(clamping force {change * row.per[2]:+.2g} %)"
+    )
