@@ -29,7 +29,7 @@ class Event:
         v_before: Velocity just before, shape (nv,).
         v_after: Velocity just after, shape (nv,).
         delta: Change of velocity to its own relative precision, shape (nv,).
-        P_N: Impulses of the stops in contact along their coordinates, by name [N m s or N s].
+        P_N: Impulses of the stops in contact along their gaps, by name [N m s or N s].
         P_g: Closure impulses, shape (m,) [N s].
         energy_lost: Kinetic energy lost [J].
         closed_before: Closed stops before.

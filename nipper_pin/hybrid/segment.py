@@ -110,7 +110,7 @@ def advance(
     panels: list[Panel] = []
     while True:
         h = min(h, t_limit - t, system.shaft.smooth_for(t))
-        by_gap = sorted((abs(q[stop.index]), stop.index) for stop in rows.open)
+        by_gap = sorted((abs(stop.gap(q)), stop.index) for stop in rows.open)
         try:
             split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))
             panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
@@ -137,7 +137,7 @@ def advance(
             exact = one_state_at(system, rows, panel, t_end)
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
-                system.mechanism.stop(trigger.stop).index
+                system.mechanism.stop(trigger.stop)
                 for trigger in found
                 if trigger.kind is TriggerKind.GAP
             ]
@@ -148,20 +148,21 @@ def advance(
         h = min(longest, advised)
 
 
-def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
+def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
-    gaps = end.q
-    left = max(abs(gaps[index]) for index in hit)
-    for index in hit:
-        gaps[index] = 0.0
+    met = end.q
+    left = max(abs(stop.gap(met)) for stop in hit)
+    for stop in hit:
+        met[stop.index] = stop.at
     if left <= _ROUND_OFF:
         return end
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.
-    split = system.split(end.jacobian, rows.given, tuple(hit))
-    if not set(hit).isdisjoint(split.dependent):
+    columns = tuple(stop.index for stop in hit)
+    split = system.split(end.jacobian, rows.given, columns)
+    if not set(columns).isdisjoint(split.dependent):
         return end
-    q, jacobians = close_positions(system.body, gaps[None], split)
+    q, jacobians = close_positions(system.body, met[None], split)
     jacobian = jacobians[0]
     return Exact(q[0], system.closed_velocity(end.v, jacobian, split), jacobian, end.motion)
 
@@ -173,7 +174,7 @@ def _ballistic_length(
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops
-        if q[stop.index] == 0.0 and v[stop.index] > 0.0 and a[stop.index] < 0.0
+        if q[stop.index] == stop.at and stop.rate(v) > 0.0 and stop.rate(a) < 0.0
     ]
     return 1.1 * float(min(lengths, default=np.inf))
 

@@ -104,7 +104,15 @@ class _Run:
                 "turns (window cycle), or give it a stop"
             )
             raise InputError(message, model=self.mechanism.name)
-        rate = self.state.v[self.mechanism.stop(name).index]
+        stop = self.mechanism.stop(name)
+        gap, rate = stop.gap(self.state.q), stop.rate(self.state.v)
+        if gap != 0.0:
+            message = (
+                f"stop {name!r} stands open by {gap:.3g} in the touch configuration, where a "
+                "transition starts: simulate whole turns (window cycle), or make transition_stop "
+                "one that is closed there"
+            )
+            raise InputError(message, stop=name, gap=gap)
         if rate >= 0.0:
             message = (
                 f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g}); "
@@ -152,9 +160,9 @@ class _Run:
         """
         state = self.state
         rates = {
-            stop.name: float(state.v[stop.index])
+            stop.name: stop.rate(state.v)
             for stop in self.mechanism.stops
-            if stop.name not in state.closed and state.q[stop.index] == 0.0
+            if stop.name not in state.closed and stop.gap(state.q) == 0.0
         }
         hit = {name for name, rate in rates.items() if rate < 0.0}
         if hit:
@@ -214,7 +222,7 @@ class _Run:
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
-        rates = {stop.name: float(impact.v_after[stop.index]) for stop in contacts}
+        rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
         struck = sorted(
@@ -236,10 +244,10 @@ class _Run:
     def _bounced(self, stop: Stop, series: BounceSeries | None) -> None:
         """Go on with a series of bounces, or end it at its limit or the threshold of the case."""
         state = self.state
-        rate = float(state.v[stop.index])
+        rate = stop.rate(state.v)
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
-        deceleration = -float(self._acceleration(state)[stop.index])
+        deceleration = -stop.rate(self._acceleration(state))
         series = series.bounced(state.t, rate, deceleration)
         state = self.state = state._replace(series=series)
         if self.case.rest_rate is not None:
@@ -248,7 +256,8 @@ class _Run:
             t_rest, error = self._limit(stop, series)
         if not math.isfinite(t_rest):
             return
-        impact = arrest(self.system, state.q, state.v, state.jacobian, stop)
+        shut = [item for item in self.mechanism.stops if item.name in state.closed]
+        impact = arrest(self.system, state.q, state.v, state.jacobian, stop, shut)
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
             return

@@ -43,7 +43,8 @@ class Reactions:
             joint's own coordinate this contains springs, stops and drives that act there.
         closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
         drives: By drive: torque on the driven joint [N m], shape (K,).
-        stops: By stop: force along its coordinate [N m or N], zero while open, shape (K,).
+        stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
+            shape (K,).
         contacts: By stop: normal force at its contact point [N], shape (K,).
     """
 

@@ -101,7 +101,7 @@ def _outcome(solution: Solution) -> Iterator[str]:
             if (
                 event.kind is EventKind.REST
                 and hard
-                and event.v_before[solution.mechanism.stop(hard[0]).index]
+                and solution.mechanism.stop(hard[0]).rate(event.v_before)
             ):
                 yield f"event {event.number}: {hard} came to rest with restitution 1"
 
@@ -126,7 +126,7 @@ def _phases(solution: Solution) -> Iterator[str]:
         elif not closed <= before | set(event.P_N):
             yield f"{where}: {sorted(closed)} closed without a contact"
         for stop in mechanism.stops:
-            gap, rate = event.q[stop.index], event.v_after[stop.index]
+            gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
                 yield f"{where}: closed stop {stop.name} at {gap:.3g} with rate {rate:.3g}"
             if stop.name not in closed and gap == 0.0 and rate < 0.0:
@@ -156,7 +156,8 @@ def _impulses(solution: Solution) -> Iterator[str]:
         sizes = [np.abs(M) @ np.abs(event.delta), np.abs(event.P_g) @ np.abs(G)]
         for name, impulse in event.P_N.items():
             row = np.zeros(len(event.q))
-            row[solution.mechanism.stop(name).index] = -impulse
+            stop = solution.mechanism.stop(name)
+            row[stop.index] = -stop.sense * impulse
             terms.append(row)
             sizes.append(np.abs(row))
         left, size = sum(terms), sum(sizes)
@@ -192,7 +193,7 @@ def _restitution(solution: Solution, place: int) -> Iterator[str]:
     rates = []
     for name, impulse in event.P_N.items():
         stop = solution.mechanism.stop(name)
-        before, after = float(event.v_before[stop.index]), float(event.v_after[stop.index])
+        before, after = stop.rate(event.v_before), stop.rate(event.v_after)
         xi = after + stop.restitution * before
         rates.append((name, impulse, before, xi))
         fastest = max(fastest, abs(before))
@@ -228,12 +229,12 @@ def _motion(solution: Solution) -> Iterator[str]:
         rate = np.einsum("nij,nj->ni", G, v)
         yield from _beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
         for stop in solution.mechanism.stops:
-            gap = q[:, stop.index]
+            gap = stop.gaps(q)
             if stop.name in segment.closed:
                 if gap.any():
                     yield f"{where}: closed stop {stop.name} is open"
                 continue
-            ends = np.abs(panel.q[:, stop.index]).max()
+            ends = np.abs(stop.gaps(panel.q)).max()
             # Of a flight of height H a gap is right to the tolerance times H.
             clock = 16.0 * EPS * segment.t_end * float(np.abs(v[:, stop.index]).max())
             yield from _beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
@@ -264,7 +265,7 @@ def _forces(
     left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
     size = np.abs(inverse) + np.abs(spring)
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
-    left[:, list(rows.stops)] -= forces.la_N
+    left[:, list(rows.stops)] -= rows.senses * forces.la_N
     left[:, system.driven] -= forces.drive
     if not system.held:
         left[:, system.driven] += system.inertia * state[2][:, system.driven]
