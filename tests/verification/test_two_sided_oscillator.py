@@ -1,9 +1,10 @@
 """A mass on a spring between two walls that shake, against the exact motion between impacts.
 
-A crank drives the base by a pin in a slot (Scotch yoke), so that the base stands at r (cos W t - 1).
-In its frame the mass, of natural frequency w0, has
+A crank drives the base by a pin in a slot (Scotch yoke): the base stands at r (cos W t - 1). In its
+frame the mass, of natural frequency w0, has
 
-    x'' + w0^2 x = r W^2 cos W t,   x = A cos w0 t + B sin w0 t + C cos W t,  C = r W^2/(w0^2 - W^2),
+    x'' + w0^2 x = r W^2 cos W t,
+    x = A cos w0 t + B sin w0 t + C cos W t,  C = r W^2 / (w0^2 - W^2),
 
 and hits walls at x = -a and x = b, which return e of its rate (two-sided impact oscillator). A and
 B follow from the state after each impact, the next impact from a search on this formula alone.
