@@ -189,6 +189,14 @@ class _Run:
         if state.t >= t_limit:
             # The last event fell on the limit: nothing is left to follow.
             return False
+        closing = {
+            stop.name
+            for stop in self.system.constraint_set(state.closed).open
+            if stop.gap(state.q) == 0.0 and stop.rate(state.v) < 0.0
+        }
+        if closing:
+            self.collide(state, closing)
+            return True
         rows = self.system.constraint_set(state.closed)
         a = self._acceleration(state)
         reached = advance(
@@ -227,7 +235,7 @@ class _Run:
         closed = self._pressed(state, impact.v_after, at_rest)
         struck = sorted(
             (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
-            key=lambda name: impact.P_N[name] == 0.0,
+            key=lambda name: (impact.P_N[name] == 0.0, name not in hit),
         )
         self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = state._replace(v=impact.v_after, closed=closed, series=None)
@@ -280,7 +288,22 @@ class _Run:
         if rate**3 > _DROPPED * tolerance * series.fastest**3:
             return unknown
         t_rest, error = series.limit(e_N)
-        return (t_rest, error) if error <= tolerance * (t - series.start + remaining) else unknown
+        if error > tolerance * (t - series.start + remaining) or self._met(stop, t_rest):
+            return unknown
+        return t_rest, error
+
+    def _met(self, bouncing: Stop, t_rest: float) -> bool:
+        """True if another stop may close while the bounces that are left out go on.
+
+        It would meet a stop that still bounces, not one at rest.
+        """
+        state, a = self.state, self._acceleration(self.state)
+        left = t_rest - state.t
+        return any(
+            stop.gap(state.q) <= -left * (min(stop.rate(state.v), 0.0) + left * stop.rate(a))
+            for stop in self.mechanism.stops
+            if stop.name not in state.closed and stop.name != bouncing.name
+        )
 
     def _acceleration(self, state: State) -> FloatArray:
         """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
@@ -309,6 +332,14 @@ class _Run:
         closed: Closed,
         series_error: float = 0.0,
     ) -> None:
+        for place in range(len(self.events) - 1, -1, -1):
+            # A limit lies beyond the state that goes on: what happens before it comes after it.
+            early = self.events[place].t - t
+            if early <= 0.0:
+                break
+            self.events[place] = replace(
+                self.events[place], t=t, series_error=self.events[place].series_error + early
+            )
         self.events.append(
             Event(
                 number=len(self.events) + 1,

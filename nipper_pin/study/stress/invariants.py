@@ -15,6 +15,7 @@ from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import weakest
+from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
 from ...hybrid.collocation import nodes
@@ -129,7 +130,9 @@ def _phases(solution: Solution) -> Iterator[str]:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
                 yield f"{where}: closed stop {stop.name} at {gap:.3g} with rate {rate:.3g}"
-            if stop.name not in closed and gap == 0.0 and rate < 0.0:
+            following = solution.events[event.number : event.number + 1]
+            struck = any(item.t == event.t and stop.name in item.P_N for item in following)
+            if stop.name not in closed and gap == 0.0 and rate < 0.0 and not struck:
                 yield f"{where}: open stop {stop.name} enters its contact with {rate:.3g}"
     place = 0
     for segment in solution.segments:
@@ -247,6 +250,8 @@ def _motion(solution: Solution) -> Iterator[str]:
             # Each node is solved on its own: velocities know nothing of accelerations.
             slope = _slope(panel.v) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
+            # Of a machine at rest only what forces do to infinite inertias.
+            size += np.abs(forces.la_N).max(initial=0.0) / INFINITE_INERTIA**0.5
             yield from _beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
