@@ -137,8 +137,8 @@ MUTATIONS = (
     ),
     Mutation(
         "no-release", "closed stops never let go",
-        "hybrid/triggers.py", "for column, stop in enumerate(shut):",
-        "for column, stop in enumerate(list(shut)[:0]):",
+        "hybrid/triggers.py", "for column, stop in enumerate(rows.shut):",
+        "for column, stop in enumerate(rows.shut[:0]):",
     ),
     Mutation(
         "lever-inverse", "the lip's impulse multiplied by the lever instead of divided",

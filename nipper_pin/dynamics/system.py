@@ -29,7 +29,8 @@ class ConstraintSet:
 
     Attributes:
         closed: Names of the closed stops.
-        stops: Coordinates of the closed stops.
+        shut: The closed stops.
+        stops: Their coordinates.
         places: Where they hold these coordinates, shape (closed,) [rad or m].
         senses: Direction in which each pushes, 1 or -1, shape (closed,).
         open: The other stops.
@@ -41,6 +42,7 @@ class ConstraintSet:
     """
 
     closed: frozenset[str]
+    shut: tuple[Stop, ...]
     stops: tuple[int, ...]
     places: FloatArray
     senses: FloatArray
@@ -96,7 +98,7 @@ class System:
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
         if closed not in self._sets:
-            shut = [stop for stop in self.mechanism.stops if stop.name in closed]
+            shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
             stops = tuple(stop.index for stop in shut)
             given = (*(drive.index for drive in self.mechanism.drives), *stops)
             armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
@@ -115,6 +117,7 @@ class System:
             others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
             self._sets[closed] = ConstraintSet(
                 closed=closed,
+                shut=shut,
                 stops=stops,
                 places=np.array([stop.at for stop in shut]),
                 senses=np.array([stop.sense for stop in shut]),

@@ -131,7 +131,7 @@ def advance(
                 t=t,
                 q=q,
             )
-        found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
+        found = triggers(system, rows, panel, forces)
         if found or t + panel.h >= t_limit:
             t_end = found[0].t if found else t_limit
             exact = one_state_at(system, rows, panel, t_end)

@@ -189,14 +189,6 @@ class _Run:
         if state.t >= t_limit:
             # The last event fell on the limit: nothing is left to follow.
             return False
-        closing = {
-            stop.name
-            for stop in self.system.constraint_set(state.closed).open
-            if stop.gap(state.q) == 0.0 and stop.rate(state.v) < 0.0
-        }
-        if closing:
-            self.collide(state, closing)
-            return True
         rows = self.system.constraint_set(state.closed)
         a = self._acceleration(state)
         reached = advance(
@@ -264,7 +256,7 @@ class _Run:
             t_rest, error = self._limit(stop, series)
         if not math.isfinite(t_rest):
             return
-        shut = [item for item in self.mechanism.stops if item.name in state.closed]
+        shut = self.system.constraint_set(state.closed).shut
         impact = arrest(self.system, state.q, state.v, state.jacobian, stop, shut)
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
@@ -332,14 +324,8 @@ class _Run:
         closed: Closed,
         series_error: float = 0.0,
     ) -> None:
-        for place in range(len(self.events) - 1, -1, -1):
-            # A limit lies beyond the state that goes on: what happens before it comes after it.
-            early = self.events[place].t - t
-            if early <= 0.0:
-                break
-            self.events[place] = replace(
-                self.events[place], t=t, series_error=self.events[place].series_error + early
-            )
+        if self.events and self.events[-1].t > t:
+            self._bring_forward(t)
         self.events.append(
             Event(
                 number=len(self.events) + 1,
@@ -358,6 +344,15 @@ class _Run:
                 series_error=series_error,
             )
         )
+
+    def _bring_forward(self, t: float) -> None:
+        """Let the last rests, limits beyond the state that goes on, come no later than time t."""
+        for place in range(len(self.events) - 1, -1, -1):
+            rest = self.events[place]
+            if rest.t <= t:
+                break
+            error = rest.series_error + rest.t - t
+            self.events[place] = replace(rest, t=t, series_error=error)
 
     def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
         if not at_rest:

@@ -60,13 +60,15 @@ def initial_state(system: System, start_index: float) -> State:
     away = travel != 0.0 or any(stop.at for stop in shut)
     times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
     angles, rates, accelerations = shaft.driven(times)
-    given = [*shaft.indices, *(stop.index for stop in shut)]
+    driven = shaft.indices
+    given = [*driven, *[stop.index for stop in shut]]
     path = np.zeros((len(times) - 1, len(given)))
-    path[:, : len(shaft.indices)] = angles[1:]
-    for column, stop in enumerate(shut, start=len(shaft.indices)):
-        path[:, column] = np.linspace(0.0, stop.at, len(times))[1:]
+    path[:, : len(driven)] = angles[1:]
+    for column, stop in enumerate(shut, start=len(driven)):
+        if stop.at:
+            path[:, column] = np.linspace(0.0, stop.at, len(times))[1:]
     end_rates = np.zeros(len(given))
-    end_rates[: len(shaft.indices)] = rates[-1]
+    end_rates[: len(driven)] = rates[-1]
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
         gap = stop.gap(q)

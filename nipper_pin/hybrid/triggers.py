@@ -47,8 +47,6 @@ def triggers(
     rows: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
-    *,
-    continued: bool,
 ) -> tuple[Trigger, ...]:
     """Earliest triggers on a panel, simultaneous ones together.
 
@@ -57,15 +55,13 @@ def triggers(
         rows: The phase.
         panel: The panel.
         forces: Forces of the closed stops at its nodes, shape (N, closed).
-        continued: True if the panel goes on where another one of the same phase ends.
     """
     found = []
     for stop in rows.open:
-        t = _gap_root(system, rows, panel, stop, continued=continued)
+        t = _gap_root(system, rows, panel, stop)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
-    shut = (stop for stop in system.mechanism.stops if stop.name in rows.closed)
-    for column, stop in enumerate(shut):
+    for column, stop in enumerate(rows.shut):
         t = _force_root(system, rows, panel, forces[:, column], column)
         if t is not None:
             found.append(Trigger(t, TriggerKind.FORCE, stop.name))
@@ -80,14 +76,13 @@ def triggers(
     )
 
 
-def _gap_root(
-    system: System, rows: ConstraintSet, panel: Panel, stop: Stop, *, continued: bool = False
-) -> float | None:
+def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
     gap, rate = stop.gap(panel.q[0]), stop.rate(panel.v[0])
-    if rate < 0.0 and (gap < 0.0 or (gap == 0.0 and continued)):
+    if rate < 0.0 and gap <= 0.0:
         # A zero on the border of two panels may lie, by round-off, on neither of them: the one
-        # ends before it and the other starts behind it.
+        # ends before it and the other starts behind it. And a stop may meet its contact in the
+        # same instant in which a collision at another one turns it back.
         return panel.t
     if panel.integrated:
         return _flight_root(panel, stop, gap, rate)

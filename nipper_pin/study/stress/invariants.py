@@ -20,10 +20,11 @@ from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
 from ...hybrid.collocation import nodes
 from ...hybrid.energy import pieces
-from ...hybrid.event import EventKind
+from ...hybrid.event import Event, EventKind
 from ...hybrid.panel import Panel, forces_at, state_at
 from ...hybrid.segment import Segment
 from ...hybrid.solution import Outcome, Solution
+from ...mechanism import Stop
 
 EPS = float(np.finfo(float).eps)
 # Of many segments, of their panels and of events that many are looked at, evenly chosen.
@@ -130,9 +131,12 @@ def _phases(solution: Solution) -> Iterator[str]:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
                 yield f"{where}: closed stop {stop.name} at {gap:.3g} with rate {rate:.3g}"
-            following = solution.events[event.number : event.number + 1]
-            struck = any(item.t == event.t and stop.name in item.P_N for item in following)
-            if stop.name not in closed and gap == 0.0 and rate < 0.0 and not struck:
+            if (
+                stop.name not in closed
+                and gap == 0.0
+                and rate < 0.0
+                and not _struck(solution, event, stop)
+            ):
                 yield f"{where}: open stop {stop.name} enters its contact with {rate:.3g}"
     place = 0
     for segment in solution.segments:
@@ -141,6 +145,13 @@ def _phases(solution: Solution) -> Iterator[str]:
         if place == len(chain):
             yield f"segment at {segment.t_start:.9g} s: {sorted(segment.closed)} out of turn"
             return
+
+
+def _struck(solution: Solution, event: Event, stop: Stop) -> bool:
+    """True if the next collision, in the same instant, is one of this stop."""
+    later = (x for x in solution.events[event.number :] if x.kind is EventKind.COLLISION)
+    following = next(later, None)
+    return following is not None and following.t == event.t and stop.name in following.P_N
 
 
 def _impulses(solution: Solution) -> Iterator[str]:
