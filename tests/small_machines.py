@@ -40,9 +40,11 @@ def slide(
     return _joint(name, "prismatic", parent, child, at, f"{axis[0]!r} 0 {axis[1]!r}")
 
 
-def frame(name: str, parent: str, at: tuple[float, float] = (0.0, 0.0)) -> str:
-    """A named frame at (x, z) of a link [m]."""
-    return f'<link name="{name}"/>' + _joint(f"{name}_fixed", "fixed", parent, name, at, "1 0 0")
+def frame(name: str, parent: str, at: tuple[float, float] = (0.0, 0.0), turned: float = 0.0) -> str:
+    """A named frame at (x, z) of a link [m], turned counter-clockwise [rad]."""
+    fixed = _joint(f"{name}_fixed", "fixed", parent, name, at, "1 0 0")
+    # A rotation about +y is clockwise in the side view.
+    return f'<link name="{name}"/>' + fixed.replace("<origin ", f'<origin rpy="0 {-turned!r} 0" ')
 
 
 def machine(

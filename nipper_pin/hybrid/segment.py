@@ -109,7 +109,11 @@ def advance(
     h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
     panels: list[Panel] = []
     while True:
-        h = min(h, t_limit - t, system.shaft.smooth_for(t))
+        left = t_limit - t
+        h = min(h, left, system.shaft.smooth_for(t))
+        if left - h < _SHORTEST_PANEL * system.shaft.period:
+            # Round-off of a sum of panels must not leave one that holds nothing but round-off.
+            h = left
         by_gap = sorted((abs(stop.gap(q)), stop.index) for stop in rows.open)
         try:
             split = system.split(jacobian, rows.given, tuple(index for _, index in by_gap))

@@ -15,16 +15,14 @@ from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import weakest
-from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
 from ...hybrid.collocation import nodes
 from ...hybrid.energy import pieces
-from ...hybrid.event import Event, EventKind
+from ...hybrid.event import EventKind
 from ...hybrid.panel import Panel, forces_at, state_at
 from ...hybrid.segment import Segment
 from ...hybrid.solution import Outcome, Solution
-from ...mechanism import Stop
 
 EPS = float(np.finfo(float).eps)
 # Of many segments, of their panels and of events that many are looked at, evenly chosen.
@@ -127,16 +125,14 @@ def _phases(solution: Solution) -> Iterator[str]:
                 yield f"{where}: {event.stops} not among {sorted(closed)}"
         elif not closed <= before | set(event.P_N):
             yield f"{where}: {sorted(closed)} closed without a contact"
+        # Several stops may meet one after the other in one instant, and the last event counts.
+        following = solution.events[event.number : event.number + 1]
+        goes_on = any(np.array_equal(item.q, event.q) for item in following)
         for stop in mechanism.stops:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
                 yield f"{where}: closed stop {stop.name} at {gap:.3g} with rate {rate:.3g}"
-            if (
-                stop.name not in closed
-                and gap == 0.0
-                and rate < 0.0
-                and not _struck(solution, event, stop)
-            ):
+            if stop.name not in closed and gap == 0.0 and rate < 0.0 and not goes_on:
                 yield f"{where}: open stop {stop.name} enters its contact with {rate:.3g}"
     place = 0
     for segment in solution.segments:
@@ -145,13 +141,6 @@ def _phases(solution: Solution) -> Iterator[str]:
         if place == len(chain):
             yield f"segment at {segment.t_start:.9g} s: {sorted(segment.closed)} out of turn"
             return
-
-
-def _struck(solution: Solution, event: Event, stop: Stop) -> bool:
-    """True if the next collision, in the same instant, is one of this stop."""
-    later = (x for x in solution.events[event.number :] if x.kind is EventKind.COLLISION)
-    following = next(later, None)
-    return following is not None and following.t == event.t and stop.name in following.P_N
 
 
 def _impulses(solution: Solution) -> Iterator[str]:
@@ -189,7 +178,8 @@ def _impulses(solution: Solution) -> Iterator[str]:
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
             # Closures that move by drives alone see round-off of the other rates, and nothing else.
-            least = 4.0 * EPS * float(np.abs(G).max(initial=0.0) * np.abs(v).max())
+            fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
+            least = 16.0 * EPS * float(np.abs(G).max(initial=0.0) * fastest)
             yield from _beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
@@ -261,8 +251,8 @@ def _motion(solution: Solution) -> Iterator[str]:
             # Each node is solved on its own: velocities know nothing of accelerations.
             slope = _slope(panel.v) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
-            # Of a machine at rest only what forces do to infinite inertias.
-            size += np.abs(forces.la_N).max(initial=0.0) / INFINITE_INERTIA**0.5
+            # Of a machine at rest only what round-off of its coordinates would make of it.
+            size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
             yield from _beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
