@@ -19,14 +19,11 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from small_machines import SLED, link, machine, slide
+from boxed_mass import CEILING, FLOOR, GRAVITY, HEIGHT, MASS, SPEED, box
 
 from nipper_pin import Case, EventKind, Solution, Window, simulate
 from nipper_pin.study.stress.invariants import violations
 
-GRAVITY, HEIGHT, SPEED = 9.81, 0.2, 5.0
-FLOOR, CEILING = 0.75, 0.6
-MASS = 0.7
 EPS = float(np.finfo(float).eps)
 
 # Sense of the coordinate (1 upwards), distance of the floor below the mass at touch [m].
@@ -66,47 +63,8 @@ def exact(below: float, count: int) -> list[Hit]:
 @cache
 def run(sense: float, below: float, rest_rate: float | None = None) -> Solution:
     """Three turns of a second each."""
-    sides = ("lower", "upper") if sense > 0.0 else ("upper", "lower")
-    floor, ceiling = (1e3 * sense * place for place in (-below, HEIGHT - below))
-    box = machine(
-        [
-            link("box"),
-            slide("lift", "frame", "box", (0.0, 1.0)),
-            link("mass", MASS),
-            slide("height", "box", "mass", (0.0, sense)),
-            link("shelf", 1e-3),
-            slide("shelf_z", "frame", "shelf", (0.0, 1.0)),
-            link("carriage", 1e-3),
-            slide("shelf_x", "shelf", "carriage"),
-        ],
-        2,
-        gravity=GRAVITY,
-        drives={
-            "lift": {
-                "joint": "lift",
-                "law": "screw",
-                "lead_mm_per_turn": 1e3 * SPEED,
-                **SLED,
-            }
-        },
-        stops={
-            "floor": {
-                "joint": "height", "restitution": FLOOR, "side": sides[0], "at_mm": floor
-            },
-            "ceiling": {
-                "joint": "height", "restitution": CEILING, "side": sides[1], "at_mm": ceiling
-            },
-            "shelf": {"joint": "shelf_z", "restitution": 0.0},
-        },
-        closures={"tie": {"frame_a": "carriage", "frame_b": "mass"}},
-        phases=[
-            {"number": 1, "name": "on the shelf", "closed": ["shelf"]},
-            {"number": 2, "name": "free", "closed": []},
-            {"number": 3, "name": "on the floor", "closed": ["floor"]},
-        ],
-    )  # fmt: skip
     case = Case(speed_rpm=60.0, window=Window.CYCLE, cycles=3, start_index=0.0, rest_rate=rest_rate)
-    return simulate(box, case)
+    return simulate(box(sense, below), case)
 
 
 @ways
