@@ -70,12 +70,12 @@ MUTATIONS = (
     ),
     Mutation(
         "loss-of-energy", "energy lost from the jump of the rate instead of its mean",
-        "dynamics/impact.py", "(float(v[stop.index]) + wanted[place])",
-        "(float(v[stop.index]) - wanted[place])",
+        "dynamics/impact.py", "(stop.rate(v) + wanted[place])",
+        "(stop.rate(v) - wanted[place])",
     ),
     Mutation(
         "arrest-sign", "rest doubles the last rate instead of taking it away",
-        "dynamics/impact.py", "jump = -float(v[stop.index])", "jump = float(v[stop.index])",
+        "dynamics/impact.py", "jump = -stop.rate(v)", "jump = stop.rate(v)",
     ),
     Mutation(
         "stale-placement", "closure Jacobians are read with the placement of the state before",
@@ -153,12 +153,12 @@ MUTATIONS = (
     ),
     Mutation(
         "pressed-sign", "a stop stays closed when it is pulled open",
-        "hybrid/phases.py", ".index] <= 0.0 else", ".index] >= 0.0 else",
+        "hybrid/phases.py", ".rate(a) <= 0.0 else", ".rate(a) >= 0.0 else",
     ),
     Mutation(
         "no-release", "closed stops never let go",
-        "hybrid/triggers.py", "for column, index in enumerate(rows.stops):",
-        "for column, index in enumerate(rows.stops[:0]):",
+        "hybrid/triggers.py", "for column, stop in enumerate(rows.shut):",
+        "for column, stop in enumerate(rows.shut[:0]):",
     ),
     Mutation(
         "lever-inverse", "the lip's impulse multiplied by the lever instead of divided",

@@ -1,8 +1,13 @@
 import os
+import sys
+from pathlib import Path
 
 # The matrices are 7 by 7: threads of BLAS only cost time, and with several test workers they
 # fight for the processors. Read by BLAS when numpy is imported, so it has to stand first.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+# Machines that several folders of tests build stand beside this file.
+sys.path.insert(0, str(Path(__file__).parent))
 
 import pytest
 

@@ -31,7 +31,7 @@ class Impact:
         v_after: Velocity after, shape (nv,).
         delta: Change of velocity, to its own relative precision however small it is, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].
-        P_N: Impulse of every stop in contact, by name, along its coordinate [N m s or N s].
+        P_N: Impulse of every stop in contact, by name, along its gap [N m s or N s].
         energy_lost: Kinetic energy lost at the stops [J].
     """
 
@@ -66,21 +66,21 @@ def collide(
     Raises:
         ImpactError: No set does: the stops jam the mechanism against its drives.
     """
-    before = [float(v[stop.index]) for stop in contacts]
+    before = [stop.rate(v) for stop in contacts]
     wanted = [-e_N * rate for e_N, rate in zip(restitution, before, strict=True)]
     slack = 1e-12 * max(map(abs, before), default=0.0)
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
     for size in range(1, len(contacts) + 1):
         for chosen in combinations(range(len(contacts)), size):
-            solved = _impulses(system, q, jacobian, [contacts[i].index for i in chosen],
+            solved = _impulses(system, q, jacobian, [contacts[i] for i in chosen],
                                [wanted[i] - before[i] for i in chosen])  # fmt: skip
             if solved is None:
                 continue
             delta, _, stop_impulses = solved
             # xi is zero by construction where chosen; what is left there is round-off.
             xi = (
-                before[i] + delta[stop.index] - wanted[i]
+                before[i] + stop.rate(delta) - wanted[i]
                 for i, stop in enumerate(contacts)
                 if i not in chosen
             )
@@ -95,7 +95,12 @@ def collide(
 
 
 def arrest(
-    system: System, q: FloatArray, v: FloatArray, jacobian: FloatArray, stop: Stop
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    stop: Stop,
+    closed: Sequence[Stop] = (),
 ) -> Impact:
     """Take away the last rate of a stop: what a series of bounces does at its limit.
 
@@ -105,17 +110,20 @@ def arrest(
         v: Velocity after the last collision that was computed, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
         stop: The stop that comes to rest.
+        closed: Stops that are closed all the while: the bounces left out do not open them.
 
     Returns:
         The change as an impact whose impulse, a negative one, is not a contact impulse: the
         bounces that it stands for push the stop by e w / (1 - e) against gravity and springs.
     """
-    jump = -float(v[stop.index])
-    solved = _impulses(system, q, jacobian, [stop.index], [jump])
+    jump = -stop.rate(v)
+    stops = [stop, *closed]
+    zeros = [0.0] * len(closed)
+    solved = _impulses(system, q, jacobian, stops, [jump, *zeros])
     if solved is None:
         message = f"stop {stop.name!r} cannot come to rest: the mechanism is in a dead centre"
         raise ImpactError(message, stops=stop.name, rates_before=[-jump])
-    return _outcome(v, [stop], (0,), [0.0], solved)
+    return _outcome(v, stops, range(len(stops)), [0.0, *zeros], solved)
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
@@ -123,7 +131,7 @@ def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
     v_after = v.copy()
     small = _NO_RATE * float(np.abs(v).max())
     for stop in contacts:
-        if v_after[stop.index] <= small:
+        if stop.rate(v_after) <= small:
             v_after[stop.index] = 0.0
     still = no_impact(system, v_after)
     return replace(still, P_N={stop.name: 0.0 for stop in contacts})
@@ -148,7 +156,7 @@ def drive_impulses(
         q: Configuration, shape (nv,).
         delta: Change of velocity, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].
-        P_N: Impulses of stops along their coordinates, by name [N m s or N s].
+        P_N: Impulses of stops along their gaps, by name [N m s or N s].
 
     Returns:
         Shape (drives,) [N m s]; zero for free shafts.
@@ -158,7 +166,8 @@ def drive_impulses(
     _, jacobian = system.body.closures(q[None])
     momentum = system.body.mass_matrix(q) @ delta - P_g @ jacobian[0]
     for name, impulse in P_N.items():
-        momentum[system.mechanism.stop(name).index] -= impulse
+        stop = system.mechanism.stop(name)
+        momentum[stop.index] -= stop.sense * impulse
     return np.asarray(momentum[system.driven])
 
 
@@ -208,9 +217,9 @@ def _outcome(
     lost = 0.0
     for place, impulse in zip(chosen, stop_impulses.tolist(), strict=True):
         stop = contacts[place]
-        v_after[stop.index] = wanted[place]
+        v_after[stop.index] = stop.sense * wanted[place]
         P_N[stop.name] = impulse
-        lost -= 0.5 * impulse * (float(v[stop.index]) + wanted[place])
+        lost -= 0.5 * impulse * (stop.rate(v) + wanted[place])
     if len(chosen) < len(contacts):
         fastest = max(abs(v[stop.index]) for stop in contacts)
         for stop in contacts:
@@ -224,26 +233,27 @@ def _impulses(
     system: System,
     q: FloatArray,
     jacobian: FloatArray,
-    stops: list[int],
-    jumps: list[float],
+    stops: Sequence[Stop],
+    jumps: Sequence[float],
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Change of velocity and impulses for given jumps of these coordinates; None if dependent."""
+    """Change of velocity and impulses for given jumps of these gap rates; None if dependent."""
     held = system.held_coordinates
+    columns = [stop.index for stop in stops]
     # The flight that follows keeps the same coordinates independent.
-    others = (stop.index for stop in system.mechanism.stops if stop.index not in stops)
-    split = system.split(jacobian, held, (*stops, *others))
-    if any(index in split.dependent for index in stops):
+    others = (stop.index for stop in system.mechanism.stops if stop.index not in columns)
+    split = system.split(jacobian, held, (*columns, *others))
+    if any(index in split.dependent for index in columns):
         return None
     m = len(jacobian)
     # Zero in the held coordinates: round-off there would become momentum of an infinite inertia.
     z = np.zeros(system.body.nv)
-    for index, jump in zip(stops, jumps, strict=True):
-        z[index] = -jump
+    for stop, jump in zip(stops, jumps, strict=True):
+        z[stop.index] = -stop.sense * jump
     z = system.lift(jacobian, split, z)
     rows = np.zeros((m + len(stops), system.body.nv))
     rows[:m] = jacobian
-    for row, index in enumerate(stops, start=m):
-        rows[row, index] = 1.0
+    for row, stop in enumerate(stops, start=m):
+        rows[row, stop.index] = stop.sense
     delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
     size = float(np.abs(z).max())
     residual = float(np.abs(rows @ (z + delta)).max())
@@ -260,7 +270,7 @@ def _impulses(
         delta, impulses, residual = delta + more, impulses + further, refined
     # A rank-deficient system makes the impulse dynamics return a finite wrong velocity.
     if not residual <= 1e-9 * size:
-        condition = impact_condition(system, q, jacobian, stops)
+        condition = impact_condition(system, q, jacobian, columns)
         message = (
             f"the impact rows are too badly conditioned (residual {residual:.2g}, condition "
             f"{condition:.2g}): the mechanism is near a dead centre, or its masses are too "

@@ -122,6 +122,8 @@ class Multibody:
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
         gaps = np.empty((len(q), self.closure_rows))
         jacobians = np.empty((len(q), self.closure_rows, self.nv))
+        if not self.closure_rows:
+            return gaps, jacobians
         for q_row, gap, jacobian in zip(q, gaps, jacobians, strict=True):
             pin.computeJointJacobians(model, data, q_row)
             # `calc` must run at this q before the Jacobian is read, or its placement is stale.

@@ -18,7 +18,7 @@ class Multipliers:
     Attributes:
         la_g: Closure forces on the body of each closure's frame a, in that frame's axes,
             shape (N, m) [N].
-        la_N: Forces of the closed stops along their coordinates, positive when they push,
+        la_N: Forces of the closed stops along their gaps, positive when they push,
             shape (N, closed) [N m or N], in the order of ``ConstraintSet.stops``.
         drive: Torques on the driven joints, shape (N, drives) [N m]. A shaft that is free to
             change its speed has its own inertia beside that of the links.
@@ -62,4 +62,4 @@ def multipliers(
     drive = rest[:, system.driven]
     if not system.held:
         drive = drive + system.inertia * a[:, system.driven]
-    return Multipliers(la_g, rest[:, list(rows.stops)], drive)
+    return Multipliers(la_g, rest[:, list(rows.stops)] * rows.senses, drive)

@@ -30,7 +30,10 @@ class ConstraintSet:
 
     Attributes:
         closed: Names of the closed stops.
-        stops: Coordinates of the closed stops, held at zero.
+        shut: The closed stops.
+        stops: Their coordinates.
+        places: Where they hold these coordinates, shape (closed,) [rad or m].
+        senses: Direction in which each pushes, 1 or -1, shape (closed,).
         open: The other stops.
         given: Driven coordinates and closed stops: never dependent through the closures.
         armature: Inertia added to each joint in flight, shape (nv,).
@@ -41,7 +44,10 @@ class ConstraintSet:
     """
 
     closed: frozenset[str]
+    shut: tuple[Stop, ...]
     stops: tuple[int, ...]
+    places: FloatArray
+    senses: FloatArray
     open: tuple[Stop, ...]
     given: tuple[int, ...]
     armature: FloatArray
@@ -98,7 +104,8 @@ class System:
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
         if closed not in self._sets:
-            stops = tuple(stop.index for stop in self.mechanism.stops if stop.name in closed)
+            shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
+            stops = tuple(stop.index for stop in shut)
             given = (*(drive.index for drive in self.mechanism.drives), *stops)
             armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
             moving, damping = self.free.copy(), self._damping.copy()
@@ -114,15 +121,18 @@ class System:
             freedom = self.body.nv - self.body.closure_rows - prescribed
             others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
             self._sets[closed] = ConstraintSet(
-                closed,
-                stops,
-                others,
-                given,
-                armature,
-                stiffness,
-                damping if damping.any() else None,
-                freedom,
-                moving,
+                closed=closed,
+                shut=shut,
+                stops=stops,
+                places=np.array([stop.at for stop in shut]),
+                senses=np.array([stop.sense for stop in shut]),
+                open=others,
+                given=given,
+                armature=armature,
+                stiffness=stiffness,
+                damping=damping if damping.any() else None,
+                freedom=freedom,
+                moving=moving,
             )
         return self._sets[closed]
 
@@ -196,7 +206,8 @@ class System:
             q[:, self.driven] = motion[0]
             v[:, self.driven] = motion[1]
         if rows.stops:
-            q[:, rows.stops] = v[:, rows.stops] = 0.0
+            q[:, rows.stops] = rows.places
+            v[:, rows.stops] = 0.0
 
     def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Generalised forces of all springs and dampers, shape (N, nv).

@@ -25,6 +25,7 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import inverted
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
+from ..mechanism import Stop
 from .collocation import nodes
 from .event import Event, EventKind
 from .panel import Panel, forces_at
@@ -72,7 +73,7 @@ def event_errors(
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
         while place < len(segments) and segments[place].t_end <= event.t:
-            error = _carried(system, segments[place], stop.index, error, left_over)
+            error = _carried(system, segments[place], stop, error, left_over)
             place += 1
         # A rest lies beyond the end of the motion: what is left of its series has the error of its
         # rate.
@@ -88,12 +89,12 @@ def event_errors(
 def _carried(
     system: System,
     segment: Segment,
-    index: int,
+    stop: Stop,
     before: EventError,
     left_over: dict[tuple[int, int], tuple[float, float]],
 ) -> EventError:
     """Errors at the end of a segment from those at its start; copies of a turn share theirs."""
-    length = segment.t_end - segment.t_start
+    length, index = segment.t_end - segment.t_start, stop.index
     if length <= 0.0:
         return before
     rows = system.constraint_set(segment.closed)
@@ -107,7 +108,9 @@ def _carried(
     if segment.kinematic:
         shift = float(round_off(system, last, q)[index]) / rate + clock
         return EventError(shift, 16.0 * _EPS + a * shift / rate)
-    eps = eta = fastest = 0.0
+    eta = fastest = 0.0
+    # Round-off of a coordinate that is not near zero where its gap is; none if it started there.
+    eps = 0.0 if segment.panels[0].q[0, index] == stop.at else _EPS * abs(stop.at)
     for panel in segment.panels:
         key = (id(panel.q), index)
         if key not in left_over:

@@ -22,7 +22,7 @@ class Collision:
         t: Time [s] from the start of the run.
         cylinder_angle: psi [rad].
         index: Index on the comber's scale.
-        approach_rate: Rate of the stop's coordinate before, negative [rad/s or m/s].
+        approach_rate: Rate of the stop's gap before, negative [rad/s or m/s].
         separation_rate: Rate after.
         impulse: Normal impulse at the contact point [N s].
         energy_lost: Kinetic energy lost [J].
@@ -107,8 +107,8 @@ def collision_table(
                 t=event.t,
                 cylinder_angle=psi,
                 index=system.mechanism.cylinder.index_from_angle(psi),
-                approach_rate=float(event.v_before[stop.index]),
-                separation_rate=float(event.v_after[stop.index]),
+                approach_rate=stop.rate(event.v_before),
+                separation_rate=stop.rate(event.v_after),
                 impulse=event.P_N[stop.name] / stop.lever,
                 energy_lost=event.energy_lost,
                 event=event,

@@ -24,12 +24,13 @@ class Event:
         number: Number of the event, from 1.
         t: Time [s] from the start of the run.
         kind: Collision, rest (a series of bounces has reached its limit) or release.
-        stops: Stops that it concerns; of a collision those that receive an impulse first.
+        stops: Stops that it concerns; of a collision those that receive an impulse first, and among
+            these the ones that have closed before those that were closed.
         q: Configuration, shape (nv,) [rad or m].
         v_before: Velocity just before, shape (nv,).
         v_after: Velocity just after, shape (nv,).
         delta: Change of velocity to its own relative precision, shape (nv,).
-        P_N: Impulses of the stops in contact along their coordinates, by name [N m s or N s].
+        P_N: Impulses of the stops in contact along their gaps, by name [N m s or N s].
         P_g: Closure impulses, shape (m,) [N s].
         energy_lost: Kinetic energy lost [J].
         closed_before: Closed stops before.

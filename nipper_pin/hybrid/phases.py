@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.multipliers import multipliers
 from ..dynamics.shaft import Driven
 from ..dynamics.system import System
-from ..errors import SimulationError
+from ..errors import SimulationError, SingularConfigurationError
+from ..mechanism import Stop
 
 Closed = frozenset[str]
+
+# A force or an acceleration this much below zero, by the largest one of the stop in any set, is
+# round-off.
+_ROUND_OFF = 1e-12
 
 
 def after_release(closed: Closed, released: Iterable[str]) -> Closed:
@@ -39,9 +47,9 @@ def pressed(
 ) -> Closed:
     """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
 
-    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest. The largest set that pushes
-    everywhere is taken. One stop alone pushes if it would close without a force: its mass
-    W M^-1 W' is positive.
+    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest, solved by trying the sets of
+    stops that can stay closed together, the largest ones first: with W M^-1 W' positive definite
+    only one satisfies it. One stop alone pushes if it would close without a force.
 
     Args:
         system: The system.
@@ -57,27 +65,72 @@ def pressed(
     Raises:
         SimulationError: No set satisfies the conditions.
     """
-    if len(at_rest) == 1:
-        (name,) = at_rest
+    stops = [stop for stop in system.mechanism.stops if stop.name in at_rest]
+    if len(stops) == 1:
         free = system.constraint_set(frozenset())
         if free.freedom > 0:
             a = system.accelerations(motion, q[None], v[None], free)[0]
-            return at_rest if a[system.mechanism.stop(name).index] <= 0.0 else frozenset()
-    for size in range(len(at_rest), -1, -1):
-        for names in combinations(sorted(at_rest), size):
-            rows = system.constraint_set(frozenset(names))
-            if rows.freedom < 0:
+            return at_rest if stops[0].rate(a) <= 0.0 else frozenset()
+    tried: list[_Held] = []
+    for size in range(len(stops), -1, -1):
+        for chosen in combinations(stops, size):
+            names = frozenset(stop.name for stop in chosen)
+            found = _held(system, motion, q, v, jacobian, names, stops)
+            if found is None:
                 continue
-            a = system.accelerations(motion, q[None], v[None], rows)
-            split = system.split(jacobian, rows.given, ())
-            la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N
-            leaving = [
-                a[0, system.mechanism.stop(name).index] for name in at_rest if name not in names
-            ]
-            if (la_N >= 0.0).all() and min(leaving, default=0.0) >= 0.0:
-                return frozenset(names)
+            if min(found.forces.min(initial=0.0), found.leaving.min(initial=0.0)) >= 0.0:
+                return names
+            tried.append(found)
+    if tried:
+        force, leaving = (
+            _ROUND_OFF * np.abs(values).max(axis=0)
+            for values in ([item.forces for item in tried], [item.leaving for item in tried])
+        )
+        for item in tried:
+            if (item.forces >= -force).all() and (item.leaving >= -leaving).all():
+                return item.names
     message = (
         f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
         "either pulls or penetrates; check the sides of the stops"
     )
     raise SimulationError(message, stops=sorted(at_rest))
+
+
+class _Held(NamedTuple):
+    """What a choice of closed stops asks of those at rest.
+
+    Attributes:
+        names: The stops that are held closed.
+        forces: la_N of every stop at rest, zero of those that are not held, shape (stops,).
+        leaving: g_N_ddot likewise, zero of those that are held, shape (stops,).
+    """
+
+    names: Closed
+    forces: FloatArray
+    leaving: FloatArray
+
+
+def _held(
+    system: System,
+    motion: Driven,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    names: Closed,
+    stops: Sequence[Stop],
+) -> _Held | None:
+    """Try one choice; None if these stops depend on one another, so that fewer hold as much."""
+    rows = system.constraint_set(names)
+    if rows.freedom < 0:
+        return None
+    try:
+        split = system.split(jacobian, rows.given, ())
+    except SingularConfigurationError:
+        return None
+    a = system.accelerations(motion, q[None], v[None], rows)
+    la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N[0]
+    held = np.array([stop.name in names for stop in stops], dtype=bool)
+    forces = np.zeros(len(stops))
+    forces[held] = la_N
+    leaving = np.where(held, 0.0, [stop.rate(a[0]) for stop in stops])
+    return _Held(names, forces, leaving)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..dynamics.system import System
+from ..mechanism import Stop
 from .case import Resolution
 from .collocation import Series, nodes
 from .energy import pieces
@@ -43,7 +44,7 @@ class Rebounds:
     def after(self, event: Event) -> tuple[float | None, float | None]:
         """Amplitude and time of the rebound of the stop that a collision struck first."""
         stop = self._system.mechanism.stop(event.stops[0])
-        if event.v_after[stop.index] <= 0.0:
+        if stop.rate(event.v_after) <= 0.0:
             return 0.0, 0.0
         following = next(
             (item for item in self._events[event.number :] if stop.name in item.P_N), None
@@ -55,26 +56,26 @@ class Rebounds:
         if key not in self._known:
             left_out = following.kind is EventKind.REST and np.array_equal(following.q, event.q)
             self._known[key] = (
-                self._followed(event, stop.name, stop.index)
+                self._followed(event, stop)
                 if left_out
-                else (self._highest(event.t, following.t, stop.index), following.t - event.t)
+                else (self._highest(event.t, following.t, stop), following.t - event.t)
             )
         return self._known[key]
 
-    def _highest(self, begin: float, end: float, index: int) -> float:
-        """Largest value of a coordinate between two times."""
+    def _highest(self, begin: float, end: float, stop: Stop) -> float:
+        """Largest gap of a stop between two times."""
         highest = 0.0
         for place in range(bisect_left(self._starts, begin), len(self._segments)):
             segment = self._segments[place]
             if segment.t_end > end:
                 break
-            highest = max(highest, _highest_of(segment, index))
+            highest = max(highest, _highest_of(segment, stop))
         return highest
 
-    def _followed(self, event: Event, name: str, index: int) -> tuple[float | None, float | None]:
+    def _followed(self, event: Event, stop: Stop) -> tuple[float | None, float | None]:
         """Rebound that a run leaves out because rest is known already."""
         system = self._system
-        rows = system.constraint_set(event.closed_after - {name})
+        rows = system.constraint_set(event.closed_after - {stop.name})
         motion = system.shaft.driven(np.array([event.t]))
         q, v = event.q, event.v_after
         a = system.accelerations(motion, q[None], v[None], rows)[0]
@@ -83,32 +84,32 @@ class Rebounds:
         reached = advance(system, rows, event.t, q, v, a, jacobian[0], t_limit, self._resolution)
         if not reached.triggers:
             return None, None
-        return _highest_of(reached.segment, index), reached.segment.t_end - event.t
+        return _highest_of(reached.segment, stop), reached.segment.t_end - event.t
 
 
-def _highest_of(segment: Segment, index: int) -> float:
-    """Largest value of a coordinate on a segment."""
-    return max((_highest(*piece, index) for piece in pieces(segment)), default=0.0)
+def _highest_of(segment: Segment, stop: Stop) -> float:
+    """Largest gap of a stop on a segment."""
+    return max((_highest(*piece, stop) for piece in pieces(segment)), default=0.0)
 
 
-def _highest(panel: Panel, begin: float, end: float, index: int) -> float:
-    """Largest value of a coordinate on a part of a panel: at its ends or where its rate is zero."""
+def _highest(panel: Panel, begin: float, end: float, stop: Stop) -> float:
+    """Largest gap of a stop on a part of a panel: at its ends or where its rate is zero."""
     grid, h = nodes(panel.order), panel.h
     left, right = (begin - panel.t) / h, (end - panel.t) / h
     if panel.integrated:
-        a, gap, slope = panel.a[:, index], panel.q[0, index], h * panel.v[0, index]
+        a, gap, slope = stop.rates(panel.a), stop.gap(panel.q[0]), h * stop.rate(panel.v[0])
         coefficients = h**2 * (grid.integrals[2] @ a)
         coefficients[:2] += gap + 0.5 * slope, 0.5 * slope
         rates = h**2 * (grid.integrals[1] @ a)
         rates[0] += slope
     else:
-        coefficients = grid.integrals[0] @ panel.q[:, index]
-        rates = h * (grid.integrals[0] @ panel.v[:, index])
+        coefficients = grid.integrals[0] @ stop.gaps(panel.q)
+        rates = h * (grid.integrals[0] @ stop.rates(panel.v))
     value, rate = Series(coefficients), Series(rates)
     found = [value.value(left), value.value(right)]
     bracket = rate.falls_once(left, right)
     if bracket is None:
-        sampled = h * (grid.sample_value @ panel.v[:, index])
+        sampled = h * (grid.sample_value @ stop.rates(panel.v))
         bracket = first_descent(grid.samples, sampled, rate.value)
     if bracket is not None:
         peak = polish(rate.value_and_slope, *bracket)

@@ -111,10 +111,15 @@ def advance(
     h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
     # A stop that has just been left is independent, so that its gap keeps its relative precision,
     # and stays so: a coordinate that the others determine has their errors, multiplied.
-    preferred = tuple(sorted((stop.index for stop in rows.open), key=lambda index: q[index] != 0.0))
+    leaving = sorted(rows.open, key=lambda stop: stop.gap(q) != 0.0)
+    preferred = tuple(stop.index for stop in leaving)
     panels: list[Panel] = []
     while True:
-        h = min(h, t_limit - t, system.shaft.smooth_for(t))
+        left = t_limit - t
+        h = min(h, left, system.shaft.smooth_for(t))
+        if left - h < _SHORTEST_PANEL * system.shaft.period:
+            # Round-off of a sum of panels must not leave one that holds nothing but round-off.
+            h = left
         try:
             split = system.split(jacobian, rows.given, preferred)
             panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
@@ -135,7 +140,7 @@ def advance(
                 t=t,
                 q=q,
             )
-        found = triggers(system, rows, panel, forces, continued=len(panels) > 1)
+        found = triggers(system, rows, panel, forces)
         if system.elements is not None:
             _check_tables(system.elements, panel, found[0].t if found else t_limit)
         if found or t + panel.h >= t_limit:
@@ -143,7 +148,7 @@ def advance(
             exact = one_state_at(system, rows, panel, t_end)
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
-                system.mechanism.stop(trigger.stop).index
+                system.mechanism.stop(trigger.stop)
                 for trigger in found
                 if trigger.kind is TriggerKind.GAP
             ]
@@ -161,20 +166,21 @@ def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
     elements.check(panel.interpolate(times)[0], times)
 
 
-def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[int]) -> Exact:
+def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
-    gaps = end.q
-    left = max(abs(gaps[index]) for index in hit)
-    for index in hit:
-        gaps[index] = 0.0
+    met = end.q
+    left = max(abs(stop.gap(met)) for stop in hit)
+    for stop in hit:
+        met[stop.index] = stop.at
     if left <= _ROUND_OFF:
         return end
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.
-    split = system.split(end.jacobian, rows.given, tuple(hit))
-    if not set(hit).isdisjoint(split.dependent):
+    columns = tuple(stop.index for stop in hit)
+    split = system.split(end.jacobian, rows.given, columns)
+    if not set(columns).isdisjoint(split.dependent):
         return end
-    q, jacobians = close_positions(system.body, gaps[None], split)
+    q, jacobians = close_positions(system.body, met[None], split)
     jacobian = jacobians[0]
     return Exact(q[0], system.closed_velocity(end.v, jacobian, split), jacobian, end.motion)
 
@@ -186,7 +192,7 @@ def _ballistic_length(
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops
-        if q[stop.index] == 0.0 and v[stop.index] > 0.0 and a[stop.index] < 0.0
+        if q[stop.index] == stop.at and stop.rate(v) > 0.0 and stop.rate(a) < 0.0
     ]
     return 1.1 * float(min(lengths, default=np.inf))
 

@@ -104,7 +104,15 @@ class _Run:
                 "turns (window cycle), or give it a stop"
             )
             raise InputError(message, model=self.mechanism.name)
-        rate = self.state.v[self.mechanism.stop(name).index]
+        stop = self.mechanism.stop(name)
+        gap, rate = stop.gap(self.state.q), stop.rate(self.state.v)
+        if gap != 0.0:
+            message = (
+                f"stop {name!r} stands open by {gap:.3g} in the touch configuration, where a "
+                "transition starts: simulate whole turns (window cycle), or make transition_stop "
+                "one that is closed there"
+            )
+            raise InputError(message, stop=name, gap=gap)
         if rate >= 0.0:
             message = (
                 f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g}); "
@@ -157,9 +165,9 @@ class _Run:
         """
         state = self.state
         rates = {
-            stop.name: float(state.v[stop.index])
+            stop.name: stop.rate(state.v)
             for stop in self.mechanism.stops
-            if stop.name not in state.closed and state.q[stop.index] == 0.0
+            if stop.name not in state.closed and stop.gap(state.q) == 0.0
         }
         hit = {name for name, rate in rates.items() if rate < 0.0}
         if hit:
@@ -219,12 +227,12 @@ class _Run:
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
-        rates = {stop.name: float(impact.v_after[stop.index]) for stop in contacts}
+        rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
         struck = sorted(
             (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
-            key=lambda name: impact.P_N[name] == 0.0,
+            key=lambda name: (impact.P_N[name] == 0.0, name not in hit),
         )
         self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = state._replace(v=impact.v_after, closed=closed, series=None)
@@ -241,10 +249,10 @@ class _Run:
     def _bounced(self, stop: Stop, series: BounceSeries | None) -> None:
         """Go on with a series of bounces, or end it at its limit or the threshold of the case."""
         state = self.state
-        rate = float(state.v[stop.index])
+        rate = stop.rate(state.v)
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
-        deceleration = -float(self._acceleration(state)[stop.index])
+        deceleration = -stop.rate(self._acceleration(state))
         series = series.bounced(state.t, rate, deceleration)
         state = self.state = state._replace(series=series)
         if self.case.rest_rate is not None:
@@ -253,7 +261,8 @@ class _Run:
             t_rest, error = self._limit(stop, series)
         if not math.isfinite(t_rest):
             return
-        impact = arrest(self.system, state.q, state.v, state.jacobian, stop)
+        shut = self.system.constraint_set(state.closed).shut
+        impact = arrest(self.system, state.q, state.v, state.jacobian, stop, shut)
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
             return
@@ -276,7 +285,22 @@ class _Run:
         if rate**3 > _DROPPED * tolerance * series.fastest**3:
             return unknown
         t_rest, error = series.limit(e_N)
-        return (t_rest, error) if error <= tolerance * (t - series.start + remaining) else unknown
+        if error > tolerance * (t - series.start + remaining) or self._met(stop, t_rest):
+            return unknown
+        return t_rest, error
+
+    def _met(self, bouncing: Stop, t_rest: float) -> bool:
+        """True if another stop may close while the bounces that are left out go on.
+
+        It would meet a stop that still bounces, not one at rest.
+        """
+        state, a = self.state, self._acceleration(self.state)
+        left = t_rest - state.t
+        return any(
+            stop.gap(state.q) <= -left * (min(stop.rate(state.v), 0.0) + left * stop.rate(a))
+            for stop in self.mechanism.stops
+            if stop.name not in state.closed and stop.name != bouncing.name
+        )
 
     def _acceleration(self, state: State) -> FloatArray:
         """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
@@ -305,6 +329,8 @@ class _Run:
         closed: Closed,
         series_error: float = 0.0,
     ) -> None:
+        if self.events and self.events[-1].t > t:
+            self._bring_forward(t)
         self.events.append(
             Event(
                 number=len(self.events) + 1,
@@ -323,6 +349,15 @@ class _Run:
                 series_error=series_error,
             )
         )
+
+    def _bring_forward(self, t: float) -> None:
+        """Let the last rests, limits beyond the state that goes on, come no later than time t."""
+        for place in range(len(self.events) - 1, -1, -1):
+            rest = self.events[place]
+            if rest.t <= t:
+                break
+            error = rest.series_error + rest.t - t
+            self.events[place] = replace(rest, t=t, series_error=error)
 
     def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
         if not at_rest:

@@ -54,26 +54,32 @@ def initial_state(system: System, start_index: float) -> State:
     """
     mechanism, shaft = system.mechanism, system.shaft
     closed = mechanism.phase(mechanism.initial_phase).closed
-    stops = [stop.index for stop in mechanism.stops if stop.name in closed]
+    shut = [stop for stop in mechanism.stops if stop.name in closed]
     travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
     # In the touch configuration all coordinates are zero: there is nothing to assemble.
-    times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if travel else _NOW
+    away = travel != 0.0 or any(stop.at for stop in shut)
+    times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
     angles, rates, accelerations = shaft.driven(times)
-    given = [*shaft.indices, *stops]
+    driven = shaft.indices
+    given = [*driven, *[stop.index for stop in shut]]
     path = np.zeros((len(times) - 1, len(given)))
-    path[:, : len(shaft.indices)] = angles[1:]
+    path[:, : len(driven)] = angles[1:]
+    for column, stop in enumerate(shut, start=len(driven)):
+        if stop.at:
+            path[:, column] = np.linspace(0.0, stop.at, len(times))[1:]
     end_rates = np.zeros(len(given))
-    end_rates[: len(shaft.indices)] = rates[-1]
+    end_rates[: len(driven)] = rates[-1]
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
-        if abs(q[stop.index]) <= _TOUCHING:
-            q[stop.index] = 0.0
-        if stop.name not in closed and q[stop.index] < 0.0:
+        gap = stop.gap(q)
+        if abs(gap) <= _TOUCHING:
+            q[stop.index] = stop.at
+        elif stop.name not in closed and gap < 0.0:
             message = (
-                f"stop {stop.name!r} would be {-q[stop.index]:.3g} beyond its contact at the "
+                f"stop {stop.name!r} would be {-gap:.3g} beyond its contact at the "
                 f"start, index {start_index:g}; start_index has to lie in phase "
                 f"{mechanism.initial_phase}"
             )
-            raise InputError(message, stop=stop.name, gap=float(q[stop.index]))
+            raise InputError(message, stop=stop.name, gap=gap)
     motion = (angles[-1:], rates[-1:], accelerations[-1:])
     return State(0.0, q, v, jacobian, motion, closed)

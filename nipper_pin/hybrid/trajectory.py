@@ -44,7 +44,8 @@ class Reactions:
             springs and dampers between two points act past the joints.
         closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
         drives: By drive: torque on the driven joint [N m], shape (K,).
-        stops: By stop: force along its coordinate [N m or N], zero while open, shape (K,).
+        stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
+            shape (K,).
         contacts: By stop: normal force at its contact point [N], shape (K,).
     """
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
+from ..mechanism import Stop
 from .collocation import Series, evaluate, nodes
 from .panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish
@@ -46,8 +47,6 @@ def triggers(
     rows: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
-    *,
-    continued: bool,
 ) -> tuple[Trigger, ...]:
     """Earliest triggers on a panel, simultaneous ones together.
 
@@ -56,18 +55,16 @@ def triggers(
         rows: The phase.
         panel: The panel.
         forces: Forces of the closed stops at its nodes, shape (N, closed).
-        continued: True if the panel goes on where another one of the same phase ends.
     """
     found = []
     for stop in rows.open:
-        t = _gap_root(system, rows, panel, stop.index, continued=continued)
+        t = _gap_root(system, rows, panel, stop)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
-    for column, index in enumerate(rows.stops):
+    for column, stop in enumerate(rows.shut):
         t = _force_root(system, rows, panel, forces[:, column], column)
         if t is not None:
-            name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
-            found.append(Trigger(t, TriggerKind.FORCE, name))
+            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
@@ -79,45 +76,50 @@ def triggers(
     )
 
 
-def _gap_root(
-    system: System, rows: ConstraintSet, panel: Panel, index: int, *, continued: bool = False
-) -> float | None:
+def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
-    gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
-    if rate < 0.0 and (gap < 0.0 or (gap == 0.0 and continued)):
+    gap, rate = stop.gap(panel.q[0]), stop.rate(panel.v[0])
+    if rate < 0.0 and gap <= 0.0:
         # A zero on the border of two panels may lie, by round-off, on neither of them: the one
-        # ends before it and the other starts behind it.
+        # ends before it and the other starts behind it. And a stop may meet its contact in the
+        # same instant in which a collision at another one turns it back.
         return panel.t
     if panel.integrated:
-        return _flight_root(system, panel, index)
-    h = panel.h
+        return _flight_root(panel, stop, gap, rate)
+    h, gaps = panel.h, stop.gaps(panel.q)
 
     def interpolant(sigma: float) -> float:
-        return float(evaluate(panel.q[:, index], np.array([sigma]), 0)[0])
+        return float(evaluate(gaps, np.array([sigma]), 0)[0])
 
     def rough(t: float) -> tuple[float, float]:
-        q_v = np.stack([panel.q[:, index], panel.v[:, index]], axis=1)
-        gap_rate = evaluate(q_v, np.array([(t - panel.t) / h]), 0)[0]
+        both = np.stack([gaps, stop.rates(panel.v)], axis=1)
+        gap_rate = evaluate(both, np.array([(t - panel.t) / h]), 0)[0]
         return float(gap_rate[0]), float(gap_rate[1])
 
     def exact(t: float) -> tuple[float, float]:
         state = one_state_at(system, rows, panel, t)
-        return float(state.q[index]), float(state.v[index])
+        return stop.gap(state.q), stop.rate(state.v)
 
     grid = nodes(panel.order)
-    values = grid.sample_value @ panel.q[:, index]
+    values = grid.sample_value @ gaps
     return _polished(panel, first_descent(grid.samples, values, interpolant), rough, exact)
 
 
-def _flight_root(system: System, panel: Panel, index: int) -> float | None:
+def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | None:
     """Time at which a gap in flight falls through zero, or None.
 
     Dividing out the zero at the start leaves the next one as the only one, to full precision.
+
+    Args:
+        panel: The panel.
+        stop: The open stop.
+        gap: Its gap at the start of the panel [rad or m].
+        rate: The rate of the gap there.
     """
-    grid, h, a = nodes(panel.order), panel.h, panel.a[:, index]
-    gap, rate = float(panel.q[0, index]), float(panel.v[0, index])
+    grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
+    scale = stop.sense * h**2
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
-    coefficients = h**2 * (grid.deflated[power] @ a)
+    coefficients = scale * (grid.deflated[power] @ a)
     if power == 0:
         coefficients[0] += gap + 0.5 * h * rate
         coefficients[1] += 0.5 * h * rate
@@ -132,16 +134,15 @@ def _flight_root(system: System, panel: Panel, index: int) -> float | None:
         bracket = 0.0, 1.0
         guess = min(max(0.5 - 0.5 * series.coefficients[0] / series.coefficients[1], 0.0), 1.0)
         return panel.t + h * polish(series.value_and_slope, *bracket, guess)
-    values = h**2 * (grid.sample_twice[power] @ a)
+    values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
     if (values < 0.0).all():
-        name = next(stop.name for stop in system.mechanism.stops if stop.index == index)
         message = (
-            f"stop {name!r} is open but its gap starts to close from zero: the accelerations "
+            f"stop {stop.name!r} is open but its gap starts to close from zero: the accelerations "
             "contradict the closed stops; this is an error of the package, please report the case"
         )
-        raise SimulationError(message, stop=name, gap=gap, rate=rate)
+        raise SimulationError(message, stop=stop.name, gap=gap, rate=rate)
     found = first_descent(grid.samples, values, series.value)
     return None if found is None else panel.t + h * polish(series.value_and_slope, *found)
 

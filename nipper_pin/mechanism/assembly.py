@@ -148,12 +148,16 @@ def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> Non
     for closure, gap in zip(closures, gaps, strict=True):
         if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:
             x, z = 1e3 * gap
+            first, meet = closure.frame_a, "the frames meet"
+            if closure.slot_frame is not None:
+                first = f"the slot along {closure.slot_axis} of {closure.slot_frame}"
+                meet = "the pin stands on the line of its slot"
             raise AssemblyError(
                 file=file,
                 key=f"closures.{closure.name}",
-                value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from "
-                f"{closure.frame_a} to {closure.frame_b}",
-                allowed=f"the frames meet within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
+                value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first} to "
+                f"{closure.frame_b}",
+                allowed=f"{meet} within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
                 "configuration, where all joint coordinates are zero",
             )
 
@@ -182,12 +186,14 @@ def _check_mobility(
     if found == stated:
         return
     names = ", ".join(closure.name for closure in closures) or "none"
+    slots = sum(closure.slot_frame is not None for closure in closures)
+    blocks = f" ({slots} of them blocks in slots)" if slots else ""
     raise ModelError(
         file=file,
         key="degrees_of_freedom",
         value=stated,
-        allowed=f"the model has {found}: {len(joints)} tree joints less two rows for each of "
-        f"{len(closures)} closures ({names}); correct the number, or add or remove a closure",
+        allowed=f"the model has {found}: {len(joints)} tree joints{blocks} less two rows for each "
+        f"of {len(closures)} closures ({names}); correct the number, or add or remove a closure",
     )
 
 

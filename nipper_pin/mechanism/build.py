@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,15 @@ from .assembly import check_assembly
 from .build_elements import build_elements
 from .contact import find_contact
 from .describe import describe
-from .description import Description, ScrewDrive
+from .description import Description, ScrewDrive, StopDescription
 from .drives import DriveLaw
 from .laws import build_cylinder, build_laws
 from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
+from .slots import block_of, check_frames, with_blocks
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
 from .urdf import Urdf, check_urdf, parse_xml
+
+_STOP_PLACES = {"prismatic": ("at_mm", 1e-3), "revolute": ("at_deg", math.pi / 180.0)}
 
 
 def build_mechanism(
@@ -39,13 +43,15 @@ def build_mechanism(
     file, urdf_file = f"{name}.toml", f"{name}.urdf"
     description = describe(data, file)
     urdf = check_urdf(parse_xml(urdf_text, urdf_file), urdf_file, mesh_folder)
-    model = build_model(urdf_text, description.gravity_m_s2, urdf_file)
+    check_frames(description.closures, urdf, file)
+    tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
+    model = build_model(tree_text, description.gravity_m_s2, urdf_file)
     joints = tree_joints(model, urdf)
     by_name = {joint.name: joint for joint in joints}
     placements = joint_placements(model)
     laws = build_laws(description.drives, file)
     cylinder = build_cylinder(description, laws, file)
-    closures = _closures(description, urdf, file)
+    closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
     elements = build_elements(description, by_name, urdf.links, model, file)
     phases = _phases(description, file)
@@ -99,16 +105,18 @@ def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:
     return joints[name]
 
 
-def _closures(description: Description, urdf: Urdf, file: str) -> tuple[Closure, ...]:
-    """Cut joints, their frames checked."""
-    for name, closure in description.closures.items():
-        for side in ("frame_a", "frame_b"):
-            frame = getattr(closure, side)
-            if frame not in urdf.links:
-                where = f"{file}: closures.{name}.{side}"
-                raise UnknownNameError(kind="frame", name=frame, known=urdf.links, where=where)
+def _closures(description: Description) -> tuple[Closure, ...]:
+    """Cut joints; the pin of a slot is on its block."""
     return tuple(
         Closure(name=name, frame_a=closure.frame_a, frame_b=closure.frame_b)
+        if closure.slot_axis is None
+        else Closure(
+            name=name,
+            frame_a=block_of(name),
+            frame_b=closure.frame_b,
+            slot_frame=closure.frame_a,
+            slot_axis=closure.slot_axis,
+        )
         for name, closure in description.closures.items()
     )
 
@@ -160,15 +168,17 @@ def _stops(
     file: str,
     urdf_file: str,
 ) -> tuple[Stop, ...]:
-    """Stops, each on a joint of its own that no drive moves, contacts found."""
+    """Stops on joints that no drive moves, at most two to a joint, contacts found."""
     stops: list[Stop] = []
     driven = {drive.joint for drive in description.drives.values()}
     for name, stop in description.stops.items():
         key = f"stops.{name}.joint"
         joint = _joint(stop.joint, joints, f"{file}: {key}")
-        if stop.joint in driven or any(other.index == joint.index for other in stops):
-            allowed = "a joint without a drive and without another stop"
+        if stop.joint in driven:
+            allowed = "a joint without a drive"
             raise ModelError(file=file, key=key, value=stop.joint, allowed=allowed)
+        sense = 1.0 if stop.side == "lower" else -1.0
+        place = _stop_place(name, stop, joint, file)
         contact = None
         if stop.contact is not None:
             contact = find_contact(
@@ -181,10 +191,19 @@ def _stops(
                 key=f"stops.{name}.contact",
                 file=file,
                 urdf_file=urdf_file,
+                sense=sense,
+                at=place,
             )
-        stops.append(
-            Stop(name=name, index=joint.index, restitution=stop.restitution, contact=contact)
+        found = Stop(
+            name=name,
+            index=joint.index,
+            restitution=stop.restitution,
+            contact=contact,
+            sense=sense,
+            at=place,
         )
+        _check_opposite(found, [item for item in stops if item.index == joint.index], joint, file)
+        stops.append(found)
     if description.stops and description.transition_stop not in description.stops:
         raise UnknownNameError(
             kind="stop",
@@ -193,6 +212,40 @@ def _stops(
             where=f"{file}: transition_stop",
         )
     return tuple(stops)
+
+
+def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
+    """Coordinate at which a stop is closed [rad or m]."""
+    key, scale = _STOP_PLACES[joint.kind]
+    for other, _ in _STOP_PLACES.values():
+        value = getattr(stop, other)
+        if other != key and value is not None:
+            allowed = f"the place of a stop on the {joint.kind} joint {joint.name} is {key}"
+            raise ModelError(file=file, key=f"stops.{name}.{other}", value=value, allowed=allowed)
+    return scale * (getattr(stop, key) or 0.0)
+
+
+def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str) -> None:
+    """A joint has room between two stops, the lower one below the upper one."""
+    for other in others:
+        allowed = ""
+        if other.sense == stop.sense:
+            allowed = (
+                f"one lower and one upper stop on a joint; {other.name!r} is on this side of "
+                f"{joint.name} already"
+            )
+        elif stop.sense * (other.at - stop.at) <= 0.0:
+            allowed = (
+                f"the lower stop below the upper one: {joint.name} has no room to move between "
+                f"{stop.name!r} and {other.name!r}"
+            )
+        if allowed:
+            raise ModelError(
+                file=file,
+                key=f"stops.{stop.name}",
+                value=f"{'lower' if stop.sense > 0.0 else 'upper'} stop at {stop.at:g}",
+                allowed=allowed,
+            )
 
 
 def _phases(description: Description, file: str) -> tuple[Phase, ...]:

@@ -52,6 +52,8 @@ def find_contact(
     key: str,
     file: str,
     urdf_file: str,
+    sense: float,
+    at: float,
 ) -> Contact:
     """Find the contact of the two bodies of a stop.
 
@@ -65,10 +67,12 @@ def find_contact(
         key: Path of the contact in the TOML file, for messages.
         file: Name of the TOML file, for messages.
         urdf_file: Name of the URDF file, for messages.
+        sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
+        at: Coordinate at which the stop is closed, all others being zero [rad or m].
 
     Raises:
         UnknownNameError: A body does not exist.
-        ModelError: The bodies do not touch at coordinate zero or opening does not part them.
+        ModelError: The bodies do not touch at that coordinate or opening does not part them.
     """
     identity = model.getJointId(joint.name)
     bodies = []
@@ -89,15 +93,16 @@ def find_contact(
         )
     frame = placements[identity]
     axis = frame.rotation @ np.array(joint.axis)
-    closing, gap = _close(bodies[0], bodies[1], joint, frame, axis)
-    start = _nearest(bodies[0], bodies[1], pin.SE3.Identity())
-    _check_touch(closing, start, joint, f"{contact.lower} and {contact.upper}", key, file)
+    start = _nearest(bodies[0], bodies[1], _motion(at, joint, frame, axis))
+    closing, gap = _close(bodies[0], bodies[1], joint, frame, axis, sense=sense, at=at)
+    pair = f"{contact.lower} and {contact.upper}"
+    _check_touch(closing, start, joint, pair, key, file, sense=sense, at=at)
     # The search stands at the closing coordinate; the bodies meet there, at one common point.
     point = 0.5 * (gap.first + gap.second)
     point[1] = 0.0
     normal = gap.normal * np.array([1.0, 0.0, 1.0])
     normal /= np.linalg.norm(normal)
-    lever = float(normal @ _velocity(point, joint, frame, axis))
+    lever = sense * float(normal @ _velocity(point, joint, frame, axis))
     return Contact(point=point, normal=normal, lever_m=lever, closing_coordinate=closing)
 
 
@@ -185,18 +190,25 @@ def _nearest(lower: list[_Shape], upper: list[_Shape], motion: pin.SE3) -> _Gap:
 
 
 def _close(
-    lower: list[_Shape], upper: list[_Shape], joint: UrdfJoint, frame: pin.SE3, axis: FloatArray
+    lower: list[_Shape],
+    upper: list[_Shape],
+    joint: UrdfJoint,
+    frame: pin.SE3,
+    axis: FloatArray,
+    *,
+    sense: float,
+    at: float,
 ) -> tuple[float, _Gap]:
     """Move the upper body until it touches: Newton's method on the signed distance.
 
     Returns:
         Closing coordinate, NaN if the motion does not part or join the bodies, and the gap there.
     """
-    coordinate = 0.0
-    gap = _nearest(lower, upper, pin.SE3.Identity())
+    coordinate = at
+    gap = _nearest(lower, upper, _motion(at, joint, frame, axis))
     for _ in range(_ITERATIONS):
         slope = float(gap.normal @ _velocity(gap.second, joint, frame, axis))
-        if not slope > 0.0:
+        if not sense * slope > 0.0:
             return math.nan, gap
         step = -gap.distance / slope
         coordinate += step
@@ -207,24 +219,36 @@ def _close(
 
 
 def _check_touch(
-    closing: float, start: _Gap, joint: UrdfJoint, pair: str, key: str, file: str
+    closing: float,
+    start: _Gap,
+    joint: UrdfJoint,
+    pair: str,
+    key: str,
+    file: str,
+    *,
+    sense: float,
+    at: float,
 ) -> None:
-    """Refuse bodies that do not touch at coordinate zero."""
+    """Refuse bodies that do not touch where the stop is closed."""
     if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
         return
-    value = f"{pair}, {1e3 * start.distance:.6g} mm apart at {joint.name} = 0"
+    value = f"{pair}, {1e3 * start.distance:.6g} mm apart at {joint.name} = {_place(at, joint)}"
     if not math.isfinite(closing):
         allowed = (
-            f"a growing coordinate of {joint.name} must move the upper body away from the lower one"
+            f"a {'growing' if sense > 0.0 else 'falling'} coordinate of {joint.name} must move the "
+            "upper body away from the lower one"
         )
     else:
-        place = (
-            f"{math.degrees(closing):.6g} deg"
-            if joint.kind == "revolute"
-            else f"{1e3 * closing:.6g} mm"
-        )
         allowed = (
             f"the bodies must touch within {1e3 * TOUCH_TOLERANCE_M:g} mm where the coordinate is "
-            f"zero; their shapes in the URDF touch at {joint.name} = {place}"
+            f"{_place(at, joint)}; their shapes in the URDF touch at {joint.name} = "
+            f"{_place(closing, joint)}"
         )
     raise ModelError(file=file, key=key, value=value, allowed=allowed)
+
+
+def _place(coordinate: float, joint: UrdfJoint) -> str:
+    """A coordinate as people read it."""
+    if joint.kind == "revolute":
+        return f"{math.degrees(coordinate):.6g} deg"
+    return f"{1e3 * coordinate:.6g} mm"

@@ -223,29 +223,39 @@ class ContactDescription(_Table, frozen=True, kw_only=True):
 
 
 class StopDescription(_Table, frozen=True, kw_only=True):
-    """A unilateral stop on a joint.
+    """A unilateral stop on a joint; one joint may have a lower and an upper one.
 
     Attributes:
-        joint: Joint it limits from below at zero.
+        joint: Joint it limits.
         restitution: Coefficient of restitution, 0 to 1.
+        side: Whether it limits the joint's coordinate from below or from above.
+        at_mm: Coordinate of a slide at which the stop is closed, 0 if not given [mm].
+        at_deg: Coordinate of a hinge at which the stop is closed, 0 if not given [deg].
         contact: The bodies that meet, unless the stop acts along the joint itself.
     """
 
     joint: Name
     restitution: Restitution
+    side: Literal["lower", "upper"] = "lower"
+    at_mm: float | None = None
+    at_deg: float | None = None
     contact: ContactDescription | None = None
 
 
 class ClosureDescription(_Table, frozen=True, kw_only=True):
-    """A cut joint.
+    """A cut joint: a pin, or a pin in a slot.
 
     Attributes:
-        frame_a: URDF link whose origin is the first side.
-        frame_b: URDF link whose origin is the second side.
+        frame_a: URDF link whose origin is the first side, or that carries the slot.
+        frame_b: URDF link whose origin is the second side: the pin.
+        slot_axis: Axis of frame_a along which the pin slides, for a pin in a slot.
+        block_mass_kg: Mass of the block in the slot that carries the pin [kg].
     """
 
     frame_a: Name
     frame_b: Name
+    slot_axis: Literal["x", "z"] | None = None
+    block_mass_kg: Positive | None = None
 
 
 class PhaseDescription(_Table, frozen=True, kw_only=True):

@@ -150,6 +150,9 @@ def _meeting(points: Mapping[str, str], document: Mapping[str, Any]) -> dict[str
     """Points that are one pin; ends of closures that are no points are for the loader to refuse."""
     meeting: dict[str, tuple[str, ...]] = {name: (name,) for name in points}
     for closure in document.get("closures", {}).values():
+        if closure.get("slot_axis") is not None:
+            # A pin goes its own way along its slot.
+            continue
         ends = (closure["frame_a"], closure["frame_b"])
         if all(name in points for name in ends):
             joined = tuple(dict.fromkeys(other for name in ends for other in meeting[name]))

@@ -49,13 +49,18 @@ class Closure:
 
     Attributes:
         name: Name of the cut joint.
-        frame_a: URDF frame on the first side.
-        frame_b: URDF frame on the second side.
+        frame_a: Frame on the first side; of a pin in a slot the block that slides in it.
+        frame_b: Frame on the second side.
+        slot_frame: URDF frame that carries the slot, None for a plain pin.
+        slot_axis: Axis of that frame along which the pin slides: the direction of the prismatic
+            joint that has the closure's name.
     """
 
     name: str
     frame_a: str
     frame_b: str
+    slot_frame: str | None = None
+    slot_axis: Literal["x", "z"] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +126,11 @@ class Contact:
 
 @dataclass(frozen=True, kw_only=True)
 class Stop:
-    """A unilateral stop on one coordinate: gap g_N = q[index] >= 0.
+    """A unilateral stop on one coordinate: gap g_N = sense (q[index] - at) >= 0.
+
+    The difference is exact near the stop, and a coordinate that stands at ``at`` has the gap zero
+    to the last bit. Small flights keep full relative precision because they are followed from
+    there by their rate, not by differences of coordinates.
 
     Attributes:
         name: Name of the stop.
@@ -129,17 +138,42 @@ class Stop:
         restitution: e_N, 0 to 1.
         contact: Contact of the two bodies away from the joint, or None for a stop that acts along
             the joint itself.
+        sense: 1 for a lower limit, -1 for an upper one: the direction W_N in which it pushes.
+        at: Coordinate at which the stop is closed [rad or m].
     """
 
     name: str
     index: int
     restitution: float
     contact: Contact | None
+    sense: float = 1.0
+    at: float = 0.0
 
     @property
     def lever(self) -> float:
-        """Normal gap rate at the contact per coordinate rate: [m/rad], or 1 along the joint."""
+        """Normal gap rate at the contact per rate of the gap: [m/rad], or 1 along the joint."""
         return 1.0 if self.contact is None else self.contact.lever_m
+
+    @property
+    def plain(self) -> bool:
+        """True for a lower stop at coordinate zero, whose gap is the coordinate itself."""
+        return self.sense == 1.0 and self.at == 0.0
+
+    def gap(self, q: FloatArray) -> float:
+        """g_N [rad or m] of one configuration, shape (nv,)."""
+        return self.sense * (float(q[self.index]) - self.at)
+
+    def gaps(self, q: FloatArray) -> FloatArray:
+        """g_N [rad or m], shape (N,), of configurations, shape (N, nv)."""
+        return self.sense * (q[:, self.index] - self.at)
+
+    def rate(self, v: FloatArray) -> float:
+        """g_N_dot of one velocity, shape (nv,), or g_N_ddot of one acceleration."""
+        return self.sense * float(v[self.index])
+
+    def rates(self, v: FloatArray) -> FloatArray:
+        """g_N_dot, shape (N,), of velocities, shape (N, nv), or g_N_ddot of accelerations."""
+        return self.sense * v[:, self.index]
 
 
 @dataclass(frozen=True, kw_only=True)

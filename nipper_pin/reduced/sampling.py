@@ -62,6 +62,9 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     column = mechanism.stop(mechanism.transition_stop).index
     if column in driven:
         return f"stop {mechanism.transition_stop!r} is on a driven coordinate: it cannot bounce"
+    other = next((stop.name for stop in mechanism.stops if not stop.plain), None)
+    if other is not None:
+        return f"the reduced engine needs lower stops at coordinate zero, and {other!r} is another"
     closed = mechanism.phase(mechanism.initial_phase).closed
     if mechanism.transition_stop in closed:
         return f"stop {mechanism.transition_stop!r} is closed in the initial phase"

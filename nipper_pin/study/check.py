@@ -79,6 +79,15 @@ class ModelReport:
             "closures": [asdict(closure) for closure in mechanism.closures],
             "mobility": mechanism.degrees_of_freedom,
             "driven": len(mechanism.drives),
+            "stops": {
+                stop.name: {
+                    "joint": next(j.name for j in mechanism.joints if j.index == stop.index),
+                    "side": "lower" if stop.sense > 0.0 else "upper",
+                    "at": stop.at,
+                    "restitution": stop.restitution,
+                }
+                for stop in mechanism.stops
+            },
             "contacts": {
                 stop.name: {
                     "point_m": stop.contact.point.tolist(),

@@ -23,8 +23,8 @@ def next_steps(report: ModelReport, model: str) -> tuple[str, ...]:
         missing.append("nothing drives it: add [drives.NAME] with the joint and a law")
     if not mechanism.stops:
         missing.append(
-            "nothing can collide: add [stops.NAME] with the joint that must not fall below zero "
-            "and a restitution, and name it in transition_stop and in a phase"
+            "nothing can collide: add [stops.NAME] with the joint that it limits and a "
+            "restitution, and name it in transition_stop and in a phase"
         )
     elif report.closing_index is None:
         missing.append(

@@ -135,7 +135,7 @@ def observe(solution: Solution) -> Observed:
         begin, end = solution.trajectory.span
         # Adding the origin may round a time beyond the end.
         found = solution.trajectory.evaluate(np.clip(t + origin, begin, end), left=left)
-        return found.q[:, stop.index], found.v[:, stop.index]
+        return stop.gaps(found.q), stop.rates(found.v)
 
     return Observed(
         times=np.array([item.t for item in collisions]) - origin,

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..arrays import FloatArray
 from ..hybrid.collisions import Transition
 from ..hybrid.solution import Solution
-from .reading import force_unit, shown_collisions, units_of
+from .reading import force_unit, gap_noun, shown_collisions, units_of
 from .sampling import sample_coordinates
 from .style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 
@@ -36,10 +36,10 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     ]
     # Beyond the last collision the motion is its limit: at rest.
     t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
-    gap = units.coordinate_factor * q[:, stop.index]
+    gap = units.coordinate_factor * stop.gaps(q)
     figure = new_figure(solution, f"Transition: bounces of stop {stop.name}", 5.6)
     linear, log = figure.subplots(2, 1)
-    label = f"{stop.name} {units.noun} [{units.coordinate}]"
+    label = f"{stop.name} {gap_noun(mechanism, stop)} [{units.coordinate}]"
 
     linear.axhline(0.0, color="0.6", linewidth=0.8)
     linear.plot(1e3 * (t - transition.t_start), gap, color=colour, linewidth=1.4)

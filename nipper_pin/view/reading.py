@@ -108,6 +108,21 @@ def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
     return [strut for strut in mechanism.struts if strut.kind == kind]
 
 
+def stop_place(mechanism: Mechanism, stop: Stop) -> str:
+    """Which limit of which joint a stop is."""
+    joint = next(item for item in mechanism.joints if item.index == stop.index)
+    units = _BY_KIND[joint.kind]
+    side = "lower" if stop.sense > 0.0 else "upper"
+    return (
+        f"{side} limit of {joint.name} at {units.coordinate_factor * stop.at:g} {units.coordinate}"
+    )
+
+
+def gap_noun(mechanism: Mechanism, stop: Stop) -> str:
+    """What the gap of a stop is called: it is the joint's coordinate, or counts from the stop."""
+    return units_of(mechanism, stop.index).noun if stop.plain else "gap"
+
+
 def restitution_text(stops: tuple[Stop, ...]) -> str:
     """Restitution of every stop."""
     return ", ".join(f"{stop.name} {stop.restitution:g}" for stop in stops)

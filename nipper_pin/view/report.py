@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..study.check import Extreme, ModelReport
-from .reading import damper_text, spring_text
+from .reading import damper_text, spring_text, stop_place
 
 
 def print_report(report: ModelReport, console: Console) -> None:
@@ -53,7 +53,10 @@ def _joints(report: ModelReport, console: Console) -> None:
         by = moved.get(joint.index, "")
         table.add_row(joint.name, joint.kind, joint.parent, joint.child, by)
     for closure in mechanism.closures:
-        table.add_row(closure.name, "cut pin", closure.frame_a, closure.frame_b, "")
+        kind, first = "cut pin", closure.frame_a
+        if closure.slot_frame is not None:
+            kind, first = "pin in a slot", f"{closure.slot_frame} along {closure.slot_axis}"
+        table.add_row(closure.name, kind, first, closure.frame_b, "")
     console.print(table)
     _say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
@@ -64,11 +67,11 @@ def _stops(report: ModelReport, console: Console) -> None:
     for stop in report.mechanism.stops:
         force = report.stop_force.get(stop.name)
         contact = stop.contact
-        where = "along its joint"
+        where = stop_place(report.mechanism, stop)
         if contact is not None:
             x, _, z = 1e3 * contact.point
-            where = (
-                f"at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
+            where += (
+                f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
                 f"{contact.normal[2]:.3f}), lever {1e3 * contact.lever_m:.2f} mm"
             )
         _say(

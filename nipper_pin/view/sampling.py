@@ -68,7 +68,7 @@ def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
     if following is None:
         return None
     _, q = sample_coordinates(solution, event.t, following.t)
-    return float(q[:, solution.mechanism.stop(name).index].max()), following.t - event.t
+    return float(solution.mechanism.stop(name).gaps(q).max()), following.t - event.t
 
 
 def sample_forces(

@@ -16,6 +16,7 @@ from ..hybrid.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Stop
 from .reading import (
     force_name,
+    gap_noun,
     index_at,
     shown_events,
     shown_phases,
@@ -53,15 +54,16 @@ _PART_OF_TURN = 1e-9
 
 
 def motion_figure(solution: Solution) -> Figure:
-    """Coordinates of all stops against time and index."""
+    """Gaps of all stops against time and index."""
     mechanism = solution.mechanism
     t, q = sample_coordinates(solution, 0.0, shown_until(solution))
     figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * len(mechanism.stops))
     for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
         units = units_of(mechanism, stop.index)
-        y = units.coordinate_factor * q[:, stop.index]
+        y = units.coordinate_factor * stop.gaps(q)
         axes.plot(1e3 * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
-        tidy(axes, "", f"{stop.name} {units.noun} [{units.coordinate}]")
+        noun = gap_noun(mechanism, stop)
+        tidy(axes, "", f"{stop.name} {noun} [{units.coordinate}]")
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
         axes.set_ylim(low - 0.08 * height, high + 0.24 * height)

@@ -91,7 +91,7 @@ def test_a_relative_error_never_exceeds_one() -> None:
     bounce until it overflows.
     """
     solution = simulate(load("e62"), Case(speed_rpm=650.0))
-    flight, jaw = solution.segments[0], solution.mechanism.stop("jaw").index
+    flight, jaw = solution.segments[0], solution.mechanism.stop("jaw")
     unknown = EventError(0.0, 1.0)
     assert _carried(solution.system, flight, jaw, unknown, {}).impulse == 1.0
     some = EventError(0.0, 0.1)

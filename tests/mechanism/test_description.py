@@ -56,7 +56,7 @@ MISTAKES = {
         "restitution = 0.2\nbounce = 3\ncontact",
         "stops.jaw.bounce",
         3,
-        "known here: contact, joint, restitution",
+        "known here: at_deg, at_mm, contact, joint, restitution, side",
     ),
     "unknown key below": (
         'lower = "bottom_lip"',
@@ -78,7 +78,7 @@ MISTAKES = {
         "",
         "closures.rocker_axis.frame_b",
         None,
-        "missing; known here: frame_a, frame_b",
+        "missing; known here: block_mass_kg, frame_a, frame_b, slot_axis",
     ),
     "short point": (
         "[-190.0, -20.0]",

@@ -129,11 +129,13 @@ def unfit(mechanism: Mechanism) -> str | None:
     """
     waiting = mechanism.phase(mechanism.initial_phase).closed
     one_left = mechanism.degrees_of_freedom == 1 + len(mechanism.drives)
-    if len(waiting) == 1 and mechanism.transition_stop not in waiting and one_left:
+    plain = all(stop.plain for stop in mechanism.stops)
+    if len(waiting) == 1 and mechanism.transition_stop not in waiting and one_left and plain:
         return None
     return (
         f"{mechanism.name}: timing and forces by kinematics need one degree of freedom beside the "
-        f"drives, held by one stop in the initial phase and by {mechanism.transition_stop} after it"
+        f"drives, held by one stop in the initial phase and by {mechanism.transition_stop} after "
+        "it, both lower stops at coordinate zero"
     )
 
 

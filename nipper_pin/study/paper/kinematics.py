@@ -114,7 +114,7 @@ def kinematics(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> Kinematic
     steeve = mechanism.stop(min(initial))
     opened = branch(mechanism, initial, speeds_rpm[0], index)
     closed = branch(mechanism, frozenset({jaw.name}), speeds_rpm[0], index)
-    gap = opened.q[:, jaw.index]
+    gap = jaw.gaps(opened.q)
     is_open = gap > 0.0
     first_open = int(np.argmax(is_open[1:])) + 1
     # The gap crosses zero between two neighbours; a straight line is within 1e-4 of the index.

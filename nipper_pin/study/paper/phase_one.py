@@ -152,5 +152,5 @@ def _release(mechanism: Mechanism, stop: str, speed: float) -> Release:
 
 def _lift(solution: Solution, stop: str, begin: float, end: float) -> float:
     times = np.linspace(begin, end, 400)
-    column = solution.mechanism.stop(stop).index
-    return float(solution.trajectory.evaluate(times, left=True).q[:, column].max())
+    q = solution.trajectory.evaluate(times, left=True).q
+    return float(solution.mechanism.stop(stop).gaps(q).max())

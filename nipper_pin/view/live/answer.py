@@ -86,7 +86,7 @@ def _numbers(setting: str, solution: Solution) -> Answer:
         t, q = sample_coordinates(solution, 0.0, solution.segments[-1].t_end)
         # Both limits at a collision have one abscissa, and a line needs only one of them.
         t, places = np.unique(t, return_index=True)
-        time, gap = 1e3 * (t - origin), units.coordinate_factor * q[places, stop.index]
+        time, gap = 1e3 * (t - origin), units.coordinate_factor * stop.gaps(q[places])
     struck = [item for item in hits if item.impulse > 0.0]
     return Answer(
         setting=setting,

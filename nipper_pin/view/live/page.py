@@ -14,7 +14,7 @@ from viser import uplot
 from ...errors import InputError
 from ...hybrid.solution import Solution
 from ...mechanism import Mechanism
-from ..reading import digits, force_unit, index_at, units_of
+from ..reading import digits, force_unit, gap_noun, index_at, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer, as_html, boxed
 from .settings import Knob
@@ -156,7 +156,10 @@ class Page:
                 none,
                 (uplot.Series(label=x), uplot.Series(stroke=_LINE, width=1.5)),
                 scales={"x": uplot.Scale(time=False)},
-                axes=(time_axis, _axis(f"{stop.name} {units.noun} [{units.coordinate}]")),
+                axes=(
+                    time_axis,
+                    _axis(f"{stop.name} {gap_noun(mechanism, stop)} [{units.coordinate}]"),
+                ),
                 legend=uplot.Legend(show=False),
                 height=_HEIGHT,
                 padding=_PADDING,
@@ -186,6 +189,6 @@ def _moment(solution: Solution, t: float, q: np.ndarray) -> str:
     parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
     for stop in solution.mechanism.stops:
         units = units_of(solution.mechanism, stop.index)
-        value = digits(units.coordinate_factor * float(q[stop.index]))
+        value = digits(units.coordinate_factor * stop.gap(q))
         parts.append(f"{stop.name} {value} {units.coordinate}")
     return ", ".join(parts)

@@ -157,9 +157,10 @@ def exaggerated(solution: Solution, q: FloatArray, factor: float) -> FloatArray:
     if stop is None:
         message = f"{mechanism.name} has no transition stop whose gap could be drawn larger"
         raise InputError(message, exaggerate=factor)
-    gap = q[:, stop.index]
+    gap = stop.gaps(q)
     guess = q.copy()
-    guess[:, stop.index] = np.maximum(gap, np.minimum(factor * gap, drawn_limit(mechanism)))
+    drawn = np.maximum(gap, np.minimum(factor * gap, drawn_limit(mechanism)))
+    guess[:, stop.index] = stop.at + stop.sense * drawn
     given = [*(drive.index for drive in mechanism.drives), stop.index]
     try:
         _, jacobian = body.closures(q[:1])

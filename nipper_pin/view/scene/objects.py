@@ -116,7 +116,7 @@ def _arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
         point, direction = stop.contact.point, stop.contact.normal
     else:
         jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
-        point, direction = world[joint].translation, jacobian[:3, stop.index]
+        point, direction = world[joint].translation, stop.sense * jacobian[:3, stop.index]
     place = np.eye(4)
     place[:3, 1] = direction / np.linalg.norm(direction)
     place[:3, 2] = (0.0, 1.0, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import Stop
-from ..reading import case_text, digits, force_name, force_unit, phase_name, units_of
+from ..reading import case_text, digits, force_name, force_unit, gap_noun, phase_name, units_of
 from .colours import phase_colour
 from .film import Film, drawn_limit
 
@@ -64,8 +64,12 @@ def _columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
     yield "slow motion 1 :", "", pace.stretch
     for stop in mechanism.stops:
         units = units_of(mechanism, stop.index)
-        gap = film.q[:, stop.index]
-        yield f"{stop.name} {units.noun}", units.coordinate, units.coordinate_factor * gap
+        gap = stop.gaps(film.q)
+        yield (
+            f"{stop.name} {gap_noun(mechanism, stop)}",
+            units.coordinate,
+            units.coordinate_factor * gap,
+        )
         if stop.contact is not None:
             yield f"{stop.name} gap at the contact", "mm", 1e3 * stop.lever * gap
         yield _force(film, stop), force_unit(mechanism, stop.name), film.force[stop.name]

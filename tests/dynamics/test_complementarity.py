@@ -1,0 +1,225 @@
+"""Impact law and resting contact of random machines, against every choice of stops tried densely.
+
+Chains of two to four free links, on the frame or on a shaken base, some tied to the frame by two
+links more and a pin, with a lower and an upper stop on each joint. The linear complementarity
+problems
+
+    xi = A P + b >= 0,  P >= 0,  xi P = 0,    A = W' Z (Z' M Z)^-1 Z' W,
+
+Z being a basis of the motions that held drives and loops leave, are solved here by trying all 2^k
+sets; M and the forces are those of Pinocchio's tree, which other tests check. A is positive
+definite, so exactly one set must come out, and it has to be the engine's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pytest
+from random_chains import chain
+
+from nipper_pin.dynamics.assembly import Partition, close_positions
+from nipper_pin.dynamics.impact import arrest, collide, drive_impulses
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid.phases import pressed
+from nipper_pin.mechanism import Stop
+
+SEEDS = range(60)
+NOW = np.zeros(1)
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A state with some stops in contact, one a joint.
+
+    ``lift`` turns rates of the shaft and the chain into those of all joints, shape (nv, nv); its
+    columns of the links that close the loop are zero.
+    """
+
+    system: System
+    q: np.ndarray
+    jacobian: np.ndarray
+    lift: np.ndarray
+    dependent: list[int]
+    contacts: list[Stop]
+    rng: np.random.Generator
+
+    def velocity(self, rates: np.ndarray) -> np.ndarray:
+        """A closed velocity with these gap rates at the contacts and the shaft's own rate."""
+        v = self.rng.normal(0.0, 2.0, len(self.q))
+        for stop, rate in zip(self.contacts, rates, strict=True):
+            v[stop.index] = stop.sense * rate
+        v[self.system.driven] = self.system.shaft.driven(NOW)[1][0]
+        return self.lift @ v
+
+    @property
+    def motions(self) -> np.ndarray:
+        """Z, shape (nv, free)."""
+        held = {*self.system.driven.tolist(), *self.dependent}
+        return self.lift[:, [i for i in range(len(self.q)) if i not in held]]
+
+    def drift(self, v: np.ndarray) -> np.ndarray:
+        """Acceleration of the shaft's law, and what loops need for it and for G_dot v."""
+        a = np.zeros_like(v)
+        a[self.system.driven] = self.system.shaft.driven(NOW)[2][0]
+        a = self.lift @ a
+        if self.dependent:
+            step = 1e-6
+            ahead, behind = self.system.body.closures(self.q + step * np.outer([1.0, -1.0], v))[1]
+            turning = (ahead - behind) @ v / (2.0 * step)
+            a[self.dependent] -= np.linalg.solve(self.jacobian[:, self.dependent], turning)
+        return a
+
+    def normals(self) -> np.ndarray:
+        """W, shape (nv, contacts)."""
+        W = np.zeros((len(self.q), len(self.contacts)))
+        for column, stop in enumerate(self.contacts):
+            W[stop.index, column] = stop.sense
+        return W
+
+    def response(self) -> np.ndarray:
+        """M^-1 of the free motions, shape (nv, nv)."""
+        M, Z = self.system.body.mass_matrix(self.q), self.motions
+        return Z @ np.linalg.solve(Z.T @ M @ Z, Z.T)
+
+
+def met(seed: int) -> Meeting:
+    """Two to four joints, two or more in contact, each on one side."""
+    rng = np.random.default_rng(seed)
+    tied = seed % 5 > 2
+    mechanism = chain(rng, 2 + seed % 3, shaken=bool(seed % 2), tied=tied)
+    system = System(mechanism, ShaftMotion(mechanism, 2.0 * np.pi, 0.07))
+    nv = system.body.nv
+    q = rng.uniform(-0.02, 0.02, nv)
+    q[system.driven] = system.shaft.driven(NOW)[0][0]
+    contacts: list[Stop] = []
+    for joint in mechanism.joints:
+        sides = [stop for stop in mechanism.stops if stop.index == joint.index]
+        if sides and (rng.random() < 0.75 or len(contacts) < 2):
+            contacts.append(sides[int(rng.integers(2))])
+            q[joint.index] = contacts[-1].at
+    loop = ("rocker_axis", "elbow")
+    dependent = [joint.index for joint in mechanism.joints if joint.name in loop]
+    q = close_positions(system.body, q[None], Partition.of(dependent, nv))[0][0]
+    _, (jacobian,) = system.body.closures(q[None])
+    lift = np.eye(nv)
+    lift[:, dependent] = 0.0
+    if dependent:
+        lift[dependent] = -np.linalg.solve(jacobian[:, dependent], jacobian @ lift)
+    return Meeting(system, q, jacobian, lift, dependent, contacts, rng)
+
+
+def complementary(A: np.ndarray, b: np.ndarray) -> list[tuple[tuple[int, ...], np.ndarray]]:
+    """All sets that satisfy A P + b >= 0, P >= 0 with P zero outside of the set and xi in it."""
+    found = []
+    for size in range(len(b) + 1):
+        for chosen in combinations(range(len(b)), size):
+            P = np.zeros(len(b))
+            P[list(chosen)] = np.linalg.solve(A[np.ix_(chosen, chosen)], -b[list(chosen)])
+            xi = A @ P + b
+            xi[list(chosen)] = 0.0
+            if P.min() >= 0.0 and xi.min() >= 0.0:
+                found.append((chosen, P))
+    return found
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_impacts_are_the_only_complementary_ones(seed: int) -> None:
+    """Impulses and velocities after equal those of the one set that satisfies the law.
+
+    Rates before are random, some contacts closed (rate zero), at least one approaching. Exactly one
+    of the 2^k sets fits, so a set that were only assumed would differ by a whole impulse. 1e-10 is
+    the condition of A, below 1e5 in these machines, times round-off.
+    """
+    meeting = met(seed)
+    system, contacts, rng = meeting.system, meeting.contacts, meeting.rng
+    before = rng.normal(0.0, 1.0, len(contacts))
+    before[rng.random(len(contacts)) < 0.4] = 0.0
+    before[0] = -abs(before[0]) - 0.1
+    e = np.array([stop.restitution for stop in contacts])
+    v = meeting.velocity(before)
+    W, inverse = meeting.normals(), meeting.response()
+    A, b = W.T @ inverse @ W, (1.0 + e) * before
+    assert np.linalg.cond(A) < 1e5
+    solutions = complementary(A, b)
+    assert len(solutions) == 1
+    chosen, P = solutions[0]
+    impact = collide(system, meeting.q, v, meeting.jacobian, contacts, e.tolist())
+    found = np.array([impact.P_N[stop.name] for stop in contacts])
+    assert {i for i, value in enumerate(found) if value > 0.0} == set(chosen)
+    assert np.abs(found - P).max() <= 1e-10 * np.abs(P).max()
+    wanted = v + inverse @ W @ P
+    assert np.abs(impact.v_after - wanted).max() <= 1e-10 * np.abs(wanted - v).max()
+    after = np.array([stop.rate(impact.v_after) for stop in contacts])
+    assert (after[list(chosen)] == -e[list(chosen)] * before[list(chosen)]).all()
+    assert impact.energy_lost == pytest.approx(-0.5 * P @ (before + after), rel=1e-9)
+    if len(system.driven):
+        M = system.body.mass_matrix(meeting.q)
+        loops = impact.P_g @ meeting.jacobian
+        reaction = drive_impulses(system, meeting.q, impact.delta, impact.P_g, impact.P_N)
+        missing = (M @ (wanted - v) - W @ P - loops)[system.driven]
+        assert reaction == pytest.approx(missing, rel=1e-9, abs=1e-12)
+
+
+def test_random_impacts_are_of_every_kind() -> None:
+    """The seeds above strike one, some and all of two, three and four contacts at once."""
+    kinds = set()
+    for seed in SEEDS:
+        meeting = met(seed)
+        before = meeting.rng.normal(0.0, 1.0, len(meeting.contacts))
+        before[meeting.rng.random(len(before)) < 0.4] = 0.0
+        before[0] = -abs(before[0]) - 0.1
+        W = meeting.normals()
+        e = np.array([stop.restitution for stop in meeting.contacts])
+        chosen = complementary(W.T @ meeting.response() @ W, (1.0 + e) * before)[0][0]
+        kinds.add((len(before), len(chosen)))
+    assert {(2, 1), (2, 2), (3, 1), (3, 2), (3, 3), (4, 2)} <= kinds
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_resting_contacts_are_the_only_complementary_ones(seed: int) -> None:
+    """Stops at rest that stay closed are those of the one set with forces and accelerations >= 0.
+
+    Springs are preloaded either way and the other joints move, so some stops push and others are
+    left; a stop that leaves alone may stay closed because another one leaves, and the reverse.
+    """
+    meeting = met(seed)
+    system, contacts = meeting.system, meeting.contacts
+    v = meeting.velocity(np.zeros(len(contacts)))
+    drift = meeting.drift(v)
+    q = meeting.q[None]
+    missing = system.body.inverse_dynamics(q, v[None], drift[None])[0]
+    force = system.applied_forces(q, v[None])[0] - missing
+    W, inverse = meeting.normals(), meeting.response()
+    solutions = complementary(W.T @ inverse @ W, W.T @ (inverse @ force + drift))
+    assert len(solutions) == 1
+    names = frozenset(stop.name for stop in contacts)
+    motion = system.shaft.driven(NOW)
+    found = pressed(system, motion, meeting.q, v, meeting.jacobian, names)
+    assert found == {contacts[i].name for i in solutions[0][0]}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_series_ends_without_moving_the_other_closed_stops(seed: int) -> None:
+    """At its limit a stop loses its rate while the closed ones keep theirs, zero.
+
+    The change is M^-1 W P with both rates prescribed, by a dense solution; the bare plastic impact
+    of one stop would make the others move, by a share of order one in these chains.
+    """
+    meeting = met(seed)
+    rates = np.zeros(len(meeting.contacts))
+    rates[0] = 1e-5
+    v = meeting.velocity(rates)
+    W, inverse = meeting.normals(), meeting.response()
+    P = np.linalg.solve(W.T @ inverse @ W, -rates)
+    first, *closed = meeting.contacts
+    impact = arrest(meeting.system, meeting.q, v, meeting.jacobian, first, closed)
+    assert [stop.rate(impact.v_after) for stop in meeting.contacts] == [0.0] * len(rates)
+    wanted = inverse @ W @ P
+    assert np.abs(impact.delta - wanted).max() <= 1e-10 * np.abs(wanted).max()
+    alone = arrest(meeting.system, meeting.q, v, meeting.jacobian, first)
+    moved = max(abs(stop.rate(alone.v_after)) for stop in closed)
+    assert moved > 0.0

@@ -1,0 +1,196 @@
+"""Stops on either side of a joint: gap, place, contact of shapes, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from small_machines import hinge, link, machine, slide
+
+from nipper_pin import Case, InputError, Mechanism, ModelError, Window, load, simulate
+from nipper_pin.mechanism import Stop, from_sources
+from nipper_pin.reduced import build, unfit
+from nipper_pin.study.check import check_model
+
+PARTS = [link("cart"), slide("x", "frame", "cart"), link("arm"), hinge("turn", "cart", "arm")]
+
+
+def stopped(**stops: dict[str, Any]) -> Mechanism:
+    """A cart with an arm, and these stops."""
+    return machine(PARTS, 2, stops=stops)
+
+
+def test_places_and_sides_are_read_in_their_units() -> None:
+    """Millimetres of a slide, degrees of a hinge; a stop without them is the lower one at zero."""
+    mechanism = stopped(
+        wall={"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
+        floor={"joint": "x", "restitution": 0.5},
+        turned={"joint": "turn", "restitution": 0.5, "at_deg": -90.0},
+    )
+    found = {stop.name: (stop.sense, stop.at) for stop in mechanism.stops}
+    assert found == {"wall": (-1.0, 0.12), "floor": (1.0, 0.0), "turned": (1.0, -np.pi / 2.0)}
+    assert [stop.plain for stop in mechanism.stops] == [False, True, False]
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("at", [0.0, 0.1, -1.0 / 3.0])
+def test_gap_and_rate_count_from_the_stop(sense: float, at: float) -> None:
+    """g_N is zero to the last bit at the stop and grows away from it, on whichever side that is.
+
+    The neighbouring number of ``at`` on the free side is a positive gap of one unit in the last
+    place: the difference of nearby numbers is exact.
+    """
+    stop = Stop(name="s", index=1, restitution=0.0, contact=None, sense=sense, at=at)
+    q = np.array([7.0, at, 7.0])
+    assert stop.gap(q) == 0.0
+    near = np.nextafter(at, sense * np.inf)
+    assert stop.gap(np.array([7.0, near, 7.0])) == abs(near - at) > 0.0
+    many = np.array([q, q + sense * 0.25])
+    assert stop.gaps(many) == pytest.approx([0.0, 0.25], abs=1e-16)
+    v = np.array([[7.0, 3.0, 7.0]])
+    assert (stop.rate(v[0]), stop.rates(v).tolist()) == (sense * 3.0, [sense * 3.0])
+
+
+REFUSED: dict[str, tuple[dict[str, dict[str, Any]], str]] = {
+    "degrees on a slide": (
+        {"a": {"joint": "x", "at_deg": 3.0}},
+        r"stops\.a\.at_deg = 3\.0 .*on the prismatic joint x is at_mm",
+    ),
+    "millimetres on a hinge": (
+        {"a": {"joint": "turn", "at_mm": 3.0}},
+        r"stops\.a\.at_mm = 3\.0 .*on the revolute joint turn is at_deg",
+    ),
+    "another side": (
+        {"a": {"joint": "x", "side": "left"}},
+        r"stops\.a\.side = 'left' .*one of lower, upper",
+    ),
+    "two on one side": (
+        {"a": {"joint": "x"}, "b": {"joint": "x", "at_mm": 5.0}},
+        r"stops\.b = 'lower stop at 0\.005' .*'a' is on this side of x already",
+    ),
+    "no room": (
+        {"a": {"joint": "x"}, "b": {"joint": "x", "side": "upper"}},
+        r"stops\.b .*x has no room to move between 'b' and 'a'",
+    ),
+    "the upper one below": (
+        {"b": {"joint": "x", "side": "upper", "at_mm": -1.0}, "a": {"joint": "x"}},
+        r"stops\.a .*x has no room to move between 'a' and 'b'",
+    ),
+    "no number": (
+        {"a": {"joint": "x", "at_mm": float("nan")}},
+        r"stops\.a\.at_mm = nan .*a finite number",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_mistakes_are_named(name: str) -> None:
+    """Each is one sentence with the key, the value and what is allowed."""
+    stops, message = REFUSED[name]
+    with pytest.raises(ModelError, match=message):
+        stopped(**{key: {"restitution": 0.5, **value} for key, value in stops.items()})
+
+
+def test_both_stops_of_a_joint_cannot_be_closed_at_once() -> None:
+    """A phase with both of them contradicts itself."""
+    stops = {
+        "a": {"joint": "x", "restitution": 0.5},
+        "b": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 5.0},
+    }
+    phases = [{"number": 1, "name": "squeezed", "closed": ["a", "b"]}]
+    with pytest.raises(ModelError, match=r"contradict one another: stop a, stop b"):
+        machine(PARTS, 2, stops=stops, phases=phases)
+
+
+def test_a_stop_beyond_its_contact_at_the_start_is_refused() -> None:
+    """A coordinate of zero above an upper stop at -5 mm lies in the wall: by 0.005 m, with advice.
+
+    With that stop closed in the initial phase the joint starts at the stop instead.
+    """
+    stops = {"a": {"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": -5.0}}
+    case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+    with pytest.raises(InputError, match=r"stop 'a' would be 0\.005 beyond its contact"):
+        simulate(machine(PARTS, 2, stops=stops), case)
+    closed = [{"number": 1, "name": "at the wall", "closed": ["a"]}]
+    springs = {"k": {"joint": "x", "stiffness_N_per_m": 5.0, "preload_length_mm": -10.0}}
+    solution = simulate(machine(PARTS, 2, stops=stops, phases=closed, springs=springs), case)
+    q = solution.trajectory.evaluate([0.0, 0.5, 1.0]).q
+    assert (q[:, 0] == -0.005).all()
+    force = solution.trajectory.reactions(0.5).stops["a"][0]
+    assert force == pytest.approx(5.0 * (0.010 + 0.005), rel=1e-12)
+
+
+def test_a_transition_needs_a_stop_that_is_closed_at_touch() -> None:
+    """A transition starts where its stop collides; one that stands open there is told so."""
+    stops = {"a": {"joint": "x", "restitution": 0.5, "at_mm": -5.0}}
+    with pytest.raises(InputError, match=r"stop 'a' stands open by 0\.005 .*whole turns"):
+        simulate(machine(PARTS, 2, stops=stops), Case(speed_rpm=60.0))
+
+
+@pytest.mark.parametrize(("side", "place"), [("lower", -40.0), ("upper", 40.0)])
+def test_shapes_meet_where_the_stop_is(side: str, place: float) -> None:
+    """Two balls of 10 mm, 60 mm apart, meet at 40 mm on either side; the lever is one, outwards.
+
+    The contact point is the middle between their centres at that coordinate, and the normal points
+    from the ball on the frame to the one that leaves it.
+    """
+    sense = 1.0 if side == "lower" else -1.0
+
+    def ball(name: str, x: float) -> str:
+        return (
+            f'<collision name="{name}"><origin xyz="{x!r} 0 0"/><geometry><sphere radius="0.01"/>'
+            "</geometry></collision></link>"
+        )
+
+    post = '<link name="post">' + ball("post_ball", -sense * 0.06)
+    fixed = (
+        '<joint name="post_fixed" type="fixed"><parent link="frame"/><child link="post"/></joint>'
+    )
+    cart = link("cart").replace("</link>", ball("cart_ball", 0.0))
+
+    def build(at: float) -> Mechanism:
+        contact = {"lower": "post_ball", "upper": "cart_ball"}
+        stop = {"joint": "x", "restitution": 0.5, "side": side, "at_mm": at, "contact": contact}
+        parts = [post, fixed, cart, slide("x", "frame", "cart")]
+        return machine(parts, 1, stops={"touch": stop})
+
+    contact = build(place).stops[0].contact
+    assert contact is not None
+    assert contact.closing_coordinate == pytest.approx(1e-3 * place, abs=1e-12)
+    assert contact.point == pytest.approx([-sense * 0.05, 0.0, 0.0], abs=1e-9)
+    assert contact.normal == pytest.approx([sense, 0.0, 0.0], abs=1e-9)
+    assert contact.lever_m == pytest.approx(1.0, rel=1e-12)
+    with pytest.raises(ModelError, match=r"10 mm apart at x = .*touch at x = -?40 mm"):
+        build(0.75 * place)
+
+
+def test_the_reduced_engine_leaves_other_stops_to_the_direct_one() -> None:
+    """An upper stop, or one away from zero, is a reason in one sentence; plain ones are not."""
+    mechanism = load("e62")
+    assert unfit(mechanism) is None
+    changed = dict(mechanism.description)
+    changed["stops"] = {**mechanism.description["stops"]}  # type: ignore[dict-item]
+    changed["stops"]["limit"] = {  # type: ignore[index]
+        "joint": "jaw", "restitution": 0.2, "side": "upper", "at_deg": 60.0
+    }  # fmt: skip
+    limited = from_sources("e62", mechanism.urdf, changed, mechanism.mesh_folder)
+    assert "'limit'" in (unfit(limited) or "")
+    with pytest.raises(InputError, match=r"lower stops at coordinate zero.*use the direct engine"):
+        build(limited)
+    wide, plain = (
+        simulate(model, Case(speed_rpm=450.0)).transitions[0] for model in (limited, mechanism)
+    )
+    assert wide.duration == pytest.approx(plain.duration, rel=1e-12)
+
+
+def test_the_report_names_side_and_place() -> None:
+    """The findings about a model say which limit of which joint each stop is."""
+    mechanism = stopped(
+        wall={"joint": "x", "restitution": 0.5, "side": "upper", "at_mm": 120.0},
+        turned={"joint": "turn", "restitution": 0.25, "at_deg": -90.0},
+    )
+    assert check_model(mechanism, 60.0).record()["stops"] == {
+        "wall": {"joint": "x", "side": "upper", "at": 0.12, "restitution": 0.5},
+        "turned": {"joint": "turn", "side": "lower", "at": -np.pi / 2.0, "restitution": 0.25},
+    }

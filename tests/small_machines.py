@@ -1,0 +1,92 @@
+"""Machines of a few lines, written out part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from nipper_pin.mechanism import Mechanism, from_sources
+
+SHAFT = {"reflected_inertia_kg_m2": 1.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
+SLED = {"reflected_mass_kg": 10.0, "shaft_frequency_hz": 10.0, "shaft_damping_ratio": 0.7}
+# Turning inertia of a body whose turning does not count; a URDF demands a number above zero.
+NOTHING = 1e-300
+
+
+def link(
+    name: str, mass: float = 1.0, inertia: float = 1.0, centre: tuple[float, float] = (0.0, 0.0)
+) -> str:
+    """A link with mass [kg], inertia [kg m2] and centre of mass (x, z) [m]."""
+    about = " ".join(f'i{axis}="{inertia!r}"' for axis in ("xx", "yy", "zz"))
+    return (
+        f'<link name="{name}"><inertial><origin xyz="{centre[0]!r} 0 {centre[1]!r}"/>'
+        f'<mass value="{mass!r}"/><inertia {about} ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+
+
+def hinge(name: str, parent: str, child: str, at: tuple[float, float] = (0.0, 0.0)) -> str:
+    """A hinge at (x, z) of its parent [m]."""
+    return _joint(name, "continuous", parent, child, at, "0 -1 0")
+
+
+def slide(
+    name: str,
+    parent: str,
+    child: str,
+    axis: tuple[float, float] = (1.0, 0.0),
+    at: tuple[float, float] = (0.0, 0.0),
+) -> str:
+    """A slide along (x, z) of its parent."""
+    return _joint(name, "prismatic", parent, child, at, f"{axis[0]!r} 0 {axis[1]!r}")
+
+
+def frame(name: str, parent: str, at: tuple[float, float] = (0.0, 0.0), turned: float = 0.0) -> str:
+    """A named frame at (x, z) of a link [m], turned counter-clockwise [rad]."""
+    fixed = _joint(f"{name}_fixed", "fixed", parent, name, at, "1 0 0")
+    # A rotation about +y is clockwise in the side view.
+    return f'<link name="{name}"/>' + fixed.replace("<origin ", f'<origin rpy="0 {-turned!r} 0" ')
+
+
+def machine(
+    parts: Sequence[str], freedom: int, *, gravity: float = 0.0, **tables: Any
+) -> Mechanism:
+    """Build a mechanism at 60 r/min rated speed.
+
+    Args:
+        parts: Links and joints; the root link ``frame`` is added.
+        freedom: Degrees of freedom with all stops open, drives counted.
+        gravity: Along -z [m/s2].
+        **tables: Further tables of the description; the first stop is the transition stop and, if
+            no phases are given, the initial phase has all stops open.
+    """
+    stops = list(tables.get("stops", {}))
+    description = {
+        "format": 1,
+        "title": "a small machine",
+        "degrees_of_freedom": freedom,
+        "gravity_m_s2": gravity,
+        "initial_phase": 1,
+        "transition_stop": stops[0] if stops else "",
+        "cylinder": {
+            "rated_speed_rpm": 60.0,
+            "direction": "counter-clockwise",
+            "angle_at_touch_deg": 0.0,
+            "reference_index": 0.0,
+            "reference_angle_deg": 0.0,
+        },
+        "phases": [{"number": 1, "name": "free", "closed": []}],
+        **tables,
+    }
+    urdf = f'<robot name="small"><link name="frame"/>{"".join(parts)}</robot>'
+    return from_sources("small", urdf, description, ".")
+
+
+def _joint(
+    name: str, kind: str, parent: str, child: str, at: tuple[float, float], axis: str
+) -> str:
+    limit = '<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>'
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{at[0]!r} 0 {at[1]!r}"/><axis xyz="{axis}"/>'
+        f"{limit if kind == 'prismatic' else ''}</joint>"
+    )

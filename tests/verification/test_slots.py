@@ -1,0 +1,236 @@
+"""Pins in slots: Scotch yoke and slotted lever in closed form, and a machine built by hand."""
+
+from __future__ import annotations
+
+from math import atan2, hypot
+
+import numpy as np
+import pytest
+from small_machines import NOTHING, SHAFT, frame, hinge, link, machine, slide
+
+from nipper_pin import AssemblyError, Case, Mechanism, ModelError, Solution, Window, simulate
+from nipper_pin.errors import UnknownNameError
+from nipper_pin.mechanism import OscillatingGuide
+from nipper_pin.study.check import check_model
+from nipper_pin.study.stress.invariants import violations
+
+RADIUS = 0.05
+TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+CRANK = {"crank": {"joint": "crank_axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}}
+CRANK_PARTS = [
+    link("crank", 2.0, 0.01, (0.01, 0.0)),
+    hinge("crank_axis", "frame", "crank"),
+    frame("crank_pin", "crank", (RADIUS, 0.0)),
+]
+
+
+def index_of(mechanism: Mechanism, joint: str) -> int:
+    """Place of a joint's coordinate."""
+    return next(item.index for item in mechanism.joints if item.name == joint)
+
+
+def sampled(solution: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Times, q, v and a at 101 times of a turn."""
+    t = np.linspace(*solution.trajectory.span, 101)
+    motion = solution.trajectory.evaluate(t)
+    return t, motion.q, motion.v, solution.trajectory.reactions(t).a
+
+
+def yoke(mass: float = 0.3) -> Mechanism:
+    """A crank pin in the upright slot of a yoke that slides along x."""
+    parts = [*CRANK_PARTS, link("yoke", 1.5, 0.01), slide("yoke_x", "frame", "yoke")]
+    slot = {"frame_a": "yoke", "frame_b": "crank_pin", "slot_axis": "z", "block_mass_kg": mass}
+    # The yoke's origin stands where the pin is at touch.
+    parts[-1] = slide("yoke_x", "frame", "yoke", at=(RADIUS, -0.02))
+    return machine(parts, 1, drives=CRANK, closures={"slot": slot})
+
+
+def test_a_scotch_yoke_moves_as_the_cosine() -> None:
+    """x = r cos psi, and the block stands at r sin psi in its slot, with both derivatives.
+
+    Rates are in units of r W and accelerations of r W^2; round-off of the closures is 1e-16 m. The
+    yoke's frame stands 20 mm below the pin at touch: the block's coordinate is zero there all the
+    same.
+    """
+    mechanism = yoke()
+    t, q, v, a = sampled(simulate(mechanism, TURN))
+    W = 2.0 * np.pi
+    x, s = index_of(mechanism, "yoke_x"), index_of(mechanism, "slot")
+    assert q[:, x] == pytest.approx(RADIUS * (np.cos(W * t) - 1.0), abs=1e-15)
+    assert q[:, s] == pytest.approx(RADIUS * np.sin(W * t), abs=1e-15)
+    assert v[:, x] == pytest.approx(-RADIUS * W * np.sin(W * t), abs=1e-14)
+    assert v[:, s] == pytest.approx(RADIUS * W * np.cos(W * t), abs=1e-14)
+    assert a[:, x] == pytest.approx(-RADIUS * W**2 * np.cos(W * t), abs=1e-13)
+    assert a[:, s] == pytest.approx(-RADIUS * W**2 * np.sin(W * t), abs=1e-13)
+
+
+def test_the_pin_pushes_across_its_slot_and_moves_its_block() -> None:
+    """The force on the block is what the yoke's mass asks for across, the block's own along.
+
+    Both masses move along x by r cos W t, the block alone along z by r sin W t; the force that the
+    pin exerts on the block, the side of frame a, is m a in either direction.
+    """
+    mechanism = yoke(0.3)
+    solution = simulate(mechanism, TURN)
+    t = np.linspace(*solution.trajectory.span, 101)
+    W = 2.0 * np.pi
+    force = solution.trajectory.reactions(t).closures["slot"]
+    scale = RADIUS * W**2
+    assert force[:, 0] == pytest.approx(-(1.5 + 0.3) * scale * np.cos(W * t), abs=1e-12)
+    assert force[:, 1] == pytest.approx(-0.3 * scale * np.sin(W * t), abs=1e-12)
+
+
+GUIDE = (-0.12, 0.03)
+
+
+def test_a_slotted_lever_is_an_oscillating_guide() -> None:
+    """Crank and slotted lever (quick return): the law of the same mechanism as a drive.
+
+    The lever turns about a fixed point beside the crank; a frame on it is turned so that its x
+    axis, the slot, points to the pin at touch. The law is atan2 with derivatives by hand, and knows
+    no closure. The block slides by the change of distance from the lever's axis to the pin.
+    """
+    x, z = RADIUS - GUIDE[0], -GUIDE[1]
+    slot_angle = atan2(z, x)
+    lever = [
+        link("lever", 1.0, 0.02, (0.05, 0.0)),
+        hinge("lever_axis", "frame", "lever", GUIDE),
+        frame("slot_frame", "lever", turned=slot_angle),
+    ]
+    slot = {
+        "frame_a": "slot_frame", "frame_b": "crank_pin", "slot_axis": "x", "block_mass_kg": 0.2
+    }  # fmt: skip
+    mechanism = machine([*CRANK_PARTS, *lever], 1, drives=CRANK, closures={"slot": slot})
+    t, q, v, a = sampled(simulate(mechanism, TURN))
+    W = 2.0 * np.pi
+    law = OscillatingGuide(
+        crank_radius_m=RADIUS, crank_axis=(0.0, 0.0), guide_axis=GUIDE, guide_offset_m=0.0
+    )
+    angle, rate, second = law.evaluate(W * t)
+    column, block = index_of(mechanism, "lever_axis"), index_of(mechanism, "slot")
+    assert q[:, column] == pytest.approx(angle - angle[0], abs=1e-14)
+    assert v[:, column] == pytest.approx(W * rate, abs=1e-13)
+    assert a[:, column] == pytest.approx(W**2 * second, abs=1e-12)
+    pin = RADIUS * np.exp(1j * W * t) - complex(*GUIDE)
+    assert q[:, block] == pytest.approx(np.abs(pin) - hypot(x, z), abs=1e-14)
+
+
+def hammer(slot: bool) -> Mechanism:
+    """A crank pin in the slot of a lever that throws a sprung flap, slotted or built by hand."""
+    parts = [
+        *CRANK_PARTS,
+        link("lever", 1.0, 0.02, (0.05, 0.0)), hinge("lever_axis", "frame", "lever", (-0.2, 0.0)),
+        link("flap", 0.4, 0.003, (0.05, 0.01)), hinge("flap_axis", "lever", "flap", (0.1, 0.0)),
+    ]  # fmt: skip
+    closure = {"frame_a": "lever", "frame_b": "crank_pin"}
+    if slot:
+        closure |= {"slot_axis": "x", "block_mass_kg": 0.25}
+    else:
+        parts += [
+            link("block", 0.25, NOTHING),
+            slide("slot", "lever", "block", at=(0.2 + RADIUS, 0.0)),
+        ]
+        closure["frame_a"] = "block"
+    return machine(
+        parts, 2, gravity=9.81, drives=CRANK, closures={"pin" if not slot else "slot": closure},
+        springs={"coil": {"joint": "flap_axis", "stiffness_N_m_per_rad": 2.0, "preload_deg": 4.0},
+                 "buffer": {"joint": "slot", "stiffness_N_per_m": 30.0, "preload_length_mm": 2.0}},
+        stops={"flap": {"joint": "flap_axis", "restitution": 0.4},
+               "back": {"joint": "flap_axis", "restitution": 0.6, "side": "upper", "at_deg": 6.0}},
+    )  # fmt: skip
+
+
+def test_a_slot_is_the_slide_and_pin_written_by_hand() -> None:
+    """The same machine with its block in the URDF: all events, rates and impulses to round-off.
+
+    The order of the joints may differ, so nothing but round-off is the same by construction. A
+    spring stands on the block's own coordinate in both.
+    """
+    case = Case(speed_rpm=180.0, window=Window.CYCLE, cycles=1, start_index=0.0)
+    one, other = (simulate(hammer(slot), case) for slot in (True, False))
+    assert len(one.collisions) > 5
+    assert {hit.stop for hit in one.collisions} == {"flap", "back"}
+    assert len(one.events) == len(other.events)
+    for event, twin in zip(one.events, other.events, strict=True):
+        assert (event.kind, event.stops) == (twin.kind, twin.stops)
+        assert event.t == pytest.approx(twin.t, abs=1e-13)
+        for name, impulse in event.P_N.items():
+            assert impulse == pytest.approx(twin.P_N[name], rel=1e-9, abs=1e-15)
+    t = np.linspace(*one.trajectory.span, 50)
+    for joint in ("crank_axis", "lever_axis", "flap_axis", "slot"):
+        a, b = (run.trajectory.evaluate(t).q[:, index_of(run.mechanism, joint)]
+                for run in (one, other))  # fmt: skip
+        assert a == pytest.approx(b, abs=1e-11)
+    assert violations(one) == []
+    assert one.checks.energy_balance <= 1e-12
+
+
+def test_a_stop_may_limit_the_block() -> None:
+    """A stop on the block's coordinate stops the pin in its slot: a slotted link that goes taut.
+
+    The mass hangs on the pin by gravity alone, 0.4 of its way down the slot; it falls from rest and
+    is caught after sqrt(2 h / g), with the impulse M v of all that falls.
+    """
+    parts = [
+        link("pin_carrier", 0.7), slide("drop", "frame", "pin_carrier", (0.0, 1.0)),
+        link("rail"), slide("rail_x", "frame", "rail"),
+        link("arm", 1.0), hinge("arm_axis", "frame", "arm", (1.0, 1.0)),
+    ]  # fmt: skip
+    slot = {"frame_a": "rail", "frame_b": "pin_carrier", "slot_axis": "z", "block_mass_kg": 0.1}
+    mechanism = machine(
+        parts, 2, gravity=9.81,
+        drives={"arm": {"joint": "arm_axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+        closures={"slot": slot},
+        stops={"end": {"joint": "slot", "restitution": 0.0, "at_mm": -400.0}},
+    )  # fmt: skip
+    solution = simulate(mechanism, TURN)
+    (hit,) = solution.collisions
+    assert hit.t == pytest.approx((0.8 / 9.81) ** 0.5, rel=1e-12)
+    assert hit.impulse == pytest.approx(0.8 * (0.8 * 9.81) ** 0.5, rel=1e-11)
+    assert solution.events[-1].closed_after == {"end"}
+
+
+def test_mistakes_in_slots_are_named() -> None:
+    """What is missing, in the way or off the slot's line is said with the key and the gap."""
+    parts = [*CRANK_PARTS, link("yoke"), slide("yoke_x", "frame", "yoke", at=(RADIUS, 0.0))]
+    good = {"frame_a": "yoke", "frame_b": "crank_pin", "slot_axis": "z", "block_mass_kg": 0.1}
+
+    def build(changes: dict[str, object], name: str = "slot") -> Mechanism:
+        closure = {key: value for key, value in (good | changes).items() if value is not None}
+        return machine(parts, 1, drives=CRANK, closures={name: closure})
+
+    with pytest.raises(ModelError, match=r"closures\.slot\.block_mass_kg .*sliding block"):
+        build({"block_mass_kg": None})
+    with pytest.raises(ModelError, match=r"closures\.slot\.slot_axis .*a plain pin neither"):
+        build({"slot_axis": None})
+    with pytest.raises(ModelError, match=r"closures\.slot\.block_mass_kg = 0\.0 .*above 0"):
+        build({"block_mass_kg": 0.0})
+    with pytest.raises(ModelError, match=r"closures\.slot\.slot_axis = 'y' .*one of x, z"):
+        build({"slot_axis": "y"})
+    with pytest.raises(UnknownNameError, match=r"closures\.slot\.frame_a.*no frame named 'rail'"):
+        build({"frame_a": "rail"})
+    with pytest.raises(ModelError, match="a slot needs a name of its own"):
+        build({}, name="yoke_x")
+    off = [*CRANK_PARTS, link("yoke"), slide("yoke_x", "frame", "yoke", at=(RADIUS + 0.001, 0.0))]
+    with pytest.raises(AssemblyError, match=r"1 mm .*from the slot along z of yoke to crank_pin"):
+        machine(off, 1, drives=CRANK, closures={"slot": good})
+    with pytest.raises(ModelError, match=r"the model has 1: 3 tree joints \(1 of them blocks"):
+        machine(parts, 2, drives=CRANK, closures={"slot": good})
+
+
+def test_a_model_with_a_slot_is_reported() -> None:
+    """The check lists the block among the joints and the slot with its frame and axis."""
+    report = check_model(yoke(), 60.0).record()
+    assert {"name": "slot", "kind": "prismatic", "parent": "yoke", "child": "slot_block"} in [
+        {key: joint[key] for key in ("name", "kind", "parent", "child")}
+        for joint in report["joints"]
+    ]
+    assert report["closures"] == [
+        {
+            "name": "slot",
+            "frame_a": "slot_block",
+            "frame_b": "crank_pin",
+            "slot_frame": "yoke",
+            "slot_axis": "z",
+        }
+    ]
