@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -22,3 +26,50 @@ def one_thread_each() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[ProcessPoolExecutor]:
+    """Processes of one thread each that leave interrupts to this one and do not outlive it.
+
+    Args:
+        workers: Number of processes.
+        first: Nothing to do, from the module that their work comes from: what it imports is
+            imported while this process goes on.
+    """
+    # Fresh processes: a fork of one that has threads may never end.
+    with (
+        one_thread_each(),
+        ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,
+    ):
+        with _interrupts_held_back():
+            for _ in range(workers):
+                pool.submit(first)
+        yield pool
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Processes that start in here leave interrupts from the keyboard to this one.
+
+    They inherit the mask, and so are deaf from their first instruction on; here an interrupt is
+    only late.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _prepare() -> None:
+    """Do not outlive the process that collects."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A worker whose parent was killed would wait for its next task for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
