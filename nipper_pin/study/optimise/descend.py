@@ -235,10 +235,10 @@ def _minimise(trace: Trace, z: FloatArray) -> bool:
         return point.rows / size if point.usable else np.full(len(size), -_UNUSABLE)
 
     def value_slopes(x: FloatArray) -> FloatArray:
-        return np.asarray(trace.slopes(x)[0] / trace.scales.aim
+        return np.asarray(trace.slopes(x)[0] / trace.scales.aim)
 
     def row_slopes(x: FloatArray) -> FloatArray:
-        return trace.slopes(x)[1] / size[:, None]
+        return np.asarray(trace.slopes(x)[1] / size[:, None])
 
     found = minimize(
         value,
