@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..hybrid.storage import complete_file
-from ..study.optimise.quantities import QUANTITIES
+from ..study.optimise.quantities import label
 from ..study.optimise.result import Optimum
 from .style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 
@@ -69,9 +69,9 @@ def front_figure(optimum: Optimum) -> Figure:
             label=word,
         )  # fmt: skip
     above.legend(fontsize=SMALL, frameon=False)
-    tidy(above, "", _label(one))
+    tidy(above, "", label(one))
     _numbers_along(optimum, below)
-    tidy(below, _label(two), "place in its bounds")
+    tidy(below, label(two), "place in its bounds")
     return figure
 
 
@@ -90,8 +90,3 @@ def _numbers_along(optimum: Optimum, axes: Axes) -> None:
         )
     axes.set_ylim(-0.05, 1.05)
     axes.legend(fontsize=SMALL, frameon=False)
-
-
-def _label(name: str) -> str:
-    found = QUANTITIES[name]
-    return f"{found.words} [{found.unit}]" if found.unit else found.words

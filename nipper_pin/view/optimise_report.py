@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 
 from ..study.optimise.binding import Binding
-from ..study.optimise.quantities import QUANTITIES
+from ..study.optimise.quantities import QUANTITIES, label
 from ..study.optimise.result import CAUTION, Design, Optimum
 from .console import plain_table, say
 
@@ -106,8 +106,11 @@ def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> Non
         say(console, f"No conflict: one design is the best by {one} and by {two}")
         return
     names = [item.name for item in optimum.problem.parameters]
+    # Paths side by side are wider than a terminal; their last words do where they differ.
+    short = [name.rsplit(".", 1)[-1] for name in names]
     say(console, "Pareto front", style="bold")
-    table = plain_table(one, two, *names)
+    headings = short if len(set(short)) == len(short) else names
+    table = plain_table(*(label(name) for name in (one, two)), *headings)
     for item in front:
         values = (item.values[one], item.values[two], *(item.numbers[name] for name in names))
         table.add_row(*(f"{value:.5g}" for value in values))

@@ -114,7 +114,8 @@ def _turn(mechanism: Mechanism, speed: float) -> Mapping[str, Callable[[], float
         "opening_index": lambda: index(end),
         "clamping_force_N": clamping,
         "stop_force_N": lambda: _least_stop_force(solution),
-        "jaw_opening_deg": lambda: _widest(solution),
+        "jaw_opening_deg": lambda: math.degrees(_widest(solution, stop, *solution.trajectory.span)),
+        "stroke_mm": lambda: 1e3 * _widest(solution, _waiting(solution), begin, end),
     }
 
 
@@ -129,7 +130,7 @@ def _open_phases(solution: Solution) -> list[FloatArray]:
 
 
 def _least_stop_force(solution: Solution) -> float:
-    (stop,) = solution.mechanism.phase(solution.mechanism.initial_phase).closed
+    stop = _waiting(solution)
     # At the ends of a phase the stop is just being hit or left.
     return min(
         float(lowest(t[1:-1], solution.trajectory.reactions(t[1:-1]).contacts[stop]).min())
@@ -137,9 +138,16 @@ def _least_stop_force(solution: Solution) -> float:
     )
 
 
-def _widest(solution: Solution) -> float:
-    column = solution.mechanism.stop(solution.mechanism.transition_stop).index
-    begin, end = solution.trajectory.span
-    places = np.linspace(begin, end, 10 * _PLACES)
+def _waiting(solution: Solution) -> str:
+    """The stop that is closed in the initial phase."""
+    (stop,) = solution.mechanism.phase(solution.mechanism.initial_phase).closed
+    return stop
+
+
+def _widest(solution: Solution, stop: str, begin: float, end: float) -> float:
+    """Largest coordinate of a stop between two times [rad or m]."""
+    column = solution.mechanism.stop(stop).index
+    first, last = solution.trajectory.span
+    places = np.linspace(max(begin, first), min(end, last), 10 * _PLACES)
     gaps = solution.trajectory.evaluate(places, left=True).q[:, column]
-    return math.degrees(-float(lowest(places, -gaps).min()))
+    return -float(lowest(places, -gaps).min())

@@ -30,7 +30,9 @@ class Quantity:
         unit: Its unit, empty without one.
         source: What it takes to find it.
         key: Its name in :data:`nipper_pin.study.identify.targets.QUANTITIES`, for transitions.
-        joint: Kind of joint that the transition stop must be on, or None for any.
+        joint: Kind of joint that its stop must be on, or None for any.
+        waiting: Whether its stop is the one that is closed in the initial phase, and not the
+            transition stop.
     """
 
     words: str
@@ -38,6 +40,7 @@ class Quantity:
     source: Source
     key: str = ""
     joint: str | None = None
+    waiting: bool = False
 
 
 QUANTITIES: Mapping[str, Quantity] = {
@@ -56,11 +59,24 @@ QUANTITIES: Mapping[str, Quantity] = {
     "closing_index": Quantity("closing index", "", "cycle"),
     "opening_index": Quantity("opening index", "", "cycle"),
     "jaw_opening_deg": Quantity("widest opening of the jaw", "deg", "cycle", joint="revolute"),
+    "stroke_mm": Quantity(
+        "largest stroke with the jaw closed", "mm", "cycle", joint="prismatic", waiting=True
+    ),
     "speed_rpm": Quantity("cylinder speed", "r/min", "setting"),
 }
 """All quantities by name."""
 
 INDICES = ("closing_index", "opening_index")
+
+
+def label(name: str) -> str:
+    """What a quantity is and its unit, for axes and headings.
+
+    Args:
+        name: Its name.
+    """
+    found = QUANTITIES[name]
+    return f"{found.words} [{found.unit}]" if found.unit else found.words
 
 
 def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:
@@ -74,21 +90,21 @@ def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:
     Raises:
         InputError: A quantity does not fit.
     """
-    stop = mechanism.stop(mechanism.transition_stop)
-    kind = mechanism.joints[stop.index].kind
     for name in names:
-        wanted = QUANTITIES[name].joint
-        if wanted is not None and wanted != kind:
-            others = [key for key, item in QUANTITIES.items() if item.joint in (None, kind)]
-            message = (
-                f"{where}: {name} cannot be used: stop {stop.name} is on a {kind} joint; choose "
-                f"from {', '.join(others)}"
-            )
-            raise InputError(message, quantity=name, joint=kind)
-        reason = unfit(mechanism) if QUANTITIES[name].source == "cycle" else None
+        item = QUANTITIES[name]
+        reason = unfit(mechanism) if item.source == "cycle" else None
         if reason is not None:
             message = f"{where}: {name} cannot be used: {reason}"
             raise InputError(message, quantity=name, model=mechanism.name)
+        stops = mechanism.phase(mechanism.initial_phase).closed if item.waiting else ()
+        stop = mechanism.stop(min(stops, default=mechanism.transition_stop))
+        kind = mechanism.joints[stop.index].kind
+        if item.joint not in (None, kind):
+            message = (
+                f"{where}: {name} cannot be used: stop {stop.name} is on a {kind} joint, and it "
+                f"needs a {item.joint} one"
+            )
+            raise InputError(message, quantity=name, joint=kind)
 
 
 def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
@@ -97,12 +113,13 @@ def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
     Args:
         cycle: The working cycle.
     """
-    waiting = cycle.waiting
+    waiting, clamping = cycle.waiting, cycle.clamping
     return {
         "clamping_force_N": cycle.clamping_force,
         "stop_force_N": float(lowest(waiting.index, waiting.force).min()),
         "closing_index": cycle.closing_index,
         "opening_index": cycle.opening_index,
+        "stroke_mm": -1e3 * float(lowest(clamping.index, -clamping.gap).min()),
         "jaw_opening_deg": float(np.degrees(-lowest(waiting.index, -waiting.gap).min())),
     }
 
