@@ -33,7 +33,6 @@ def plot_front(optimum: Optimum, path: str | Path) -> Path:
     """
     target = Path(path)
     with complete_file(target) as partial:
-        # Without a date and with fixed ids equal fronts give equal files.
         front_figure(optimum).savefig(partial, format=target.suffix.removeprefix("."))
     return target
 
@@ -47,7 +46,8 @@ def front_figure(optimum: Optimum) -> Figure:
     problem = optimum.problem
     figure = Figure(figsize=(WIDTH_IN, 5.6), dpi=200, layout="constrained")
     FigureCanvasAgg(figure)
-    limits = "; ".join(str(item) for item in problem.limits) or "none"
+    # Lines break between limits, not inside them.
+    limits = "; ".join(str(item).replace(" ", "\u00a0") for item in problem.limits) or "none"
     texts = [problem.title, f"limits: {limits}"]
     figure.suptitle("\n".join(textwrap.fill(text, _COLUMNS) for text in texts), fontsize=TEXT)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))

@@ -128,7 +128,10 @@ def test_front_is_the_curve_of_the_formulas(tmp_path: Path) -> None:
     found = quick(problem(tmp_path, body + BOUNCES), points=6)
     heights = np.array([item.values["first_amplitude_m"] for item in found.front])
     ends = [(e * v) ** 2 / (2.0 * GRAVITY) for e, v in ((0.05, 0.02), (0.5, 0.1))]
-    np.testing.assert_allclose(heights, np.linspace(*ends, 6), rtol=1e-4, atol=1e-9)
+    wanted = np.linspace(*ends, 6)
+    # The last one stops a thousandth short of the end.
+    wanted[-1] -= 1e-3 * (ends[1] - ends[0])
+    np.testing.assert_allclose(heights, wanted, rtol=1e-4, atol=1e-9)
     for item in found.front[1:]:
         u = math.sqrt(2.0 * GRAVITY * item.values["first_amplitude_m"])
         assert item.values["transition_time_s"] == pytest.approx(rest(u, 0.1), rel=1e-4)
@@ -172,7 +175,7 @@ def mean_force(preload_mm: float) -> float:
         for event in solution.events
         if "jaw" in event.closed_before and "jaw" not in event.closed_after
     )
-    places = np.linspace(begin + 0.25 * (end - begin), begin + 0.75 * (end - begin), 20_001)
+    places = np.linspace(begin + 0.25 * (end - begin), begin + 0.75 * (end - begin), 2001)
     force = solution.trajectory.reactions(places).contacts["jaw"]
     return float(np.trapezoid(force, places) / (places[-1] - places[0]))
 
@@ -389,7 +392,7 @@ def test_command_writes_what_simulate_and_load_take(
     """
     example = Path(__file__).resolve().parents[2] / "scripts" / "optimise_rebound.toml"
     out = tmp_path / "out"
-    arguments = ["--out", str(out), "--starts", "2", "--points", "3", "--no-check"]
+    arguments = ["--out", str(out), "--starts", "1", "--points", "2", "--no-check"]
     assert main(["optimise", str(example), *arguments, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert json.loads((out / "result.json").read_text()) == document
@@ -408,7 +411,7 @@ def test_command_writes_what_simulate_and_load_take(
     assert document["relative_change"] < -1.0 / 3.0
     for name, value in document["control"]["values"].items():
         assert value == pytest.approx(document["optimum"]["values"][name], rel=1e-4, abs=1e-3)
-    assert len(document["front"]) == 3
+    assert len(document["front"]) == 2
     assert (out / "front.svg").read_text().startswith("<?xml")
     assert "never the maker's" in document["caution"]
     # Without --json the same as text, from the parts that are there.
@@ -416,6 +419,20 @@ def test_command_writes_what_simulate_and_load_take(
     text = capsys.readouterr().out
     assert "What holds it back" in text
     assert "the model itself breaks stop_force_N >= 0" in text
+
+
+def test_an_interrupt_says_what_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object, progress: Any, **__: object) -> None:
+        progress(7, 15)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("nipper_pin.study.optimise.optimise", stopped)
+    out = tmp_path / "out"
+    assert main(["optimise", str(study(tmp_path, AT_LEAST)), "--out", str(out)]) == 130
+    said = capsys.readouterr().err
+    assert f"interrupted; 7 finished parts are in {out}: run the same command again" in said
 
 
 def test_infeasible_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

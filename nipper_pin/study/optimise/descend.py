@@ -22,9 +22,11 @@ where truncation and round-off of a central difference are equal."""
 FEASIBLE = 1e-6
 """Largest violation that counts as none, in units of the limit's scale."""
 
-_MOST_STEPS = 60
+_MOST_STEPS = 40
 _ROUNDS = 3
-_GAIN = 1e-9
+# Scaled gains of the aim that end a run, and that are worth another one: far above the noise of the
+# transitions, since a line search in noise has no end.
+_FTOL, _GAIN = 1e-9, 1e-7
 # Scaled value of numbers that make no machine: the line search turns back from them.
 _UNUSABLE = 1e3
 
@@ -247,7 +249,7 @@ def _minimise(trace: Trace, z: FloatArray) -> bool:
         method="SLSQP",
         bounds=[(0.0, 1.0)] * len(z),
         constraints=[{"type": "ineq", "fun": rows, "jac": row_slopes}] if len(size) else [],
-        options={"ftol": 1e-12, "maxiter": _MOST_STEPS},
+        options={"ftol": _FTOL, "maxiter": _MOST_STEPS},
     )
     return bool(found.success)
 
@@ -276,6 +278,6 @@ def _mend(trace: Trace, z: FloatArray) -> bool:
         method="SLSQP",
         bounds=[*[(0.0, 1.0)] * len(z), (0.0, None)],
         constraints=[{"type": "ineq", "fun": rows, "jac": row_slopes}],
-        options={"ftol": 1e-12, "maxiter": _MOST_STEPS},
+        options={"ftol": _FTOL, "maxiter": _MOST_STEPS},
     )
     return bool(found.success)

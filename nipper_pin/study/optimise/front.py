@@ -19,6 +19,9 @@ from .problem import Aim, Limit, Problem
 from .work import Work
 
 _NO_CONFLICT = 1e-6
+# The last limit stops short of the best value of the second aim: exactly there the limits leave the
+# first one no room at all, and descents along an edge of no width do not end.
+_LAST = 1.0 - 1e-3
 
 
 def front(
@@ -49,7 +52,7 @@ def front(
     tasks: dict[str, Callable[[], Descent]] = {}
     for k in range(1, points):
         part = k / (points - 1)
-        held = reached + part * (ends[1].aim - reached)
+        held = reached + min(part, _LAST) * (ends[1].aim - reached)
         text, scales = _held(problem, one, two, held, by)
         blend = (1.0 - part) * np.array(ends[0].z) + part * np.array(ends[1].z)
         starts = (ends[0].z, tuple(blend.tolist()), ends[1].z)
