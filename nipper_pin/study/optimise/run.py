@@ -82,7 +82,7 @@ def optimise(
         every = [*descents, *([] if polished is None else [polished])]
         curve: tuple[tuple[float, ...], ...] = ()
         if len(problem.aims) > 1:
-            second = search.descents(problem.aims[1], "second")
+            second = search.descents(problem.aims[1], "second", best.z)
             by = tuple(search.scales(aim) for aim in problem.aims)
             curve, more = front(problem, by, (best, second[0]), points, work)
             every += [*second, *more]
@@ -143,11 +143,11 @@ class _Search:
     def scales(self, aim: Aim) -> Scales:
         return scales(self.problem, aim, self.seen)
 
-    def descents(self, aim: Aim, name: str) -> tuple[Descent, ...]:
+    def descents(self, aim: Aim, name: str, *more: tuple[float, ...]) -> tuple[Descent, ...]:
         """Descents from all starts, the best first; the limits are met by that one at least."""
         problem, by = self.problem.asking(aim), self.scales(aim)
         text = problem.text()
-        places = begins(self.seen, aim, by, self.starts)
+        places = (*begins(self.seen, aim, by, self.starts), *more)
         tasks = {f"{name}_{k}": partial(descend, text, by, z) for k, z in enumerate(places)}
         found = self.work.all(Descent, tasks)
         if not any(item.feasible for item in found):

@@ -85,8 +85,9 @@ def _check_same(file: Path, here: dict[str, Any]) -> None:
         message = f"{file}: not the problem of an optimisation, or a damaged one ({error})"
         raise InputError(message, file=str(file)) from error
     if other:
+        words = ", ".join({"hash": "problem or versions"}.get(key, key) for key in other)
         message = (
             f"{file.parent}: holds the results of another optimisation (they differ in: "
-            f"{', '.join(other)}); give another folder with --out, or remove this one"
+            f"{words}); give another folder with --out, or remove this one"
         )
         raise InputError(message, folder=str(file.parent), differences=other)
