@@ -125,3 +125,11 @@ class ImpactError(SimulationError):
 
     Evidence: ``stops``, ``rates_before``, ``condition``.
     """
+
+
+class InfeasibleError(SimulationError):
+    """No design within its bounds meets all limits.
+
+    Evidence: ``limits`` (each that is broken, with what was reached and by how much it is missed),
+    ``numbers`` (the design that comes nearest).
+    """

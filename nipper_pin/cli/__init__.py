@@ -7,7 +7,20 @@ import sys
 from collections.abc import Sequence
 
 from ..errors import InputError, NipperError
-from . import benchmark, check, identify, live, new, plot, simulate, stress, study, sweep, view
+from . import (
+    benchmark,
+    check,
+    identify,
+    live,
+    new,
+    optimise,
+    plot,
+    simulate,
+    stress,
+    study,
+    sweep,
+    view,
+)
 
 _RIGHT, _NOT_SIMULATED, _UNUSABLE, _INTERRUPTED = 0, 1, 2, 130
 _COMMANDS = {
@@ -18,6 +31,7 @@ _COMMANDS = {
     "check": (check, "say what a model is, and what is wrong with it"),
     "study": (study, "do the published study again and write its report"),
     "identify": (identify, "find numbers of a model from published ratios or measured rebounds"),
+    "optimise": (optimise, "find the least rebound or transition time inside limits"),
     "sweep": (sweep, "compute many scenarios, on all processors or on a cluster"),
     "plot": (plot, "draw the results of a sweep"),
     "stress": (stress, "run random and extreme cases, and check what must hold of each"),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from typing import TypeVar
 
 from ..errors import SimulationError
@@ -33,6 +35,53 @@ def one_thread_each() -> Iterator[None]:
                 os.environ[name] = value
 
 
+@contextmanager
+def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[ProcessPoolExecutor]:
+    """Processes of one thread each that leave interrupts to this one and do not outlive it.
+
+    Args:
+        workers: Number of processes.
+        first: Nothing to do, from the module that their work comes from: what it imports is
+            imported while this process goes on.
+    """
+    # Fresh processes: a fork of one that has threads may never end.
+    with (
+        one_thread_each(),
+        ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,
+    ):
+        with _interrupts_held_back():
+            for _ in range(workers):
+                pool.submit(first)
+        yield pool
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Processes that start in here leave interrupts from the keyboard to this one.
+
+    They inherit the mask, and so are deaf from their first instruction on; here an interrupt is
+    only late.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _prepare() -> None:
+    """Do not outlive the process that collects."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """A worker whose parent was killed would wait for its next task for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
 def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Iterator[_R]:
     """Results of a task for some items, in their order.
 
@@ -47,10 +96,13 @@ def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Itera
     if workers == 1:
         yield from map(task, items)
         return
-    # Fresh processes: a fork of one that has threads may never end.
-    with one_thread_each(), ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with fresh_processes(workers, _nothing) as pool:
         try:
             yield from pool.map(task, items)
         except BrokenProcessPool as error:
             message = "a worker process died, perhaps for want of memory; use fewer processes"
             raise SimulationError(message, workers=workers) from error
+
+
+def _nothing() -> None:
+    """What the processes of :func:`mapped` begin with."""

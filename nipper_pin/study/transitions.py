@@ -269,7 +269,7 @@ class _Run:
         self._rest[number] = np.nan
         block = np.empty((rows.COLUMNS, 0))
         try:
-            mechanism = _changed(
+            mechanism = retuned(
                 self._mechanism,
                 float(cases.restitution[number]),
                 cases.stiffness[number],
@@ -320,10 +320,17 @@ class _Run:
         )
 
 
-def _changed(
+def retuned(
     mechanism: Mechanism, restitution: float, stiffness: FloatArray, preload: FloatArray
 ) -> Mechanism:
-    """The mechanism with other values; its tree does not depend on them and is not built again."""
+    """The mechanism with other values; its tree does not depend on them and is not built again.
+
+    Args:
+        mechanism: The mechanism.
+        restitution: e_N of the transition stop.
+        stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, shape (springs,) [m or rad].
+    """
     stops = tuple(
         replace(stop, restitution=restitution) if stop.name == mechanism.transition_stop else stop
         for stop in mechanism.stops

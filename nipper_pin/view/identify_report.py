@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from ..study.identify.determine import DETERMINED, Determinability, Profile
 from ..study.identify.fit import Fit
 from ..study.identify.objective import LIMITS
 from ..study.identify.record import WORD
+from .console import plain_table, say
 
 _NEAR = 1e-3
 _SAME = 1e-3
@@ -30,9 +29,9 @@ def print_fit(
         console: Where to print; 80 columns are enough.
     """
     problem = fit.objective.problem
-    _say(console, problem.title, style="bold")
+    say(console, problem.title, style="bold")
     same = sum(item.cost < fit.best.cost * (1.0 + _SAME) for item in fit.descents)
-    _say(
+    say(
         console,
         f"{len(fit.descents)} starts, seed {fit.seed}: {same} of them end at the least cost "
         f"{fit.best.cost:.5g}; {fit.within(0.04)} of {len(problem.targets)} targets are met within "
@@ -41,21 +40,21 @@ def print_fit(
     _targets(fit, console)
     _free(fit, known, console)
     _limits(fit, console)
-    _say(console, "What the targets determine", style="bold")
-    _say(
+    say(console, "What the targets determine", style="bold")
+    say(
         console,
         f"{known.identifiable_directions} of {len(known.paths)} directions; singular values "
         "(sigmas over the whole range): " + ", ".join(f"{x:.3g}" for x in known.singular_values),
     )
     single = ", ".join(known.determined) or "none"
-    _say(console, f"single numbers narrowed to less than half of their range: {single}")
+    say(console, f"single numbers narrowed to less than half of their range: {single}")
     for item in profiles:
         _profile(item, console)
-    _say(console, WORD, style="bold")
+    say(console, WORD, style="bold")
 
 
 def _targets(fit: Fit, console: Console) -> None:
-    table = _table("target", "wanted", "found", "deviation")
+    table = plain_table("target", "wanted", "found", "deviation")
     for target, found, deviation in zip(
         fit.objective.problem.targets, fit.predicted, fit.deviations, strict=True
     ):
@@ -66,7 +65,7 @@ def _targets(fit: Fit, console: Console) -> None:
 
 
 def _free(fit: Fit, known: Determinability, console: Console) -> None:
-    table = _table("number", "before", "found", "+-", "bounds", "left")
+    table = plain_table("number", "before", "found", "+-", "bounds", "left")
     left, deviations = dict(known.ranked()), known.deviations
     for item in fit.objective.problem.free:
         value = fit.values[item.path]
@@ -81,7 +80,7 @@ def _free(fit: Fit, known: Determinability, console: Console) -> None:
             f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
         )
     console.print(table)
-    _say(
+    say(
         console,
         "+-: standard deviation. left: part of its range that the targets leave a number; ?: "
         f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
@@ -91,9 +90,9 @@ def _free(fit: Fit, known: Determinability, console: Console) -> None:
 def _limits(fit: Fit, console: Console) -> None:
     broken = [name for name, value in zip(LIMITS, fit.broken, strict=False) if abs(value) > _BROKEN]
     if broken:
-        _say(console, f"limits that are broken: {', '.join(broken)}")
+        say(console, f"limits that are broken: {', '.join(broken)}")
     elif fit.broken.size:
-        _say(console, "all limits are kept")
+        say(console, "all limits are kept")
 
 
 def _profile(item: Profile, console: Console) -> None:
@@ -101,20 +100,8 @@ def _profile(item: Profile, console: Console) -> None:
         f"{value:.4g}: {cost:.2f} ({linear:.2f})"
         for value, cost, linear in zip(item.values, item.cost, item.quadratic, strict=True)
     )
-    _say(
+    say(
         console,
         f"profile of {item.path} (rise of the cost; that of the linear model in brackets; 0.5 is "
         f"one sigma = {item.sigma:.3g}): {pairs}",
     )
-
-
-def _table(first: str, *others: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    table.add_column(first, overflow="fold")
-    for heading in others:
-        table.add_column(heading, justify="right")
-    return table
-
-
-def _say(console: Console, text: str, *, style: str = "") -> None:
-    console.print(text, style=style, markup=False, highlight=False)

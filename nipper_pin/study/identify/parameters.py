@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...errors import ModelError, UnknownNameError
 from ...mechanism.dimensions import HEADS, read_dimension
 from ...mechanism.layout import Layout
 from ...mechanism.overrides import apply_overrides
+from ..sweep.axes import number_at
 from .geometry import Sources, layout
 
 
@@ -53,14 +53,4 @@ def _read(sources: Sources, found: Layout, path: str) -> float:
     steps = path.split(".")
     if steps[0] in HEADS:
         return read_dimension(found, path, f"{sources.name}.urdf")
-    value: object = sources.document
-    for step in steps:
-        if not isinstance(value, Mapping) or step not in value:
-            known = value if isinstance(value, Mapping) else ()
-            raise UnknownNameError(kind="key", name=step, known=known, where=f"path {path}")
-        value = value[step]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ModelError(
-            file=f"{sources.name}.toml", key=path, value=value, allowed="the path of one number"
-        )
-    return float(value)
+    return number_at(sources.document, path, f"{sources.name}.toml")

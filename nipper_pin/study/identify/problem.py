@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import msgspec
 from msgspec import Meta
 
 from ...errors import InputError, ModelError, UnknownNameError
-from ...mechanism import Mechanism, find_model, load
+from ...mechanism import Mechanism, load
 from ...mechanism.description import Positive, Restitution
+from ..toml_files import Table, model_beside, read_table
 from .geometry import Sources
 from .parameters import read_values, with_values
 from .targets import QUANTITIES, Condition, Target, conditions, read_measured
@@ -27,11 +26,7 @@ _NotNegative = Annotated[float, Meta(ge=0.0)]
 _Tolerance = Annotated[float, Meta(ge=1e-13, le=1e-4)]
 
 
-class _Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A TOML table whose keys are all known."""
-
-
-class _Setting(_Table, frozen=True, kw_only=True):
+class _Setting(Table, frozen=True, kw_only=True):
     """Settings of one transition."""
 
     speed_rpm: Positive
@@ -39,7 +34,7 @@ class _Setting(_Table, frozen=True, kw_only=True):
     stiffness: Positive | None = None
 
 
-class _TargetTable(_Table, frozen=True, kw_only=True):
+class _TargetTable(Table, frozen=True, kw_only=True):
     """One number to come out; one of the two sigmas."""
 
     name: str
@@ -51,7 +46,7 @@ class _TargetTable(_Table, frozen=True, kw_only=True):
     relative_sigma: Positive | None = None
 
 
-class _FreeTable(_Table, frozen=True, kw_only=True):
+class _FreeTable(Table, frozen=True, kw_only=True):
     """Bounds of a free number and why they are where they are."""
 
     low: float
@@ -59,7 +54,7 @@ class _FreeTable(_Table, frozen=True, kw_only=True):
     why: str = ""
 
 
-class _LimitsTable(_Table, frozen=True, kw_only=True):
+class _LimitsTable(Table, frozen=True, kw_only=True):
     """Limits of the working cycle."""
 
     at: _Setting
@@ -69,7 +64,7 @@ class _LimitsTable(_Table, frozen=True, kw_only=True):
     least_opening_deg: float | None = None
 
 
-class _ProblemTable(_Table, frozen=True, kw_only=True):
+class _ProblemTable(Table, frozen=True, kw_only=True):
     """The whole file."""
 
     format: Literal[1]
@@ -161,18 +156,8 @@ def read_problem(path: str | Path | None = None) -> Problem:
         InputError: The measurements cannot be used.
     """
     file = BUILT_IN if path is None else Path(path)
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        allowed = "a readable TOML file"
-        raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
-    try:
-        table = msgspec.convert(document, _ProblemTable)
-    except msgspec.ValidationError as error:
-        text, _, place = str(error).partition(" - at `$")
-        key = place.strip("`.") or "document"
-        raise ModelError(file=file.name, key=key, value="", allowed=text) from error
-    mechanism = load(_model(table.model, file.parent))
+    table = read_table(file, _ProblemTable)
+    mechanism = load(model_beside(table.model, file.parent))
     sources = Sources.of(mechanism)
     targets = tuple(_target(item, file.name) for item in table.targets)
     if table.measured is not None:
@@ -191,11 +176,6 @@ def read_problem(path: str | Path | None = None) -> Problem:
         rest_rate=table.rest_rate,
         tolerance=table.tolerance,
     )
-
-
-def _model(name: str, folder: Path) -> str | Path:
-    beside = folder / name
-    return find_model(beside) if beside.is_dir() else name
 
 
 def _check_fit(

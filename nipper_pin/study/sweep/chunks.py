@@ -21,7 +21,8 @@ NO_MODEL = "no_model"
 """Outcome of a scenario whose machine cannot be built."""
 _NO_ENGINE = "none"
 # A scenario out of millions that meets a case nobody foresaw must not cost all the others.
-_MARKED = (NipperError, ArithmeticError, ValueError, RuntimeError)
+MARKED = (NipperError, ArithmeticError, ValueError, RuntimeError)
+"""Errors that mark one scenario and do not end a study."""
 
 
 def run_chunk(job_text: bytes, start: int, rows: FloatArray) -> bytes:
@@ -104,8 +105,8 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
     values = {job.axes[place].target.path: float(rows[part.start, place]) for place in job.moving}
     try:
         mechanism = changed(job, values) if values else _unchanged(text)
-    except _MARKED as error:
-        columns.fail(part, NO_MODEL, _sentence(error))
+    except MARKED as error:
+        columns.fail(part, NO_MODEL, sentence(error))
         return
     try:
         speed, restitution, stiffness, preload = _cases(job, mechanism, rows[part])
@@ -120,8 +121,8 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
             max_collisions=job.max_collisions,
             drive=job.drive,
         )
-    except _MARKED as error:
-        columns.fail(part, FAILED, _sentence(error))
+    except MARKED as error:
+        columns.fail(part, FAILED, sentence(error))
         return
     columns.engine[part], columns.outcome[part] = table.engine, table.outcome
     columns.message[part] = table.message
@@ -130,8 +131,12 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
         found[part] = quantity(table, name)
 
 
-def _sentence(error: Exception) -> str:
-    """What went wrong, and that it is a fault of the program if it is."""
+def sentence(error: Exception) -> str:
+    """What went wrong, and that it is a fault of the program if it is.
+
+    Args:
+        error: The error.
+    """
     if isinstance(error, NipperError):
         return error.message
     return f"unforeseen, please report it: {type(error).__name__}: {error}"

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from collections.abc import Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
-from ..processes import one_thread_each
+from ..processes import fresh_processes
 from .chunks import run_chunk
 from .plan import Chunk
 
@@ -37,16 +32,9 @@ def on_this_machine(
     Raises:
         SimulationError: A process died.
     """
-    # Fresh processes: a fork of one that has threads may never end.
-    with (
-        one_thread_each(),
-        ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,
-    ):
+    # They start while the first samples are drawn.
+    with fresh_processes(workers, _wake) as pool:
         running: dict[Future[bytes], Chunk] = {}
-        # They start while the first samples are drawn.
-        with _interrupts_held_back():
-            for _ in range(workers):
-                pool.submit(_wake)
         try:
             for chunk, rows in tasks:
                 if len(running) >= workers * (1 + _AHEAD):
@@ -71,32 +59,5 @@ def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, byte
         yield running.pop(future), future.result()
 
 
-@contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    """Processes that start in here leave interrupts from the keyboard to this one.
-
-    They inherit the mask, and so are deaf from their first instruction on; here an interrupt is
-    only late.
-    """
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 def _wake() -> None:
     """Nothing: a process starts for it, and imports what this module needs."""
-
-
-def _prepare() -> None:
-    """Do not outlive the process that stores."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for its next chunk for ever."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

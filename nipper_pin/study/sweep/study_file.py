@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal, NoReturn
+from typing import Annotated, Literal
 from xml.etree import ElementTree
 
 import msgspec
@@ -16,11 +13,12 @@ import numpy as np
 from msgspec import Meta
 
 from ...dynamics.system import DriveMode
-from ...errors import InputError, ModelError, NipperError
-from ...mechanism import Mechanism, find_model, from_sources, load
+from ...errors import InputError, NipperError
+from ...mechanism import Mechanism, from_sources
 from ...mechanism.description import Positive
 from ...mechanism.overrides import apply_overrides
 from ...mechanism.urdf import parse_xml
+from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths
 from .job import Job, versions
@@ -31,11 +29,7 @@ _MOST_SCENARIOS = 10**12
 _Count = Annotated[int, Meta(ge=1)]
 
 
-class _Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A TOML table whose keys are all known."""
-
-
-class _CaseTable(_Table, frozen=True, kw_only=True):
+class _CaseTable(Table, frozen=True, kw_only=True):
     """What all scenarios share."""
 
     window: Literal["transition"] = "transition"
@@ -46,7 +40,7 @@ class _CaseTable(_Table, frozen=True, kw_only=True):
     max_collisions: _Count = 256
 
 
-class _SamplesTable(_Table, frozen=True, kw_only=True):
+class _SamplesTable(Table, frozen=True, kw_only=True):
     """How sampled parameters are drawn."""
 
     method: Method
@@ -54,7 +48,7 @@ class _SamplesTable(_Table, frozen=True, kw_only=True):
     seed: Annotated[int, Meta(ge=0)] = 1
 
 
-class _ParameterTable(_Table, frozen=True, kw_only=True):
+class _ParameterTable(Table, frozen=True, kw_only=True):
     """One parameter: values, or bounds with points (a grid) or without (samples)."""
 
     values: tuple[float, ...] = ()
@@ -64,7 +58,7 @@ class _ParameterTable(_Table, frozen=True, kw_only=True):
     scale: Literal["linear", "log"] = "linear"
 
 
-class _StudyTable(_Table, frozen=True, kw_only=True):
+class _StudyTable(Table, frozen=True, kw_only=True):
     """The whole file."""
 
     format: Literal[1]
@@ -73,7 +67,7 @@ class _StudyTable(_Table, frozen=True, kw_only=True):
     chunk: _Count | None = None
     quantities: tuple[str, ...] = DEFAULT
     case: _CaseTable = _CaseTable()
-    set: dict[str, object] = {}
+    set: dict[str, object] = msgspec.field(default_factory=dict)
     samples: _SamplesTable | None = None
     parameters: dict[str, _ParameterTable]
 
@@ -98,9 +92,9 @@ def read_study(path: str) -> Study:
         InputError: The file, or something that it names, cannot be used.
     """
     file = Path(path)
-    table = _read(file)
+    table = read_table(file, _StudyTable)
     check_quantities(table.quantities, f"{file.name}: quantities")
-    mechanism = _base(table, file)
+    mechanism = base_mechanism(table.model, table.set, file)
     axes = tuple(_axis(name, item, mechanism, file.name) for name, item in table.parameters.items())
     if not axes:
         message = f"{file.name}: nothing varies; give [parameters.NAME]"
@@ -114,7 +108,7 @@ def read_study(path: str) -> Study:
     speed = table.case.speed_rpm
     job = Job(
         name=mechanism.name,
-        urdf=_without_visuals(mechanism),
+        urdf=without_visuals(mechanism),
         document=mechanism.description,
         folder=mechanism.mesh_folder,
         axes=axes,
@@ -129,87 +123,55 @@ def read_study(path: str) -> Study:
     return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
 
 
-def _read(file: Path) -> _StudyTable:
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        allowed = "a readable TOML file"
-        raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
-    try:
-        return msgspec.convert(document, _StudyTable)
-    except msgspec.ValidationError as error:
-        text, _, place = str(error).partition(" - at `$")
-        key = place.strip("`.") or "document"
-        message = f"{file.name}: {key} cannot be used: {text}"
-        raise InputError(message, file=str(file), key=key) from error
-
-
-def _base(table: _StudyTable, file: Path) -> Mechanism:
-    """The mechanism with everything that is fixed."""
-    beside = file.parent / table.model
-    with _at(file.name, "model"):
-        model = find_model(beside) if beside.is_dir() else table.model
-        mechanism = load(model)
-    if not table.set:
-        return mechanism
-    overrides = {mechanism.shortcuts.get(name, name): value for name, value in table.set.items()}
-    with _at(file.name, "set"):
-        return load(model, overrides)
-
-
 def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> Axis:
     key = f"parameters.{name}"
     if item.values:
         if item.low is not None or item.high is not None or item.points is not None:
-            _refuse(file, key, "values and bounds", "either values, or low and high")
+            refuse(file, key, "values and bounds", "either values, or low and high")
         low, high = min(item.values), max(item.values)
     elif item.low is None or item.high is None:
-        _refuse(file, key, "no values", "values = [...], or low and high")
+        refuse(file, key, "no values", "values = [...], or low and high")
     else:
         low, high = item.low, item.high
     if not (math.isfinite(low) and math.isfinite(high)):
-        _refuse(file, key, [low, high], "finite numbers")
+        refuse(file, key, [low, high], "finite numbers")
     if not item.values and not low < high:
-        _refuse(file, key, [low, high], "low below high")
+        refuse(file, key, [low, high], "low below high")
     if item.scale == "log" and not low > 0.0:
-        _refuse(file, key, low, "numbers above zero with scale = 'log'")
+        refuse(file, key, low, "numbers above zero with scale = 'log'")
     values = item.values
     if len(set(values)) != len(values):
-        _refuse(file, key, list(values), "values that differ")
+        refuse(file, key, list(values), "values that differ")
     if item.points is not None:
         spaced = np.geomspace if item.scale == "log" else np.linspace
         values = tuple(float(value) for value in spaced(low, high, item.points))
-    with _at(file, key):
+    with at_key(file, key):
         target = find_target(name, mechanism)
         if target.kind == "model":
             check_paths([target.path], mechanism)
-    _check_bounds(target, (low, high), mechanism, key, file)
+    check_bounds(target, (low, high), mechanism, key, file)
     return Axis(name=name, target=target, low=low, high=high, scale=item.scale, values=values)
 
 
-@contextmanager
-def _at(file: str, key: str) -> Iterator[None]:
-    """Say where in the study it stands what a model does not know."""
-    try:
-        yield
-    except InputError as error:
-        message = f"{file}: {key}: {error.message}"
-        raise InputError(message, **{**error.evidence, "key": key}) from error
-
-
-def _refuse(file: str, key: str, value: object, allowed: str) -> NoReturn:
-    raise ModelError(file=file, key=key, value=value, allowed=allowed)
-
-
-def _check_bounds(
+def check_bounds(
     target: Target, bounds: tuple[float, float], mechanism: Mechanism, key: str, file: str
 ) -> None:
     """Refuse a column of the table that leaves its range; it would refuse the whole table.
 
     Dimensions are not judged here: a machine that cannot be built is a marked row.
+
+    Args:
+        target: What the parameter changes.
+        bounds: Its least and its largest value, in the unit of the model's file.
+        mechanism: The model.
+        key: Key of the study, for messages.
+        file: Name of the study, for messages.
+
+    Raises:
+        ModelError: A bound is no value that the model can have.
     """
     if target.kind == "speed" and not bounds[0] > 0.0:
-        _refuse(file, key, bounds[0], "speeds above 0 r/min")
+        refuse(file, key, bounds[0], "speeds above 0 r/min")
     if target.kind in ("speed", "model"):
         return
     for value in bounds:
@@ -219,7 +181,7 @@ def _check_bounds(
         try:
             from_sources(mechanism.name, urdf, document, mechanism.mesh_folder)
         except NipperError as error:
-            _refuse(file, key, value, error.message)
+            refuse(file, key, value, error.message)
 
 
 def _check_apart(
@@ -232,11 +194,11 @@ def _check_apart(
     for axis in axes:
         key = f"parameters.{axis.name}"
         if axis.target.path in fixed:
-            _refuse(file, key, axis.target.path, f"not what {fixed[axis.target.path]} gives, too")
+            refuse(file, key, axis.target.path, f"not what {fixed[axis.target.path]} gives, too")
         fixed[axis.target.path] = key
     moving = [axis.target.path for axis in axes if axis.target.kind == "model"]
     if moving:
-        with _at(file, "parameters"):
+        with at_key(file, "parameters"):
             check_paths(moving, mechanism)
 
 
@@ -244,18 +206,22 @@ def _samples(table: _StudyTable, axes: tuple[Axis, ...], file: str) -> Samples |
     drawn = [axis.name for axis in axes if not axis.values]
     if not drawn:
         if table.samples is not None:
-            _refuse(file, "samples", table.samples.method, "a parameter without points or values")
+            refuse(file, "samples", table.samples.method, "a parameter without points or values")
         return None
     if table.samples is None:
-        _refuse(file, f"parameters.{drawn[0]}", "no points", "points, or a table [samples]")
+        refuse(file, f"parameters.{drawn[0]}", "no points", "points, or a table [samples]")
     method, count = table.samples.method, table.samples.count
     if count > MOST_SAMPLES[method]:
-        _refuse(file, "samples.count", count, f"at most {MOST_SAMPLES[method]} with {method}")
+        refuse(file, "samples.count", count, f"at most {MOST_SAMPLES[method]} with {method}")
     return Samples(method=method, count=count, seed=table.samples.seed)
 
 
-def _without_visuals(mechanism: Mechanism) -> str:
-    """The URDF without what is only looked at; workers need not have the files of its meshes."""
+def without_visuals(mechanism: Mechanism) -> str:
+    """The URDF without what is only looked at; workers need not have the files of its meshes.
+
+    Args:
+        mechanism: The model.
+    """
     root = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     for link in root.findall("link"):
         for visual in link.findall("visual"):

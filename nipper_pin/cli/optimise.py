@@ -1,0 +1,101 @@
+"""``nipper-pin optimise``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from .arguments import write_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "study", metavar="STUDY.toml", help="what is free, what is to be small, what has to hold"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder of the results (default out/ and the name of the study); "
+        "one that holds finished parts is completed",
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the starts")
+    parser.add_argument(
+        "--starts", type=int, default=6, metavar="N", help="descents by each aim (default 6)"
+    )
+    parser.add_argument(
+        "--points", type=int, default=12, metavar="N", help="points of the front (default 12)"
+    )
+    parser.add_argument(
+        "--no-check",
+        action="store_true",
+        help="leave out the global check by differential evolution",
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes (default: one a processor)"
+    )
+    parser.add_argument(
+        "--format", choices=["svg", "png"], default="svg", help="of the figure (default svg)"
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    from ..study.optimise import optimise, read_problem, write
+
+    problem = read_problem(options.study)
+    folder = Path(options.out or Path("out") / Path(options.study).stem)
+    with _progress(folder) as advance:
+        optimum = optimise(
+            problem,
+            starts=options.starts,
+            seed=options.seed,
+            check=not options.no_check,
+            points=options.points,
+            workers=options.workers,
+            folder=folder,
+            progress=advance,
+        )
+    written = write(optimum, folder)
+    if len(optimum.front) > 1:
+        from ..view.front_plot import plot_front
+
+        written += (plot_front(optimum, folder / f"front.{options.format}"),)
+    if options.json is not None:
+        write_json(optimum.record(), options.json)
+    if options.json != "-":
+        from rich.console import Console
+
+        from ..view.optimise_report import print_optimum
+
+        print_optimum(optimum, Console())
+        sys.stdout.write("".join(f"{path}\n" for path in written))
+
+
+@contextmanager
+def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
+    """A bar on a terminal; in any case a word about what is kept after an interrupt."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    kept = [0]
+    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
+    task = bar.add_task("parts known so far", total=None)
+
+    def advance(done: int, known: int) -> None:
+        kept[0] = done
+        bar.update(task, completed=done, total=known)
+
+    try:
+        with bar:
+            yield advance
+    except KeyboardInterrupt:
+        sys.stderr.write(
+            f"nipper-pin: interrupted; {kept[0]} finished parts are in {folder}: run the same "
+            "command again for the others\n"
+        )
+        raise

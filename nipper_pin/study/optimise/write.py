@@ -1,0 +1,48 @@
+"""An optimum as files: the result, the overrides that ``load`` takes, and the case to simulate."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...hybrid.case import Case
+from ...hybrid.storage import complete_file, save_case
+from ...mechanism import load
+from .result import Optimum
+
+
+def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
+    """Write an optimum; every file appears only when it is complete.
+
+    Args:
+        optimum: The optimum.
+        folder: Folder to write into; made if it does not exist.
+
+    Returns:
+        ``result.json``; ``overrides.json``, for ``load``; ``case.json``, for ``simulate --case``.
+
+    Raises:
+        InputError: A file cannot be written.
+    """
+    home = Path(folder)
+    try:
+        home.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{home}: cannot be made a folder ({error.strerror})"
+        raise InputError(message, folder=str(home)) from error
+    problem = optimum.problem
+    case = Case(speed_rpm=problem.speed(np.array(optimum.best.z)), rest_rate=problem.rest_rate)
+    # A result of another run of the same problem must not stand beside a newer case.
+    written = [save_case(load(problem.model, optimum.overrides), case, home / "case.json")]
+    for name, document in (
+        ("overrides.json", optimum.overrides),
+        ("result.json", optimum.record()),
+    ):
+        with complete_file(home / name) as partial:
+            text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+            partial.write_text(text, encoding="utf-8")
+        written.append(home / name)
+    return tuple(reversed(written))

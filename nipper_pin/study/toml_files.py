@@ -1,0 +1,94 @@
+"""What the files of all studies share: reading, the model they start from, and where they err."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NoReturn, TypeVar
+
+import msgspec
+
+from ..errors import InputError, ModelError
+from ..mechanism import Mechanism, find_model, load
+
+TableT = TypeVar("TableT", bound=msgspec.Struct)
+
+
+class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A TOML table whose keys are all known."""
+
+
+def read_table(file: Path, kind: type[TableT]) -> TableT:
+    """Read a TOML file into its tables.
+
+    Args:
+        file: The file.
+        kind: Type of the whole document.
+
+    Raises:
+        ModelError: The file is no readable TOML.
+        InputError: A key or value in it cannot be used.
+    """
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        allowed = "a readable TOML file"
+        raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
+    try:
+        return msgspec.convert(document, kind)
+    except msgspec.ValidationError as error:
+        text, _, place = str(error).partition(" - at `$")
+        key = place.strip("`.") or "document"
+        message = f"{file.name}: {key} cannot be used: {text}"
+        raise InputError(message, file=str(file), key=key) from error
+
+
+def base_mechanism(
+    model: str, changes: Mapping[str, object], file: Path, keys: tuple[str, str] = ("model", "set")
+) -> Mechanism:
+    """The mechanism that a study starts from, with everything that is fixed.
+
+    Args:
+        model: A model's name, or a folder beside the file.
+        changes: New values by path or shortcut.
+        file: The file of the study.
+        keys: Keys of model and changes in it, for messages.
+
+    Raises:
+        InputError: There is no such model, path or value.
+    """
+    with at_key(file.name, keys[0]):
+        found = model_beside(model, file.parent)
+        mechanism = load(found)
+    if not changes:
+        return mechanism
+    overrides = {mechanism.shortcuts.get(name, name): value for name, value in changes.items()}
+    with at_key(file.name, keys[1]):
+        return load(found, overrides)
+
+
+def model_beside(model: str, folder: Path) -> str | Path:
+    """A model's folder beside a file, or its name if there is none."""
+    beside = folder / model
+    return find_model(beside) if beside.is_dir() else model
+
+
+@contextmanager
+def at_key(file: str, key: str) -> Iterator[None]:
+    """Say where in the study it stands what a model does not know."""
+    try:
+        yield
+    except InputError as error:
+        message = f"{file}: {key}: {error.message}"
+        raise InputError(message, **{**error.evidence, "key": key}) from error
+
+
+def refuse(file: str, key: str, value: object, allowed: str) -> NoReturn:
+    """Refuse a value of a study.
+
+    Raises:
+        ModelError: Always.
+    """
+    raise ModelError(file=file, key=key, value=value, allowed=allowed)

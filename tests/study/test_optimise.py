@@ -1,0 +1,492 @@
+"""Optimisation: closed-form optima come out, with their prices; what cannot be had is refused.
+
+The machine of most tests is a bouncing mass (tests/verification): a table that rises at V m/s hits
+it, and the first rebound and the transition are
+
+    A = (e V)^2 / (2 g),    T = 2 e V / (g (1 - e)).
+
+With u = e V, a least rebound A fixes u = sqrt(2 g A), and T = 2 u / (g (1 - e)) is least for the
+least e, that is for the fastest table: e = u / V. So an optimum of T under A >= A_0 has one active
+limit, one active bound, and both prices in closed form. The search knows none of this: it sees
+transitions of an engine that finds impacts by root search.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, InfeasibleError, InputError, Window, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise, read_problem
+from nipper_pin.study.optimise import descend as descending
+from nipper_pin.study.optimise.evaluate import Evaluator
+from nipper_pin.study.optimise.quantities import lowest
+
+MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
+GRAVITY = 9.81
+E_N, LEAD = "stops.table.restitution", "drives.table.lead_mm_per_turn"
+PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
+
+
+def parameter(path: str, lower: float, upper: float) -> str:
+    return f'[[optimise.parameters]]\npath = "{path}"\nlower = {lower}\nupper = {upper}\n'
+
+
+BOUNCES = parameter(E_N, 0.05, 0.5) + parameter(LEAD, 20.0, 100.0)
+
+
+def study(folder: Path, body: str, model: str | Path = MASS, name: str = "study") -> Path:
+    """A file of a problem; with a cylinder at 60 r/min a lead of v metres is v m/s."""
+    speed = 60.0 if model == MASS else 650.0
+    file = folder / f"{name}.toml"
+    head = f'format = 1\n[optimise]\nmodel = "{model}"\nspeed_rpm = {speed}\n'
+    file.write_text(head + body, encoding="utf-8")
+    return file
+
+
+def problem(folder: Path, body: str, model: str | Path = MASS) -> Problem:
+    return read_problem(study(folder, body, model))
+
+
+def quick(found: Problem, **settings: Any) -> Optimum:
+    return optimise(found, **{"starts": 3, "check": False, "workers": 1, **settings})
+
+
+def rest(u: float, v: float) -> float:
+    return 2.0 * u / (GRAVITY * (1.0 - u / v))
+
+
+LEAST = 2e-5
+AT_LEAST = (
+    'minimise = "transition_time_s"\n'
+    + BOUNCES
+    + f"[optimise.constraints]\nfirst_amplitude_m = {{ lower = {LEAST} }}\n"
+)
+
+
+# --- optima that are known -----------------------------------------------------------------------
+
+
+def test_constrained_optimum_and_its_prices_are_those_of_the_formulas(tmp_path: Path) -> None:
+    """T is least at e = u / V_max; its prices are dT/dA and dT/dV there.
+
+    The optimum is a corner of one limit and one bound, so it is as exact as the limit is kept: 1e-6
+    of the limit's scale, which is at most the largest A, 1.3e-4 m, and so 7e-6 of this A; half of
+    it in u. At a bound the aim has a slope, and a step that changes it by less than 1e-12 ends the
+    search: 1e-6 of V is generous. Prices carry the truncation of central differences, below 1e-5.
+    Either active thing missed would leave the start or the other bound, where T is more than twice
+    as long.
+    """
+    found = quick(problem(tmp_path, AT_LEAST))
+    u = math.sqrt(2.0 * GRAVITY * LEAST)
+    numbers = found.best.numbers
+    assert numbers[LEAD] == pytest.approx(100.0, rel=1e-6)
+    assert numbers[E_N] == pytest.approx(u / 0.1, rel=1e-5)
+    assert found.best.values["transition_time_s"] == pytest.approx(rest(u, 0.1), rel=2e-5)
+    assert found.before is not None
+    assert found.before.values["transition_time_s"] > 2.0 * rest(u, 0.1)
+    active = {item.name: item.price for item in found.account.bindings if item.active}
+    assert set(active) == {f"first_amplitude_m >= {LEAST:g}", f"{LEAD} <= 100"}
+    by_u = 2.0 / (GRAVITY * (1.0 - u / 0.1) ** 2)
+    assert active[f"first_amplitude_m >= {LEAST:g}"] == pytest.approx(by_u * GRAVITY / u, rel=1e-4)
+    by_v = 2.0 * u**2 / (GRAVITY * (0.1 - u) ** 2)
+    # The file has the lead in mm.
+    assert active[f"{LEAD} <= 100"] == pytest.approx(1e-3 * by_v, rel=1e-4)
+    assert found.account.residual < 1e-9
+
+
+def test_what_is_maximised_comes_out_with_its_own_sign(tmp_path: Path) -> None:
+    """Largest A under T <= T_0: u = g T_0 (1 - e) / 2 falls with e, so V is at its bound again.
+
+    There u = e V, and so e = c / (V + c) with c = g T_0 / 2. Tolerances as above.
+    """
+    body = 'maximise = "first_amplitude_m"\n' + BOUNCES
+    found = quick(
+        problem(tmp_path, body + "[optimise.constraints]\ntransition_time_s = { upper = 0.01 }\n")
+    )
+    c = GRAVITY * 0.01 / 2.0
+    e = c / (0.1 + c)
+    assert found.best.numbers[E_N] == pytest.approx(e, rel=1e-5)
+    highest = (0.1 * e) ** 2 / (2.0 * GRAVITY)
+    assert found.best.values["first_amplitude_m"] == pytest.approx(highest, rel=2e-5)
+
+
+def test_front_is_the_curve_of_the_formulas(tmp_path: Path) -> None:
+    """Shortest T for every A: T = 2 u / (g (1 - u / V_max)), from e = 0.05 to e = 0.5.
+
+    Each point is a descent of its own; evenly spaced limits on A, ends included. Weighted sums
+    would find the two ends only: T is concave in A.
+    """
+    body = 'minimise = "transition_time_s"\nmaximise = "first_amplitude_m"\n'
+    found = quick(problem(tmp_path, body + BOUNCES), points=6)
+    heights = np.array([item.values["first_amplitude_m"] for item in found.front])
+    ends = [(e * v) ** 2 / (2.0 * GRAVITY) for e, v in ((0.05, 0.02), (0.5, 0.1))]
+    wanted = np.linspace(*ends, 6)
+    # The last one stops a thousandth short of the end.
+    wanted[-1] -= 1e-3 * (ends[1] - ends[0])
+    np.testing.assert_allclose(heights, wanted, rtol=1e-4, atol=1e-9)
+    for item in found.front[1:]:
+        u = math.sqrt(2.0 * GRAVITY * item.values["first_amplitude_m"])
+        assert item.values["transition_time_s"] == pytest.approx(rest(u, 0.1), rel=1e-4)
+
+
+def test_aims_that_agree_have_a_front_of_one_point(tmp_path: Path) -> None:
+    """A and T both grow with e and with V."""
+    body = 'minimise = ["transition_time_s", "first_amplitude_m"]\n' + BOUNCES
+    found = quick(problem(tmp_path, body))
+    assert len(found.front) == 1
+    assert found.best.numbers == {E_N: pytest.approx(0.05), LEAD: pytest.approx(20.0)}
+
+
+def test_clamping_limit_is_met_where_simulated_turns_say(tmp_path: Path) -> None:
+    """A lip force is linear in the preload, so two simulated turns say where it reaches a limit.
+
+    The search takes the force from kinematics; the turns are simulated with all their bounces and
+    integrated over. They agree to 1e-9, and a limit is kept to 1e-6 of its scale, some 20 N.
+    A longer preload lowers the rebound throughout, so the limit binds. Only the preload is free:
+    the tables of the reduced engine serve, and the control is the direct engine.
+    """
+    body = 'minimise = "first_amplitude_rad"\n' + parameter("preload", 8.0, 20.0)
+    limits = "[optimise.constraints]\nclamping_force_N = { upper = 100.0 }\n"
+    found = quick(problem(tmp_path, body + limits, "e62"))
+    lengths = (11.0, 14.0)
+    forces = [mean_force(length) for length in lengths]
+    wanted = np.interp(100.0, forces, lengths)
+    assert found.best.numbers["preload"] == pytest.approx(wanted, abs=1e-4)
+    assert (found.engine, found.other_engine) == ("reduced", "direct")
+    for name, value in found.control.items():
+        assert value == pytest.approx(found.best.values[name], rel=1e-8)
+
+
+def mean_force(preload_mm: float) -> float:
+    solution = simulate(
+        load("e62", {PRELOAD: preload_mm}), Case(speed_rpm=650.0, window=Window.CYCLE)
+    )
+    begin = next(item.t for item in solution.collisions if item.stop == "jaw")
+    end = next(
+        event.t
+        for event in solution.events
+        if "jaw" in event.closed_before and "jaw" not in event.closed_after
+    )
+    places = np.linspace(begin + 0.25 * (end - begin), begin + 0.75 * (end - begin), 2001)
+    force = solution.trajectory.reactions(places).contacts["jaw"]
+    return float(np.trapezoid(force, places) / (places[-1] - places[0]))
+
+
+# --- what may not disturb ------------------------------------------------------------------------
+
+
+def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
+    """One process or two, one go or with parts from a folder; another seed starts elsewhere."""
+    found = problem(tmp_path, AT_LEAST)
+    one = quick(found, check=True)
+    two = quick(found, check=True, workers=2, folder=tmp_path / "out")
+    again = quick(found, check=True, folder=tmp_path / "out")
+    for other in (two, again):
+        assert other.best == one.best
+        assert other.descents == one.descents
+        assert other.check == one.check
+        assert other.account == one.account
+    elsewhere = quick(found, seed=2)
+    assert [item.start for item in elsewhere.descents] != [item.start for item in one.descents]
+    assert elsewhere.best.numbers[E_N] == pytest.approx(one.best.numbers[E_N], rel=1e-5)
+
+
+def test_global_check_finds_what_descents_miss(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Descents that do not move leave the optimum to differential evolution and its descent."""
+    found = problem(tmp_path, AT_LEAST)
+    whole = descending.descend
+
+    def lazy(text: bytes, scales: Any, start: tuple[float, ...]) -> Any:
+        return whole(text, scales, start) if len(calls) >= 3 else stay(text, scales, start)
+
+    calls: list[tuple[float, ...]] = []
+
+    def stay(text: bytes, scales: Any, start: tuple[float, ...]) -> Any:
+        calls.append(start)
+        trace = descending.Trace(Evaluator(found.asking(found.aims[0])), scales)
+        point = trace.at(np.array(start))
+        return replace(
+            whole(text, scales, start), z=start, aim=trace.aim(point), violation=0.0
+        )  # fmt: skip
+
+    monkeypatch.setattr("nipper_pin.study.optimise.run.descend", lazy)
+    result = quick(found, check=True)
+    u = math.sqrt(2.0 * GRAVITY * LEAST)
+    assert len(calls) == 3
+    assert result.check_gain > 0.0
+    assert result.best.numbers[E_N] == pytest.approx(u / 0.1, rel=1e-5)
+
+
+def test_impossible_machines_inside_the_bounds_are_gone_around(tmp_path: Path) -> None:
+    """Half of the range of the mass is below zero: those samples are counted, with their reason.
+
+    The rebound of a ball does not depend on its mass, so the optimum is that of the others.
+    """
+    body = AT_LEAST.replace(BOUNCES, BOUNCES + parameter("links.mass.mass_kg", -1.0, 1.0))
+    found = quick(problem(tmp_path, body))
+    assert found.best.numbers["links.mass.mass_kg"] > 0.0
+    u = math.sqrt(2.0 * GRAVITY * LEAST)
+    assert found.best.values["transition_time_s"] == pytest.approx(rest(u, 0.1), rel=2e-5)
+    assert found.no_machine
+    assert all("mass" in why for why in found.no_machine)
+
+
+def test_interrupted_search_goes_on(tmp_path: Path) -> None:
+    """What is finished is kept as it is, a file cut short is not taken, and the end is the same."""
+    found = problem(tmp_path, AT_LEAST)
+    out = tmp_path / "out"
+
+    def interrupt(done: int, _known: int) -> None:
+        if done >= 11:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        quick(found, folder=out, progress=interrupt)
+    kept = {path.name: path.stat().st_mtime_ns for path in (out / "parts").iterdir()}
+    assert len(kept) == 11
+    cut = out / "parts" / "first_0.json"
+    cut.write_bytes(cut.read_bytes()[:-9])
+    result = quick(found, folder=out)
+    for name, written in kept.items():
+        path = out / "parts" / name
+        assert (path.stat().st_mtime_ns == written) == (path != cut)
+    assert result.best == quick(found).best
+
+
+def test_results_of_two_problems_are_not_mixed(tmp_path: Path) -> None:
+    found = problem(tmp_path, AT_LEAST)
+    quick(found, folder=tmp_path / "out")
+    other = replace(found, limits=(replace(found.limits[0], value=3e-5),))
+    with pytest.raises(InputError, match="another optimisation"):
+        quick(other, folder=tmp_path / "out")
+    with pytest.raises(InputError, match="differ in: seed"):
+        quick(found, folder=tmp_path / "out", seed=2)
+
+
+# --- what cannot be had --------------------------------------------------------------------------
+
+
+def test_limits_that_contradict_one_another_are_named_with_what_is_missing(tmp_path: Path) -> None:
+    """A rebound of 0.1 mm takes at least T = 2 u / (g (1 - u / V)), V = 0.1 m/s: 16 ms, not 10 ms.
+
+    Each limit can be met alone, so the nearest design breaks both, and says so.
+    """
+    limits = f"first_amplitude_m = {{ lower = {1e-4} }}\ntransition_time_s = {{ upper = 0.01 }}\n"
+    body = 'minimise = "transition_time_s"\n' + BOUNCES + f"[optimise.constraints]\n{limits}"
+    with pytest.raises(InfeasibleError) as caught:
+        quick(problem(tmp_path, body))
+    broken = caught.value.evidence["limits"]
+    assert [item["limit"] for item in broken] == [
+        "first_amplitude_m >= 0.0001",
+        "transition_time_s <= 0.01",
+    ]
+    assert all(item["can_be_met_alone"] for item in broken)
+    height, time = (item["reached"] for item in broken)
+    assert broken[0]["missed_by"] == pytest.approx(1e-4 - height)
+    # The nearest design is on the curve of the fastest table.
+    assert time == pytest.approx(rest(math.sqrt(2.0 * GRAVITY * height), 0.1), rel=1e-4)
+
+
+def test_a_limit_that_cannot_be_met_is_named_with_what_is_missing(tmp_path: Path) -> None:
+    """The highest rebound is (0.5 * 0.1)^2 / (2 g) = 0.127 mm, and 1 mm is asked for."""
+    body = AT_LEAST.replace(str(LEAST), "1e-3")
+    with pytest.raises(InfeasibleError, match=r"first_amplitude_m >= 0\.001") as caught:
+        quick(problem(tmp_path, body))
+    (broken,) = caught.value.evidence["limits"]
+    highest = 0.05**2 / (2.0 * GRAVITY)
+    assert broken["reached"] == pytest.approx(highest, rel=1e-6)
+    assert broken["missed_by"] == pytest.approx(1e-3 - highest, rel=1e-6)
+    assert not broken["can_be_met_alone"]
+    assert caught.value.evidence["numbers"] == {E_N: pytest.approx(0.5), LEAD: pytest.approx(100.0)}
+
+
+def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
+    """A sliver of the box meets both limits, and no sample lies in it."""
+    u = math.sqrt(2.0 * GRAVITY * 1e-4)
+    limits = (
+        Limit(quantity="first_amplitude_m", side="lower", value=1e-4),
+        Limit(quantity="transition_time_s", side="upper", value=1.0001 * rest(u, 0.1)),
+    )
+    found = quick(replace(problem(tmp_path, AT_LEAST), limits=limits))
+    assert found.best.inside
+    assert found.best.values["transition_time_s"] == pytest.approx(rest(u, 0.1), rel=2e-5)
+
+
+WRONG = {
+    "no file": (None, "file"),
+    "not TOML": ("minimise =", "file"),
+    "no aim": (BOUNCES, "optimise.minimise"),
+    "three aims": (
+        'minimise = ["transition_time_s", "first_amplitude_m", "first_rebound_time_s"]\n' + BOUNCES,
+        "optimise.minimise",
+    ),
+    "unknown aim": ('minimise = "beauty"\n' + BOUNCES, "beauty"),
+    "angle of a slide": ('minimise = "first_amplitude_rad"\n' + BOUNCES, "revolute"),
+    "unknown key": ('minimise = "transition_time_s"\nstart = 1\n' + BOUNCES, "start"),
+    "nothing is free": ('minimise = "transition_time_s"\nparameters = []\n', "parameters"),
+    "unknown path": (
+        'minimise = "transition_time_s"\n' + parameter("stops.floor.restitution", 0.0, 1.0),
+        "floor",
+    ),
+    "bounds": ('minimise = "transition_time_s"\n' + parameter(E_N, 0.5, 0.5), "lower below"),
+    "bounds no restitution has": (
+        'minimise = "transition_time_s"\n' + parameter(E_N, 0.5, 1.5),
+        "1.5",
+    ),
+    "twice": ('minimise = "transition_time_s"\n' + BOUNCES + parameter(E_N, 0.1, 0.2), "too"),
+    "unknown limit": (AT_LEAST + "beauty = { lower = 1 }\n", "beauty"),
+    "no limit": (AT_LEAST + "transition_time_s = {}\n", "lower, upper"),
+    "limits crossed": (
+        AT_LEAST + "transition_time_s = { lower = 2, upper = 1 }\n",
+        "lower below upper",
+    ),
+    "limit that is no number": (AT_LEAST + "transition_time_s = { lower = nan }\n", "finite"),
+    "index": (AT_LEAST + "closing_index = { lower = 41 }\n", "0 to 40"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_files_that_cannot_be_used(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Status 2, one sentence that names what is wrong, and no folder."""
+    body, word = WRONG[name]
+    file = tmp_path / "none.toml" if body is None else study(tmp_path, body)
+    assert main(["optimise", str(file), "--out", str(tmp_path / "out")]) == 2
+    captured = capsys.readouterr()
+    assert word in captured.err
+    assert captured.err.count("\n") == 1
+    assert captured.out == ""
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("option", ["--starts", "--points", "--workers"])
+def test_arguments_that_cannot_be_used(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = study(tmp_path, AT_LEAST)
+    assert main(["optimise", str(file), "--out", str(tmp_path / "out"), option, "0"]) == 2
+    assert f"{option[2:]} = 0" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+# --- the command and its files -------------------------------------------------------------------
+
+
+def test_command_writes_what_simulate_and_load_take(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The example of the E62 with fewer parts; its case and its overrides are the same machine.
+
+    The direct engine simulates both, and gives what the result says.
+    """
+    example = Path(__file__).resolve().parents[2] / "scripts" / "optimise_rebound.toml"
+    out = tmp_path / "out"
+    arguments = ["--out", str(out), "--starts", "1", "--points", "2", "--no-check"]
+    assert main(["optimise", str(example), *arguments, "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert json.loads((out / "result.json").read_text()) == document
+    assert main(["simulate", "--case", str(out / "case.json"), "--json", "-"]) == 0
+    case = json.loads(capsys.readouterr().out)
+    overrides = json.loads((out / "overrides.json").read_text())
+    single = simulate(load("e62", overrides), Case(speed_rpm=650.0))
+    rebound = document["optimum"]["values"]["first_amplitude_rad"]
+    assert single.collisions[0].rebound_amplitude == pytest.approx(rebound, rel=1e-8)
+    assert case["collisions"][0]["rebound_amplitude"] == pytest.approx(rebound, rel=1e-8)
+    words = document["command"].split()[1:]
+    assert main([*words, "--json", "-"]) == 0
+    command = json.loads(capsys.readouterr().out)
+    assert command["collisions"][0]["rebound_amplitude"] == pytest.approx(rebound, rel=1e-8)
+    # A third of the way down at least, and by limits that are kept in a simulated turn, too.
+    assert document["relative_change"] < -1.0 / 3.0
+    for name, value in document["control"]["values"].items():
+        assert value == pytest.approx(document["optimum"]["values"][name], rel=1e-4, abs=1e-3)
+    assert len(document["front"]) == 2
+    assert (out / "front.svg").read_text().startswith("<?xml")
+    assert "never the maker's" in document["caution"]
+    # Without --json the same as text, from the parts that are there.
+    assert main(["optimise", str(example), *arguments]) == 0
+    text = capsys.readouterr().out
+    assert "What holds it back" in text
+    assert "the model itself breaks stop_force_N >= 0" in text
+
+
+def test_an_interrupt_says_what_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object, progress: Any, **__: object) -> None:
+        progress(7, 15)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("nipper_pin.study.optimise.optimise", stopped)
+    out = tmp_path / "out"
+    assert main(["optimise", str(study(tmp_path, AT_LEAST)), "--out", str(out)]) == 130
+    said = capsys.readouterr().err
+    assert f"interrupted; 7 finished parts are in {out}: run the same command again" in said
+
+
+def test_infeasible_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = study(tmp_path, AT_LEAST.replace(str(LEAST), "1e-3"))
+    arguments = ["--out", str(tmp_path / "out"), "--starts", "1", "--workers", "1"]
+    assert main(["optimise", str(file), *arguments]) == 1
+    said = capsys.readouterr().err
+    assert "missed by 0.0008726 m" in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out" / "result.json").exists()
+
+
+# --- parts ---------------------------------------------------------------------------------------
+
+
+def test_least_values_of_intervals() -> None:
+    """A cosine of 48 samples: its bottom between two of them to h^4 / 384, and ends elsewhere.
+
+    h = 2 pi / 47, so 1e-6; the samples alone miss it by up to h^2 / 8 = 2e-3.
+    """
+    t = np.linspace(0.3, 0.3 + 2.0 * math.pi, 48)
+    found = lowest(t, np.cos(t))
+    place = int(np.searchsorted(t, math.pi)) - 1
+    assert found[place] == pytest.approx(-1.0, abs=2e-6)
+    others = np.delete(np.arange(47), place)
+    np.testing.assert_array_equal(
+        found[others], np.minimum(np.cos(t)[:-1], np.cos(t)[1:])[others]
+    )  # fmt: skip
+
+
+def test_tables_and_single_runs_agree(tmp_path: Path) -> None:
+    """A point by the reduced engine is the direct run of a model that is loaded with its numbers.
+
+    Every kind of setting takes part, so a wrong unit or place would show in the first digits.
+    """
+    body = (
+        'minimise = "first_amplitude_rad"\n[optimise.set]\n"stops.steeve.restitution" = 0.1\n'
+        + parameter("preload", 8.0, 14.0)
+        + parameter("stops.jaw.restitution", 0.1, 0.3)
+        + parameter("stiffness", 8000.0, 10000.0)
+        + parameter("speed_rpm", 500.0, 700.0)
+    )
+    # The speed of the file is where the parameter starts.
+    found = problem(tmp_path, body, "e62")
+    source = Evaluator(found)
+    assert source.engine == "reduced"
+    z = np.array([0.2, 0.7, 0.4, 0.6])
+    single = simulate(
+        load(
+            "e62",
+            {PRELOAD: 9.2, "stops.jaw.restitution": 0.24,
+             "springs.steeve.stiffness_N_per_m": 8800.0},
+        ),
+        Case(speed_rpm=620.0),
+    )  # fmt: skip
+    height = single.collisions[0].rebound_amplitude
+    assert source.at(z).values["first_amplitude_rad"] == pytest.approx(height, rel=1e-8)
