@@ -156,7 +156,7 @@ def pendulum_arm(model: Model) -> list[Part]:
     """Arms on the pendulum shaft, and the slotted guide bar in which the crank pin slides."""
     pivot, width = model.joint["nipper_pivot"], both(model.width("pendulum_arm_left"))
     arms = bar(disc((0.0, 0.0), 0.021), disc(pivot, 0.0125))
-    # Pins and eccentrics stand where the joints are, which their collision shapes may miss a little.
+    # Pins stand where the joints are, which their collision shapes may miss a little.
     radius = model.radius("nipper_pivot_pin")
     hole = disc(pivot, radius + PLAY)
     low, high = model.width("guide_bar")
@@ -198,7 +198,8 @@ def bottom_nipper(model: Model) -> list[Part]:
              solid(plate(plates, model.width("bottom_lip")))),
         Part("bottom_nipper", "jaw_shaft", "dark_steel", solid(
             plate(shaft, (widths[1][0] - 0.001, widths[0][1] + 0.001)),
-            plate(disc(rocker, model.radius("rocker_stud_left")), *both(model.width("rocker_stud_left"))),
+            plate(disc(rocker, model.radius("rocker_stud_left")),
+                  *both(model.width("rocker_stud_left"))),
         )),
     ]  # fmt: skip
 

@@ -3,10 +3,12 @@
 Run: python scripts/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
      QUERY is put behind the address, for example fixedDpr=0.5
 
-Needs the `dev` extra and Chromium; it draws with the processor. The parts of a delay:
-server   key seen by the page -> its own message about the new numbers back in the page
-page     that message -> the new numbers in the page
-picture  the new numbers -> the next picture of the mechanism
+Needs the `dev` extra and Chromium, which draws with the processor here. Of each key, all seen by
+the page itself while the film plays:
+sending  key -> message to the server
+server   that message -> the one that holds the new numbers: socket, run, plots, socket
+telling  that message -> the new numbers in the page
+drawing  the new numbers -> the next but one picture, which shows the new motion
 """
 
 from __future__ import annotations
@@ -19,51 +21,69 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 
+from playwright.sync_api import Page, sync_playwright
+
 import nipper_pin as nip
 from nipper_pin.view.live.answer import answer, as_html
 from nipper_pin.view.live.settings import SPEED, knobs
-from playwright.sync_api import Page, sync_playwright
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # Software for WebGL; root has no sandbox.
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
-KEYS, PAUSE = 60, 230  # keys, and milliseconds between them: not a multiple of a frame
+STEP = 5  # r/min, of the slider
+ALONE, DRAGGED = (40, 300), (40, 60)  # keys, and milliseconds between them
 # The page's socket lives in a worker; what passes between the two is timed from here.
 WATCH = """() => {
     const marks = window.marks = [];
-    window.pictures = 0;
+    const speed = text => +/speed ([0-9.]+)/.exec(text)[1];
+    const reached = (mark, value) => (value - mark.wanted) * mark.sense >= 0;
     const Plain = window.Worker;
     window.Worker = class extends Plain {
         constructor(...given) {
             super(...given);
             this.addEventListener('message', event => {
-                const parts = (event.data && event.data.messages) || [];
-                const mark = marks[marks.length - 1];
-                if (mark && mark.back === undefined && parts.some(part =>
-                        part.type === 'GuiUpdateMessage' && part.updates.content
-                        && part.updates.content.includes('id="setting"')))
-                    mark.back = performance.now();
+                for (const part of (event.data && event.data.messages) || [])
+                    if (part.type === 'GuiUpdateMessage'
+                            && String(part.updates.content).includes('id="setting"'))
+                        for (const mark of marks)
+                            if (!mark.back && reached(mark, speed(part.updates.content)))
+                                mark.back = performance.now();
             });
         }
+        postMessage(data, ...rest) {
+            super.postMessage(data, ...rest);
+            if (data.type === 'send' && data.message.type === 'GuiUpdateMessage')
+                for (const mark of marks)
+                    if (!mark.sent && reached(mark, data.message.updates.value))
+                        mark.sent = performance.now();
+        }
     };
-    addEventListener('keydown', () => {
-        const place = document.querySelector('#setting'), old = place.textContent;
-        const mark = {began: performance.now()};
-        marks.push(mark);
-        const watch = new MutationObserver(() => {
-            const now = document.querySelector('#setting');
-            if (now && now.textContent !== old) {
+    addEventListener('keydown', event => {
+        const sense = event.key === 'ArrowRight' ? 1 : -1;
+        const value = +document.activeElement.getAttribute('aria-valuenow');
+        marks.push({began: performance.now(), wanted: value + sense * STEP, sense});
+    }, true);
+    new MutationObserver(() => {
+        const place = document.querySelector('#setting');
+        if (!place) return;
+        for (const mark of marks)
+            if (!mark.told && reached(mark, speed(place.textContent))) {
                 mark.told = performance.now();
-                watch.disconnect();
                 requestAnimationFrame(() => requestAnimationFrame(() => {
                     mark.seen = performance.now();
                 }));
             }
-        });
-        watch.observe(document.body, {subtree: true, childList: true, characterData: true});
-    }, true);
-}"""
+    }).observe(document, {subtree: true, childList: true, characterData: true});
+}""".replace("STEP", str(STEP))
+PARTS = (
+    ("  sending", "began", "sent"),
+    ("  server", "sent", "back"),
+    ("  telling", "back", "told"),
+    ("  key to numbers", "began", "told"),
+    ("  drawing", "told", "seen"),
+    ("  key to picture", "began", "seen"),
+)
 COUNT = """() => new Promise(done => {
     let pictures = 0;
     const began = performance.now();
@@ -104,15 +124,14 @@ def computed() -> None:
     print(told("text of the numbers", timed(lambda: as_html(found))))
 
 
-def pressed(page: Page) -> list[dict[str, float]]:
-    """Times of all keys, each pressed when the answer to the last one was there."""
+def pressed(page: Page, keys: int, pause: int, key: str) -> list[dict[str, float]]:
+    """Times of keys that follow one another after a pause [ms]."""
+    page.evaluate("marks.length = 0")
     page.locator("[role=slider]").first.focus()
-    for count in range(KEYS):
-        page.keyboard.press("ArrowRight" if count % 20 < 10 else "ArrowLeft")
-        page.wait_for_function(
-            "count => marks.filter(item => item.seen).length === count", arg=count + 1
-        )
-        page.wait_for_timeout(PAUSE)
+    for _ in range(keys):
+        page.keyboard.press(key)
+        page.wait_for_timeout(pause)
+    page.wait_for_function("marks.every(item => item.seen)")
     found: list[dict[str, float]] = page.evaluate("marks")
     return found
 
@@ -131,13 +150,13 @@ def browsed(address: str, width: int, height: int) -> None:
         page.wait_for_selector("#setting")
         page.wait_for_timeout(4000)
         print(f"between two pictures, playing: {page.evaluate(COUNT):.0f} ms (mean of 3 s)")
-        marks = pressed(page)
+        runs = [("single keys", pressed(page, *ALONE, "ArrowRight")),
+                (f"a key every {DRAGGED[1]} ms", pressed(page, *DRAGGED, "ArrowLeft"))]  # fmt: skip
         browser.close()
-    for name, start, end in (("server", "began", "back"), ("page", "back", "told"),
-                             ("key to numbers", "began", "told"),
-                             ("picture", "told", "seen"), ("key to picture", "began", "seen"),
-                             ):  # fmt: skip
-        print(told(name, [mark[end] - mark[start] for mark in marks]))
+    for title, marks in runs:
+        print(title)
+        for name, start, end in PARTS:
+            print(told(name, [mark[end] - mark[start] for mark in marks]))
 
 
 def main(width: str = "900", height: str = "700", query: str = "") -> None:
