@@ -24,7 +24,7 @@ import yourdfpy
 from nipper_pin import Case, InputError, Solution, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
-from nipper_pin.mechanism import collision_model, find_model, from_sources
+from nipper_pin.mechanism import collision_model, find_model, from_sources, known_models
 from nipper_pin.view.reading import index_at
 from nipper_pin.view.scene import Film, Look, film, scene_page
 from nipper_pin.view.scene.pace import pace
@@ -334,6 +334,50 @@ def test_a_link_without_its_meshes_is_drawn_by_its_collision_shapes(e62, tmp_pat
     geometry, _ = collision_model(e62)
     assert {item.name for item in found} == {item.name for item in geometry.geometryObjects}
     assert {item.kind for item in found} == {"box", "cylinder"}
+
+
+def test_links_without_a_material_are_told_apart() -> None:
+    """The identified model says nothing of colours: one for each link, and grey for the frame."""
+    mechanism = load("e62_identified")
+    found: dict[int, set[tuple[float, float, float]]] = {}
+    for item in solids(mechanism):
+        found.setdefault(max(item.body, FIXED), set()).add(item.colour)
+    assert all(len(colours) == 1 for body, colours in found.items() if body != FIXED)
+    moving = [colours.pop() for body, colours in found.items() if body != FIXED]
+    assert len(set(moving)) == len(moving) == len(mechanism.joints)
+    assert all(max(colour) - min(colour) < 0.1 for colour in found[FIXED])
+
+
+@pytest.mark.parametrize("name", sorted(known_models()))
+def test_the_camera_sees_every_plain_body(name: str) -> None:
+    """All corners of all collision shapes, as Pinocchio places them, are inside of the picture.
+
+    The page lets the camera see 40 degrees from top to bottom: a cone of 20 around its axis in
+    any window that is not higher than wide.
+    """
+    mechanism = load(name)
+    case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
+    seen = re.search(
+        r'"camera": \{"target": (\[.*?\]), "position": (\[.*?\])\}',
+        scene_page(film(simulate(mechanism, case), Look())),
+    )
+    target, position = (np.array(json.loads(text)) for text in seen.groups())
+    axis = (target - position) / np.linalg.norm(target - position)
+    geometry, _ = collision_model(mechanism)
+    data, placed = mechanism.model.createData(), geometry.createData()
+    pin.updateGeometryPlacements(
+        mechanism.model, data, geometry, placed, np.zeros(mechanism.model.nq)
+    )
+    widest = 0.0
+    for item, place in zip(geometry.geometryObjects, placed.oMg, strict=True):
+        item.geometry.computeLocalAABB()
+        low, high = item.geometry.aabb_local.min_, item.geometry.aabb_local.max_
+        for corner in itertools.product(*zip(low, high, strict=True)):
+            ray = place.act(np.array(corner)) - position
+            widest = max(widest, math.degrees(math.acos(ray @ axis / np.linalg.norm(ray))))
+    assert widest < 20.0
+    # Nor is the mechanism lost in the picture.
+    assert widest > 12.0
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,11 @@ import viser
 from viser import uplot
 
 from ...errors import InputError
-from ...hybrid.solution import Solution
 from ...mechanism import Mechanism
-from ..reading import digits, force_unit, index_at, units_of
-from ..scene.arrows import FADE, HELD
+from ..reading import force_unit, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer, as_html, boxed
+from .moment import closed_at, impulses_at, moment_text
 from .settings import Knob
 from .stage import Stage
 
@@ -148,9 +147,9 @@ class Page:
         except InputError as error:
             remark = f" {error.message}"
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
-        self._stage.phase(_closed(solution, t))
-        self._stage.impulses(_shown_impulses(solution, t, self._slow.value))
-        self._tell(f"{_moment(solution, t, motion.q[0])}{remark}")
+        self._stage.phase(closed_at(solution, t))
+        self._stage.impulses(impulses_at(solution, t, self._slow.value))
+        self._tell(f"{moment_text(solution, t, motion.q[0])}{remark}")
 
     def _tell(self, text: str) -> None:
         """Say what the picture shows."""
@@ -193,31 +192,3 @@ def _axis(label: str) -> uplot.Axis:
     return uplot.Axis(
         label=label, size=_AXIS[1], labelSize=_LABEL, grid=uplot.Axis_Grid(show=False), ticks=none
     )
-
-
-def _closed(solution: Solution, t: float) -> frozenset[str]:
-    """Closed stops of the phase at one moment."""
-    return next(item for item in reversed(solution.phases) if item.t_start <= t).closed
-
-
-def _shown_impulses(solution: Solution, t: float, slow: float) -> dict[str, float]:
-    """Impulses that have just been, by the largest one; each is held and shrinks, as played."""
-    hits = solution.collisions
-    largest = max(item.impulse for item in hits)
-    found = {}
-    for hit in hits:
-        left = (HELD + FADE - slow * (t - hit.t)) / FADE
-        if hit.t <= t and largest > 0.0:
-            # A new collision takes the arrow over from the one before it.
-            found[hit.stop] = min(max(left, 0.0), 1.0) * hit.impulse / largest
-    return found
-
-
-def _moment(solution: Solution, t: float, q: np.ndarray) -> str:
-    """Time, index and coordinates of the stops of one frame: the machine's, not the drawing's."""
-    parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
-    for stop in solution.mechanism.stops:
-        units = units_of(solution.mechanism, stop.index)
-        value = digits(units.coordinate_factor * float(q[stop.index]))
-        parts.append(f"{stop.name} {value} {units.coordinate}")
-    return ", ".join(parts)
