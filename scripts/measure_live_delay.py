@@ -13,24 +13,18 @@ drawing  the new numbers -> the next but one picture, which shows the new motion
 
 from __future__ import annotations
 
-import shutil
-import signal
 import statistics
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from browser import chromium, live
+from playwright.sync_api import Browser, Page
 
 import nipper_pin as nip
 from nipper_pin.view.live.answer import answer, as_html
 from nipper_pin.view.live.settings import SPEED, knobs
 
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-# Software for WebGL; root has no sandbox.
-FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
 STEP = 5  # r/min, of the slider
 ALONE, DRAGGED = (40, 300), (40, 60)  # keys, and milliseconds between them
 # The page's socket lives in a worker; what passes between the two is timed from here.
@@ -144,11 +138,7 @@ def pressed(page: Page, keys: int, pause: int, key: str) -> list[dict[str, float
 
 def browsed(address: str, width: int, height: int) -> None:
     """What the browser waits for and draws."""
-    program = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    if program is None:
-        sys.exit(f"no browser on this machine (looked for {', '.join(BROWSERS)})")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=FLAGS)
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": width, "height": height})
         page.set_default_timeout(60_000)
         page.add_init_script(f"({WATCH})()")
@@ -158,7 +148,6 @@ def browsed(address: str, width: int, height: int) -> None:
         print(played(browser, page))
         runs = [("single keys", pressed(page, *ALONE, "ArrowRight")),
                 (f"a key every {DRAGGED[1]} ms", pressed(page, *DRAGGED, "ArrowLeft"))]  # fmt: skip
-        browser.close()
     for title, marks in runs:
         print(title)
         for name, start, end in PARTS:
@@ -169,13 +158,8 @@ def main(width: str = "900", height: str = "700", query: str = "") -> None:
     """Print the table."""
     print(f"{'milliseconds':34}{'least':>8}{'median':>8}{'95 %':>8}")
     computed()
-    command = [*COMMAND, "live", "--speed", "650", "--port", "0", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        try:
-            line = server.stdout.readline() if server.stdout is not None else ""
-            browsed(f"{line.split()[4]}?{query}", int(width), int(height))
-        finally:
-            server.send_signal(signal.SIGINT)
+    with live("--speed", "650") as address:
+        browsed(f"{address}?{query}", int(width), int(height))
 
 
 if __name__ == "__main__":
