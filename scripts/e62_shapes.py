@@ -19,7 +19,10 @@ from shapely.ops import unary_union
 Pair = tuple[float, float]
 Vector = NDArray[np.float64]
 
-ROUND = 14  # straight pieces in a quarter of a circle
+ROUND = 14  # most straight pieces in a quarter of a circle
+SAG = 5e-5  # of a chord below its circle: half the clearance of a pin in its hole
+FINE = 0.002  # a radius below this is an edge that something else touches
+COIL_STEPS, WIRE_STEPS = 14, 6  # straight pieces in a turn of the spring, and around its wire
 TURNS, WIRE, COIL = 7.0, 0.0013, 0.0075  # spring: turns, radius of wire and of coil
 
 
@@ -80,9 +83,16 @@ def _plane(element: ElementTree.Element) -> Pair:
     return x, z
 
 
+def quarter(radius: float) -> int:
+    """Straight pieces in a quarter of a circle [radius in m]."""
+    if radius < FINE:
+        return ROUND
+    return min(ROUND, math.ceil(math.pi / 4.0 / math.acos(1.0 - SAG / radius)))
+
+
 def disc(centre: Pair, radius: float) -> BaseGeometry:
     """Circle."""
-    return Point(centre).buffer(radius, quad_segs=ROUND)
+    return Point(centre).buffer(radius, quad_segs=quarter(radius))
 
 
 def bar(*discs: BaseGeometry) -> BaseGeometry:
@@ -107,9 +117,10 @@ def plate(outline: BaseGeometry, *widths: Pair) -> list[trimesh.Trimesh]:
     return solids
 
 
-def tube(a: Pair, b: Pair, y: float, outer: float, inner: float = 0.0, n: int = 32
+def tube(a: Pair, b: Pair, y: float, outer: float, inner: float = 0.0, n: int | None = None
          ) -> trimesh.Trimesh:  # fmt: skip
-    """Round bar or tube between two points of the plane at one y."""
+    """Round bar or tube between two points of the plane at one y; n corners, or as many as suit."""
+    n = n or 4 * quarter(outer)
     segment = [[a[0], y, a[1]], [b[0], y, b[1]]]
     made: trimesh.Trimesh = (
         trimesh.creation.annulus(inner, outer, segment=segment, sections=n)
@@ -139,12 +150,13 @@ def solid(*groups: Sequence[trimesh.Trimesh]) -> trimesh.Trimesh:
 
 def coil(length: float) -> trimesh.Trimesh:
     """Spring along z from 0 to 1, round when it is stretched to a length; ends closed, ground."""
-    share = np.linspace(0.0, 1.0, int(TURNS * 20) + 1)
+    share = np.linspace(0.0, 1.0, int(TURNS * COIL_STEPS) + 1)
     angle = math.tau * TURNS * share
     # The last turn at each end lies flat, as that of a spring with closed ends does.
     rise = np.interp(share * TURNS, [0.0, 0.8, TURNS - 0.8, TURNS], [0.0, 0.07, 0.93, 1.0])
     height = WIRE + rise * (length - 2.0 * WIRE)
-    around = np.linspace(0.0, math.tau, 9)[:-1]
+    # From the top of the wire, so that its corners reach both ends of the spring.
+    around = 0.5 * math.pi + np.linspace(0.0, math.tau, WIRE_STEPS + 1)[:-1]
     out = COIL + WIRE * np.cos(around)
     points = np.stack([
         np.outer(np.cos(angle), out),

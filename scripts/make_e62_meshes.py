@@ -1,10 +1,12 @@
-"""Make the solids that the E62 is drawn with, from the model's own dimensions.
+"""Make the solids that combers of the E62's layout are drawn with, from the model's dimensions.
 
 The shapes are illustrations around estimated points and collision shapes, not the maker's parts.
-The engine never sees them. The script writes one binary STL a solid into ``models/e62/meshes`` and
-the ``<visual>`` elements of the URDF; it changes nothing else there.
+The engine never sees them. The script writes one binary STL a solid into ``meshes`` of the model's
+folder and the ``<visual>`` elements of the URDF, whose materials it expects there; it changes
+nothing else.
 
-Run: python scripts/make_e62_meshes.py [MODEL FOLDER]
+Run: python scripts/make_e62_meshes.py [MODEL FOLDER ...]
+     without folders: those of the models e62 and e62_offset_guide
 """
 
 from __future__ import annotations
@@ -23,9 +25,11 @@ from shapely import Point, Polygon, box
 from shapely.affinity import rotate, translate
 from shapely.ops import unary_union
 
+OWN = ("e62", "e62_offset_guide")
 FRONT, WALL, WALL_BACK = -0.130, 0.150, 0.158  # ends of the shafts, wall behind the mechanism
 BOSS = 0.166
 SHAFT, PLAY = 0.0095, 0.0001  # radius of the cylinder shaft; clearance of a pin in its hole
+RIM = 0.001  # least thickness of an eccentric around its shaft
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ def frame(model: Model) -> list[Part]:
     bearings = (
         (shaft, 0.024, model.radius("pendulum_shaft")),
         (middle, 0.020, SHAFT),
-        (tension, 0.020, model.radius("tension_shaft")),
+        (tension, 0.020, tension_radius(model)),
     )
     webs = ((shaft, middle), (shaft, tension), (tension, middle),
             (shaft, (shaft[0], floor)), (middle, (0.02, floor)))  # fmt: skip
@@ -122,8 +126,12 @@ def cylinder(model: Model) -> list[Part]:
     # The needles pass under the lips while the nipper is at its rear end, where the guide bar
     # touches the circle of the crank pin: the first of two such places after the jaw has closed.
     axis = np.subtract(drive["guide_axis_mm"], drive["crank_axis_mm"])
-    turned = math.acos(drive["crank_radius_mm"] / math.hypot(*axis))
-    rear = [math.atan2(axis[1], axis[0]) + sign * turned for sign in (1.0, -1.0)]
+    offset, away = drive.get("guide_offset_mm", 0.0), math.hypot(*axis)
+    rear = [
+        math.atan2(axis[1], axis[0])
+        + sign * math.acos((drive["crank_radius_mm"] + sign * offset) / away)
+        for sign in (1.0, -1.0)
+    ]
     centre = 0.5 * math.pi + min((touch - psi) % math.tau for psi in rear)
     half, rows = math.radians(50.0), 17
     sector = Polygon([(0.0, 0.0), *((0.1 * math.cos(centre + a), 0.1 * math.sin(centre + a))
@@ -148,7 +156,9 @@ def pendulum_arm(model: Model) -> list[Part]:
     """Arms on the pendulum shaft, and the slotted guide bar in which the crank pin slides."""
     pivot, width = model.joint["nipper_pivot"], both(model.width("pendulum_arm_left"))
     arms = bar(disc((0.0, 0.0), 0.021), disc(pivot, 0.0125))
-    hole = model.disc("nipper_pivot_pin", PLAY)
+    # Pins stand where the joints are, which their collision shapes may miss a little.
+    radius = model.radius("nipper_pivot_pin")
+    hole = disc(pivot, radius + PLAY)
     low, high = model.width("guide_bar")
     reach = model.radius("pendulum_shaft")
     slot = bar(*(disc(model.axis("guide_bar", x, 0.0), 0.0052) for x in (-0.010, 0.1275)))
@@ -161,7 +171,7 @@ def pendulum_arm(model: Model) -> list[Part]:
         Part("pendulum_arm", "guide_bar", "dark_steel", solid(
             plate(shaft, (model.width("pendulum_shaft")[0], BOSS + 0.002)),
             plate(guide, (low, high)),
-            plate(model.disc("nipper_pivot_pin"), model.width("nipper_pivot_pin")),
+            plate(disc(pivot, radius), model.width("nipper_pivot_pin")),
         )),
     ]  # fmt: skip
 
@@ -188,7 +198,8 @@ def bottom_nipper(model: Model) -> list[Part]:
              solid(plate(plates, model.width("bottom_lip")))),
         Part("bottom_nipper", "jaw_shaft", "dark_steel", solid(
             plate(shaft, (widths[1][0] - 0.001, widths[0][1] + 0.001)),
-            plate(model.disc("rocker_stud_left"), *both(model.width("rocker_stud_left"))),
+            plate(disc(rocker, model.radius("rocker_stud_left")),
+                  *both(model.width("rocker_stud_left"))),
         )),
     ]  # fmt: skip
 
@@ -273,7 +284,7 @@ def steeve(model: Model) -> list[Part]:
              scale=f"1 1 {end - nut:.8f}")
         for name, side in (("left", y), ("right", -y))
     ]  # fmt: skip
-    pin = plate(model.disc("rod_cross_pin"), model.width("rod_cross_pin"))
+    pin = plate(disc((0.0, 0.0), model.radius("rod_cross_pin")), model.width("rod_cross_pin"))
     return [
         Part("steeve_lower", "steeve_rods", "steeve_grey", solid(rods)),
         Part("steeve_lower", "steeve_nuts", "dark_steel", solid(nuts, pin)),
@@ -287,15 +298,21 @@ def _less(head: Pair, point: Pair) -> Pair:
     return point[0] - head[0], point[1] - head[1]
 
 
+def tension_radius(model: Model) -> float:
+    """Radius of the tension shaft: no larger than its eccentrics can hold."""
+    off = math.hypot(*model.joint["eccentric_pin_fixed"])
+    return min(model.radius("tension_shaft"), model.radius("eccentric_disc_left") - off - RIM)
+
+
 def eccentric(model: Model) -> list[Part]:
     """Tension shaft and its two eccentrics."""
     low, _ = model.width("tension_shaft")
+    shaft = disc((0.0, 0.0), tension_radius(model))
+    discs = disc(model.joint["eccentric_pin_fixed"], model.radius("eccentric_disc_left"))
     return [
-        Part("eccentric", "tension_shaft", "dark_steel",
-             solid(plate(model.disc("tension_shaft"), (low, BOSS + 0.002)))),
+        Part("eccentric", "tension_shaft", "dark_steel", solid(plate(shaft, (low, BOSS + 0.002)))),
         Part("eccentric", "eccentric_discs", "drum_brass",
-             solid(plate(model.disc("eccentric_disc_left").difference(model.disc("tension_shaft")),
-                         *both(model.width("eccentric_disc_left"))))),
+             solid(plate(discs.difference(shaft), *both(model.width("eccentric_disc_left"))))),
     ]  # fmt: skip
 
 
@@ -327,9 +344,8 @@ def write_visuals(urdf: Path, parts: Sequence[Part]) -> None:
     urdf.write_text(text, encoding="utf-8")
 
 
-def main(folder: str | None = None) -> None:
-    """Write meshes and visual elements and say how large the meshes are."""
-    home = Path(folder) if folder else Path(__file__).resolve().parents[1] / "models" / "e62"
+def make(home: Path) -> None:
+    """Write meshes and visual elements of one model and say how large the meshes are."""
     model = Model(home)
     makers = (frame, pendulum_arm, bottom_nipper, rocker, top_nipper, steeve, eccentric)
     parts = [part for maker in makers for part in maker(model)]
@@ -352,5 +368,12 @@ def main(folder: str | None = None) -> None:
     print(f"wrote {total / 1e3:.0f} kB into {target}")
 
 
+def main(*folders: str) -> None:
+    """Make the solids of the models named, or of all that come with the package."""
+    models = Path(__file__).resolve().parents[1] / "models"
+    for home in map(Path, folders) if folders else (models / name for name in OWN):
+        make(home)
+
+
 if __name__ == "__main__":
-    main(*sys.argv[1:2])
+    main(*sys.argv[1:])

@@ -16,7 +16,9 @@ import pytest
 from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.view.live.answer import Answer, answer, as_html
+from nipper_pin.view.live.moment import closed_at, impulses_at
 from nipper_pin.view.live.settings import Knob, changed, knobs
+from nipper_pin.view.scene.colours import phase_colour
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 WHY = "viser is not installed (extra `live`): the page cannot be built"
@@ -180,6 +182,69 @@ def test_solids_stand_where_pinocchio_puts_their_links(e62) -> None:
             assert handle.scale[2] == pytest.approx(item.scale[2] - stroke, rel=1e-12)
     finally:
         server.stop()
+
+
+@pytest.fixture
+def stage(e62):
+    viser = pytest.importorskip("viser", reason=WHY)
+    from nipper_pin.view.live.stage import Stage
+
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield server.scene, Stage(server, e62)
+    server.stop()
+
+
+def test_the_arrow_at_the_lips_points_along_the_impulse(e62, stage) -> None:
+    """Its foot and its tip in the touch configuration, where the contact of the model is known."""
+    scene, shown = stage
+    assert not scene.get_handle_by_name("/links/bottom_nipper/impulse_jaw").visible
+    shown.impulses({"jaw": 0.25})
+    handle = scene.get_handle_by_name("/links/bottom_nipper/impulse_jaw")
+    link = scene.get_handle_by_name("/links/bottom_nipper")
+    shown.rest()
+    # At q = 0 all links are parallel to the world.
+    np.testing.assert_allclose(link.wxyz, [1.0, 0.0, 0.0, 0.0], atol=1e-12)
+    w, x, y, z = handle.wxyz
+    points = pin.Quaternion(w, x, y, z).toRotationMatrix() @ (handle.vertices * handle.scale).T
+    points = points.T + handle.position + link.position
+    contact = e62.stop("jaw").contact
+    along = (points - contact.point) @ contact.normal
+    # Stored in single precision; a quarter of the impulse is a quarter of the length.
+    assert along.min() == pytest.approx(0.0, abs=1e-7)
+    assert along.max() == pytest.approx(0.25 * 0.18 * e62.reach_m, rel=1e-6)
+    tip = points[along.argmax()] - contact.point
+    np.testing.assert_allclose(tip, along.max() * contact.normal, atol=1e-7)
+    shown.impulses({})
+    assert not handle.visible
+
+
+def test_the_colour_of_the_opening_link_is_that_of_the_phase(e62, stage) -> None:
+    """Of both its solids, and of no other link."""
+    scene, shown = stage
+    others = scene.get_handle_by_name("/links/bottom_nipper/bottom_nipper").color
+    seen = set()
+    for phase in e62.phases:
+        shown.phase(phase.closed)
+        own = [scene.get_handle_by_name(f"/links/top_nipper/{name}").color
+               for name in ("top_nipper", "top_lip")]  # fmt: skip
+        wanted = phase_colour(e62, phase.closed)
+        assert own == [tuple(bytes.fromhex(wanted[1:]))] * 2
+        assert scene.get_handle_by_name("/links/bottom_nipper/bottom_nipper").color == others
+        seen.add(own[0])
+    assert len(seen) == 3
+
+
+def test_an_impulse_is_held_shrinks_and_goes(e62) -> None:
+    """At 1 : 1000, a millisecond of the machine is a second of playback."""
+    run = simulate(e62, Case(speed_rpm=650.0))
+    first, second = run.collisions[:2]
+    assert first.impulse == max(hit.impulse for hit in run.collisions)
+    assert second.t - first.t > 5e-3
+    for after, size in ((0.0, 1.0), (0.59e-3, 1.0), (0.8e-3, 0.5), (1.01e-3, 0.0)):
+        assert impulses_at(run, first.t + after, 1e3)["jaw"] == pytest.approx(size, abs=1e-9)
+    share = second.impulse / first.impulse
+    assert impulses_at(run, second.t, 1e3)["jaw"] == pytest.approx(share, rel=1e-12)
+    assert closed_at(run, second.t) == frozenset()
 
 
 def test_a_missing_library_is_one_sentence_with_the_remedy(

@@ -24,7 +24,7 @@ import yourdfpy
 from nipper_pin import Case, InputError, Solution, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
-from nipper_pin.mechanism import collision_model, find_model, from_sources
+from nipper_pin.mechanism import collision_model, find_model, from_sources, known_models
 from nipper_pin.view.reading import index_at
 from nipper_pin.view.scene import Film, Look, film, scene_page
 from nipper_pin.view.scene.pace import pace
@@ -33,6 +33,7 @@ from nipper_pin.view.scene.solids import CYLINDER, FIXED, Solid, solids
 from nipper_pin.view.scene.tracks import animation
 
 FOLDER = find_model("e62")
+DRAWN = ["e62", "e62_offset_guide"]
 MODELS = Path(__file__).parents[1] / "verification" / "models"
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
@@ -92,15 +93,23 @@ def test_another_viewer_finds_every_mesh_and_the_machine_in_its_place() -> None:
         assert gap.min() == pytest.approx(0.0, abs=5e-6)
 
 
-def test_meshes_are_small_closed_and_all_of_them_used() -> None:
-    files = {f"meshes/{path.name}": path for path in (FOLDER / "meshes").iterdir()}
-    robot = ElementTree.parse(FOLDER / "e62.urdf")
+@pytest.mark.parametrize("model", DRAWN)
+def test_meshes_are_closed_and_all_of_them_used(model: str) -> None:
+    folder = find_model(model)
+    files = {f"meshes/{path.name}": path for path in (folder / "meshes").iterdir()}
+    robot = ElementTree.parse(folder / f"{model}.urdf")
     assert {item.get("filename") for item in robot.iter("mesh")} == set(files)
-    assert sum(path.stat().st_size for path in files.values()) < 2_000_000
     for name, path in files.items():
         mesh = trimesh.load_mesh(path)
         assert mesh.is_watertight, name
         assert mesh.volume > 0.0, name
+
+
+def test_all_meshes_of_the_package_are_small() -> None:
+    """The least of a mesh, a tetrahedron, is counted too: a glob that finds nothing would fail."""
+    sizes = [path.stat().st_size for path in FOLDER.parent.glob("*/meshes/*")]
+    assert len(sizes) >= 20 * len(DRAWN)
+    assert sum(sizes) < 2_000_000
 
 
 def test_the_engine_does_not_see_what_is_drawn(e62) -> None:
@@ -114,14 +123,20 @@ def test_the_engine_does_not_see_what_is_drawn(e62) -> None:
     assert all(a == b for a, b in zip(one.geometryObjects, two.geometryObjects, strict=True))
 
 
-@pytest.mark.parametrize("name", ["plain", "large"])
+@pytest.fixture(scope="session")
+def offset_guide() -> Film:
+    mechanism = load("e62_offset_guide")
+    return film(simulate(mechanism, Case(speed_rpm=350.0, window=Window.CYCLE)), Look())
+
+
+@pytest.mark.parametrize("name", ["plain", "large", "offset_guide"])
 def test_drawn_links_never_run_through_one_another(
     name: str, request: pytest.FixtureRequest
 ) -> None:
     """Overlaps of all pairs over a turn, by a library of solids: none, also exaggerated.
 
-    Holes are 0.1 mm wider than their pins, which the sag of their chords (8 mm, 56 to a turn:
-    13 um) does not close; a link in a wrong place would overlap by whole pins.
+    Holes are 0.1 mm wider than their pins, which the sag of their chords (50 um, or 30 um at 20 mm
+    and 56 to a turn) does not close; a link in a wrong place would overlap by whole pins.
     """
     shown = request.getfixturevalue(name)
     drawn = [item for item in solids(shown.solution.mechanism) if item.spring is None]
@@ -319,6 +334,50 @@ def test_a_link_without_its_meshes_is_drawn_by_its_collision_shapes(e62, tmp_pat
     geometry, _ = collision_model(e62)
     assert {item.name for item in found} == {item.name for item in geometry.geometryObjects}
     assert {item.kind for item in found} == {"box", "cylinder"}
+
+
+def test_links_without_a_material_are_told_apart() -> None:
+    """The identified model says nothing of colours: one for each link, and grey for the frame."""
+    mechanism = load("e62_identified")
+    found: dict[int, set[tuple[float, float, float]]] = {}
+    for item in solids(mechanism):
+        found.setdefault(max(item.body, FIXED), set()).add(item.colour)
+    assert all(len(colours) == 1 for body, colours in found.items() if body != FIXED)
+    moving = [colours.pop() for body, colours in found.items() if body != FIXED]
+    assert len(set(moving)) == len(moving) == len(mechanism.joints)
+    assert all(max(colour) - min(colour) < 0.1 for colour in found[FIXED])
+
+
+@pytest.mark.parametrize("name", sorted(known_models()))
+def test_the_camera_sees_every_plain_body(name: str) -> None:
+    """All corners of all collision shapes, as Pinocchio places them, are inside of the picture.
+
+    The page lets the camera see 40 degrees from top to bottom: a cone of 20 around its axis in
+    any window that is not higher than wide.
+    """
+    mechanism = load(name)
+    case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=Window.CYCLE)
+    seen = re.search(
+        r'"camera": \{"target": (\[.*?\]), "position": (\[.*?\])\}',
+        scene_page(film(simulate(mechanism, case), Look())),
+    )
+    target, position = (np.array(json.loads(text)) for text in seen.groups())
+    axis = (target - position) / np.linalg.norm(target - position)
+    geometry, _ = collision_model(mechanism)
+    data, placed = mechanism.model.createData(), geometry.createData()
+    pin.updateGeometryPlacements(
+        mechanism.model, data, geometry, placed, np.zeros(mechanism.model.nq)
+    )
+    widest = 0.0
+    for item, place in zip(geometry.geometryObjects, placed.oMg, strict=True):
+        item.geometry.computeLocalAABB()
+        low, high = item.geometry.aabb_local.min_, item.geometry.aabb_local.max_
+        for corner in itertools.product(*zip(low, high, strict=True)):
+            ray = place.act(np.array(corner)) - position
+            widest = max(widest, math.degrees(math.acos(ray @ axis / np.linalg.norm(ray))))
+    assert widest < 20.0
+    # Nor is the mechanism lost in the picture.
+    assert widest > 12.0
 
 
 @pytest.mark.parametrize(

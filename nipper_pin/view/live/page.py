@@ -12,15 +12,17 @@ import viser
 from viser import uplot
 
 from ...errors import InputError
-from ...hybrid.solution import Solution
 from ...mechanism import Mechanism
-from ..reading import digits, force_unit, gap_noun, index_at, units_of
+from ..reading import force_unit, gap_noun, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer, as_html, boxed
+from .moment import closed_at, impulses_at, moment_text
 from .settings import Knob
 from .stage import Stage
 
 _FRAME = 1.0 / 30.0  # seconds
+_AFTER = 0.01  # seconds from new numbers to the picture that belongs to them
+_HELD = 0.15  # seconds from that picture to the next one
 _PAUSE = 0.7  # seconds of playback at rest before the film starts again
 _SLOW = (100, 5000, 1000)  # ends and start of the slow motion
 _WIDTH, _HEIGHT = 400, 170  # pixels, of the panel and of a plot
@@ -82,18 +84,26 @@ class Page:
 
     def run(self) -> None:
         """Follow the sliders and move the picture, for ever."""
-        last = time.perf_counter()
+        last = due = time.perf_counter()
+        fresh = False
         while True:
-            changed = self._wake.wait(max(0.0, last + _FRAME - time.perf_counter()))
-            now = time.perf_counter()
-            with self._server.atomic():
-                if changed:
-                    # Cleared first: what changes from here on is another change.
-                    self._wake.clear()
+            if self._wake.wait(max(0.0, due - time.perf_counter())):
+                # Cleared first: what changes from here on is another change.
+                self._wake.clear()
+                with self._server.atomic():
                     self._answer = self._follow()
-                if self._server.get_clients():
+                self._server.flush()
+                # The browser shows numbers and plots at once if they come alone, and only with
+                # its next picture if they come with anything of the scene.
+                due, fresh = time.perf_counter() + _AFTER, True
+                continue
+            now = time.perf_counter()
+            if self._server.get_clients():
+                with self._server.atomic():
                     self._draw(now - last if self._play.value else 0.0)
-            last = now
+                self._server.flush()
+            # Pictures between two moves of a slider would only delay what it changes.
+            last, due, fresh = now, now + (_HELD if fresh else _FRAME), False
 
     def _changed(self, _: object) -> None:
         """Note that a slider moved; of many moves only the last matters."""
@@ -127,6 +137,7 @@ class Page:
         self._drawn = (self._answer, t, larger)
         if solution is None:
             self._stage.rest()
+            self._stage.impulses({})
             self._tell("there is no motion to show: the touch configuration")
             return
         motion = solution.trajectory.evaluate(t)
@@ -136,7 +147,9 @@ class Page:
         except InputError as error:
             remark = f" {error.message}"
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
-        self._tell(f"{_moment(solution, t, motion.q[0])}{remark}")
+        self._stage.phase(closed_at(solution, t))
+        self._stage.impulses(impulses_at(solution, t, self._slow.value))
+        self._tell(f"{moment_text(solution, t, motion.q[0])}{remark}")
 
     def _tell(self, text: str) -> None:
         """Say what the picture shows."""
@@ -182,13 +195,3 @@ def _axis(label: str) -> uplot.Axis:
     return uplot.Axis(
         label=label, size=_AXIS[1], labelSize=_LABEL, grid=uplot.Axis_Grid(show=False), ticks=none
     )
-
-
-def _moment(solution: Solution, t: float, q: np.ndarray) -> str:
-    """Time, index and coordinates of the stops of one frame: the machine's, not the drawing's."""
-    parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
-    for stop in solution.mechanism.stops:
-        units = units_of(solution.mechanism, stop.index)
-        value = digits(units.coordinate_factor * stop.gap(q))
-        parts.append(f"{stop.name} {value} {units.coordinate}")
-    return ", ".join(parts)

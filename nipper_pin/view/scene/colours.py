@@ -8,8 +8,10 @@ from ...mechanism import Mechanism
 _PHASES = ("#F0E442", "#56B4E9", "#E69F00", "#009E73", "#CC79A7")
 _UNNAMED = "#777777"
 ARROW = "#D55E00"
-PLAIN = "#9AA0A8"
 LINE = "#333333"
+_FRAME = "#9AA0A8"
+# Of links whose URDF says nothing: apart from one another, and paler than phases and arrows.
+_LINKS = ("#6E8FB8", "#B8A16E", "#7FA889", "#A58BB0", "#B08A7E", "#7FA6AC", "#8C8FA8")
 
 
 def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:
@@ -24,3 +26,8 @@ def channels(colour: str) -> tuple[float, float, float]:
     """Red, green and blue of #RRGGBB, 0 to 1."""
     red, green, blue = bytes.fromhex(colour.removeprefix("#"))
     return red / 255.0, green / 255.0, blue / 255.0
+
+
+def link_colour(body: int) -> tuple[float, float, float]:
+    """Red, green and blue of a link without a material, by its place; grey for what stands."""
+    return channels(_LINKS[body % len(_LINKS)] if body >= 0 else _FRAME)

@@ -8,19 +8,16 @@ from typing import Any
 import meshcat.commands as commands
 import meshcat.geometry as geometry
 import numpy as np
-import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...mechanism import Mechanism, Stop, Strut
-from ...mechanism.tree import joint_placements
-from ..reading import force_unit
+from .arrows import arrow_body, arrow_place, arrow_sizes
 from .colours import ARROW, LINE, channels
 from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis
 
 ROOT = "nipper"
 LINE_WIDTH = 0.003  # of the reach of the mechanism
-ARROW_LENGTH = 0.18  # of the reach of the mechanism, for the largest impulse
 _READERS = {
     ".stl": geometry.StlMeshGeometry,
     ".obj": geometry.ObjMeshGeometry,
@@ -61,34 +58,19 @@ def solid_commands(mechanism: Mechanism, solid: Solid) -> Iterator[dict[str, obj
 
 def arrow_path(mechanism: Mechanism, stop: Stop) -> str:
     """Path of the node that is scaled with the impulse of a stop."""
-    model = mechanism.model
-    order = [model.getJointId(joint.name) for joint in mechanism.joints]
-    parent = model.parents[_joint(mechanism, stop)]
-    body = order.index(parent) if parent else FIXED
-    return f"{body_path(mechanism, body)}/impulse_{stop.name}"
-
-
-def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:
-    """Stops whose impulses are drawn: all whose impulse is a force by time, and not a moment."""
-    return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop.name) == "N")
+    return f"{body_path(mechanism, arrow_body(mechanism, stop))}/impulse_{stop.name}"
 
 
 def arrow_commands(mechanism: Mechanism, stop: Stop) -> Iterator[dict[str, object]]:
-    """Commands that put the arrow of a stop in its place, at its largest size.
-
-    The arrow of a lip contact shows the impulse on the opening lip; that of a stop along a slide
-    the impulse on the child link.
-    """
+    """Commands that put the arrow of a stop in its place, at its largest size."""
     path = arrow_path(mechanism, stop)
-    long = ARROW_LENGTH * mechanism.reach_m
-    shaft, head, thick = 0.72 * long, 0.28 * long, 0.022 * long
-    up = _upward(0.5 * shaft), _upward(shaft + 0.5 * head)
-    yield _transform(path, _arrow_place(mechanism, stop))
+    shaft, thick, head, wide = arrow_sizes(mechanism)
+    yield _transform(path, arrow_place(mechanism, stop))
     yield _object(f"{path}/shaft", geometry.Cylinder(shaft, thick), channels(ARROW), glow=True)
-    yield _transform(f"{path}/shaft", up[0])
-    cone = geometry.Cylinder(head, radiusTop=0.0, radiusBottom=3.0 * thick)
+    yield _transform(f"{path}/shaft", _upward(0.5 * shaft))
+    cone = geometry.Cylinder(head, radiusTop=0.0, radiusBottom=wide)
     yield _object(f"{path}/head", cone, channels(ARROW), glow=True)
-    yield _transform(f"{path}/head", up[1])
+    yield _transform(f"{path}/head", _upward(shaft + 0.5 * head))
 
 
 def strut_path(strut: Strut) -> str:
@@ -100,29 +82,6 @@ def strut_command(mechanism: Mechanism, strut: Strut) -> dict[str, object]:
     """Command that draws a strut as a line one unit long, along y; the animation places it."""
     line = geometry.Cylinder(1.0, LINE_WIDTH * mechanism.reach_m)
     return _object(strut_path(strut), line, channels(LINE), glow=True)
-
-
-def _joint(mechanism: Mechanism, stop: Stop) -> int:
-    """Identity of the joint that a stop acts on in Pinocchio's model."""
-    name = next(joint.name for joint in mechanism.joints if joint.index == stop.index)
-    return int(mechanism.model.getJointId(name))
-
-
-def _arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
-    """Placement in the parent link of the stop's joint; the arrow points along its y axis."""
-    model, joint = mechanism.model, _joint(mechanism, stop)
-    world = joint_placements(model)
-    if stop.contact is not None:
-        point, direction = stop.contact.point, stop.contact.normal
-    else:
-        jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
-        point, direction = world[joint].translation, stop.sense * jacobian[:3, stop.index]
-    place = np.eye(4)
-    place[:3, 1] = direction / np.linalg.norm(direction)
-    place[:3, 2] = (0.0, 1.0, 0.0)
-    place[:3, 0] = np.cross(place[:3, 1], place[:3, 2])
-    place[:3, 3] = point
-    return np.asarray(world[model.parents[joint]].inverse().homogeneous @ place)
 
 
 def _upward(distance: float) -> FloatArray:

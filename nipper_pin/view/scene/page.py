@@ -8,21 +8,21 @@ from importlib import resources
 from pathlib import Path
 
 import meshcat
-import numpy as np
 import umsgpack
 
 from ...hybrid.solution import Solution
 from ...hybrid.storage import complete_file
+from .arrows import arrow_stops
 from .film import Film, Look, film
-from .objects import arrow_commands, arrow_stops, solid_commands, strut_command
+from .framing import camera
+from .objects import arrow_commands, solid_commands, strut_command
 from .readings import readings
 from .solids import solids
 from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
-_NEAR = 1.6  # distance of the camera by the size of the mechanism
-_BELOW = 0.1  # so far below the middle it looks: the controls cover the lower edge
-_DIRECTION = (0.38, -1.0, 0.34)
+_NEAR = 1.65  # distance of the camera by the size of the mechanism
+_SHIFT = (-0.06, -0.1)  # where it looks beside the middle: texts cover the left and lower edges
 
 
 def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
@@ -90,18 +90,11 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
 
 
 def _camera(shown: Film) -> dict[str, object]:
-    """Where the camera stands and looks (x, y, z) [m]: at all that moves, from front and above."""
-    points = np.concatenate([shown.position.reshape(-1, 2), np.zeros((1, 2))])
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle = 0.5 * (low + high)
-    target = np.array([middle[0], 0.0, middle[1]])
-    size = max(float(np.linalg.norm(high - low)), 0.5 * shown.solution.mechanism.reach_m)
-    target[2] -= _BELOW * size
-    direction = np.array(_DIRECTION) / np.linalg.norm(_DIRECTION)
-    return {
-        "target": target.tolist(),
-        "position": (target + _NEAR * size * direction).tolist(),
-    }
+    """Where the camera stands and looks (x, y, z) [m]: at all that moves."""
+    target, position = camera(
+        shown.solution.mechanism, shown.position.reshape(-1, 2), _NEAR, _SHIFT
+    )
+    return {"target": target.tolist(), "position": position.tolist()}
 
 
 def _in_script(text: str) -> str:

@@ -19,7 +19,7 @@ import pinocchio as pin
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, OscillatingGuide
 from ...mechanism.urdf_values import mesh_path, numbers, origin, rotation_from_rpy
-from .colours import PLAIN, channels
+from .colours import link_colour
 
 Colour = tuple[float, float, float]
 FIXED, CYLINDER = -1, -2
@@ -78,23 +78,49 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
         for item in robot.findall("material")
         if item.find("color") is not None
     }
-    order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     found: list[Solid] = []
+    for link, body, frame in _links(mechanism, robot):
+        for tag in ("visual", "collision"):
+            shapes = list(_shapes(mechanism, link, tag, body, frame, colours))
+            if shapes:
+                found += shapes
+                break
+    drawn = {item.body for item in found}
+    for body, joint in enumerate(mechanism.joints):
+        if body not in drawn:
+            found += _bars(mechanism, body, mechanism.model.getJointId(joint.name))
+    return tuple(found)
+
+
+def plain_solids(mechanism: Mechanism) -> tuple[Solid, ...]:
+    """The collision shapes but for meshes, whatever is drawn.
+
+    Args:
+        mechanism: The mechanism.
+
+    Raises:
+        ModelError: A shape of the URDF cannot be read.
+    """
+    robot = ElementTree.fromstring(mechanism.urdf)
+    return tuple(
+        item
+        for link, body, frame in _links(mechanism, robot)
+        for item in _shapes(mechanism, link, "collision", body, frame, {})
+        if item.path is None
+    )
+
+
+def _links(
+    mechanism: Mechanism, robot: ElementTree.Element
+) -> Iterator[tuple[ElementTree.Element, int, pin.SE3]]:
+    """Links of the URDF, the body that each moves with, and where it stands in that."""
+    order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     for link in robot.findall("link"):
         frame = mechanism.model.frames[
             mechanism.model.getFrameId(link.get("name", ""), pin.FrameType.BODY)
         ]
         body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
-        for tag in ("visual", "collision"):
-            shapes = list(_shapes(mechanism, link, tag, body, frame.placement, colours))
-            if shapes:
-                found += shapes
-                break
-    drawn = {item.body for item in found}
-    for body in range(len(order)):
-        if body not in drawn:
-            found += _bars(mechanism, body, order[body])
-    return tuple(found)
+        yield link, body, frame.placement
 
 
 def _shapes(
@@ -134,7 +160,7 @@ def _shapes(
             path=path,
             placement=frame.homogeneous @ local,
             scale=scale,
-            colour=_material(element, colours),
+            colour=_material(element, colours, body),
             spring=next((springs[item] for item in springs if name.startswith(item)), None)
             if shape.tag == "mesh"
             else None,
@@ -159,8 +185,8 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
     thick = 0.02 * mechanism.reach_m
     ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]
     one = np.ones(3)
-    grey = channels(PLAIN)
-    bars = [Solid("joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, grey)]
+    colour = link_colour(body)
+    bars = [Solid("joint", body, "sphere", (1.6 * thick,), None, np.eye(4), one, colour)]
     for place, end in enumerate(ends):
         length = float(np.linalg.norm(end))
         along = end / length
@@ -169,18 +195,18 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
         matrix[:3, 0] = np.cross(matrix[:3, 1], along)
         matrix[:3, 3] = 0.5 * end
         bars.append(
-            Solid(f"bar_{place}", body, "cylinder", (thick, length), None, matrix, one, grey)
+            Solid(f"bar_{place}", body, "cylinder", (thick, length), None, matrix, one, colour)
         )
     return bars
 
 
-def _material(element: ElementTree.Element, colours: dict[str, Colour]) -> Colour:
+def _material(element: ElementTree.Element, colours: dict[str, Colour], body: int) -> Colour:
     material = element.find("material")
     if material is None:
-        return channels(PLAIN)
+        return link_colour(body)
     if material.find("color") is not None:
         return _colour(material)
-    return colours.get(material.get("name", ""), channels(PLAIN))
+    return colours.get(material.get("name", ""), link_colour(body))
 
 
 def _colour(material: ElementTree.Element) -> Colour:

@@ -12,13 +12,12 @@ import numpy as np
 import umsgpack
 
 from ...arrays import FloatArray
+from .arrows import FADE, HELD, arrow_scale, arrow_stops
 from .colours import channels, phase_colour
 from .film import Film, bouncing_stop
-from .objects import arrow_path, arrow_stops, body_path, solid_path, strut_path
+from .objects import arrow_path, body_path, solid_path, strut_path
 from .solids import CYLINDER, Solid, cylinder_axis
 
-HELD = 0.6  # seconds of playback that the arrow of an impulse is shown
-_FADE = 0.4
 _JUMP = 1e-3
 _SHORTEST = 1e-6  # m
 _FLOAT32 = 0x17  # meshcat's code for a typed array in a message
@@ -148,14 +147,11 @@ def _arrows(film: Film) -> Iterator[dict[str, object]]:
             # A new collision takes the arrow over from the one before it.
             keys = [key for key in keys if key[0] < start - _JUMP] or [(0.0, 0.0)]
             keys += [(max(start - _JUMP, 0.0), 0.0), (start, size), (start + HELD, size),
-                     (start + HELD + _FADE, 0.0)]  # fmt: skip
+                     (start + HELD + FADE, 0.0)]  # fmt: skip
         end = float(film.pace.playback[-1])
         keys = [key for key in keys if key[0] < end]
         t = np.array([*(key[0] for key in keys), end])
-        # Nothing at all would leave a matrix that cannot be inverted.
-        sizes = np.maximum([*(key[1] for key in keys), 0.0], 1e-6)
-        # Length shows the impulse; width shrinks less, so that small arrows stay arrows.
-        scale = np.column_stack([np.sqrt(sizes), sizes, np.sqrt(sizes)])
+        scale = arrow_scale(np.array([*(key[1] for key in keys), 0.0]))
         yield _clip(arrow_path(solution.mechanism, stop), t, ("scale", "vector3", scale))
 
 

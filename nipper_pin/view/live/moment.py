@@ -1,0 +1,56 @@
+"""What there is to see at one moment of a transition: phase, impulses and numbers."""
+
+from __future__ import annotations
+
+from ...arrays import FloatArray
+from ...hybrid.solution import Solution
+from ..reading import digits, index_at, units_of
+from ..scene.arrows import FADE, HELD
+
+
+def closed_at(solution: Solution, t: float) -> frozenset[str]:
+    """Closed stops of the phase at one moment.
+
+    Args:
+        solution: The solution.
+        t: Time [s].
+    """
+    return next(item for item in reversed(solution.phases) if item.t_start <= t).closed
+
+
+def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
+    """Impulses that have just been; each is held for a moment of playback and shrinks.
+
+    Args:
+        solution: The solution.
+        t: Time [s].
+        slow: Seconds of playback in a second of the machine.
+
+    Returns:
+        Size of the arrow of each stop struck so far, by the largest impulse [-].
+    """
+    hits = solution.collisions
+    largest = max(item.impulse for item in hits)
+    found = {}
+    for hit in hits:
+        left = (HELD + FADE - slow * (t - hit.t)) / FADE
+        if hit.t <= t and largest > 0.0:
+            # A new collision takes the arrow over from the one before it.
+            found[hit.stop] = min(max(left, 0.0), 1.0) * hit.impulse / largest
+    return found
+
+
+def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
+    """Time, index and gaps of the stops: the machine's, not the drawing's.
+
+    Args:
+        solution: The solution.
+        t: Time [s].
+        q: Configuration, shape (nv,) [rad or m].
+    """
+    parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
+    for stop in solution.mechanism.stops:
+        units = units_of(solution.mechanism, stop.index)
+        value = digits(units.coordinate_factor * stop.gap(q))
+        parts.append(f"{stop.name} {value} {units.coordinate}")
+    return ", ".join(parts)

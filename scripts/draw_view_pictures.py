@@ -1,0 +1,106 @@
+"""Pictures of the viewer and of the live page for the documents.
+
+Run: python scripts/draw_view_pictures.py [FOLDER]      (default docs/images)
+     Needs the `dev` extra and Chromium.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from browser import chromium, live
+from PIL import Image
+from playwright.sync_api import Browser, Page
+
+import nipper_pin as nip
+from nipper_pin.view.scene import Film, Look, film, write_page
+
+SPEED, EXAGGERATE = 650.0, 10.0
+VIEW, LIVE = (1120, 720), (1100, 760)  # pixels
+COLOURS = 256  # of the palette of a file
+# Stops the film where the arrow of the first collision is still at its full length.
+STOP_EARLY = """() => {
+    const now = parseFloat(document.querySelector('#now')?.textContent);
+    if (!(now > 0.1 && now < 0.4)) return false;
+    const label = [...document.querySelectorAll('label')].find(item => item.textContent === 'play');
+    document.getElementById(label.htmlFor).click();
+    return true;
+}"""
+
+
+def moments(shown: Film) -> dict[str, float]:
+    """Playback times [s] of the pictures, by name."""
+    solution, pace = shown.solution, shown.pace
+    stop = solution.mechanism.transition_stop
+    hit = max(solution.collisions, key=lambda item: item.impulse if item.stop == stop else 0.0)
+    opened = next(item for item in solution.phases if item.number == 1)
+    foremost = solution.mechanism.cylinder.reference_index
+    rear = int(np.argmin(np.abs((shown.index - foremost) % 40.0 - 20.0)))
+    return {
+        "phase1": float(pace.playback_at(0.5 * (opened.t_start + opened.t_end))),
+        "phase2": float(pace.playback[rear]),
+        "phase3": float(pace.playback_at(hit.t + 0.5 * (hit.rebound_time or 0.0))),
+        "impulse": float(pace.playback_at(hit.t)) + 0.2,
+    }
+
+
+def save(page: Page, path: Path) -> None:
+    """What a page shows, as a small PNG file."""
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    # Colours by their place among all, not by how many pixels have them: springs are few.
+    small = image.quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
+    small.save(path, optimize=True)
+    print(f"wrote {path} ({path.stat().st_size / 1e3:.0f} kB)")
+
+
+def view_pictures(browser: Browser, folder: Path) -> None:
+    """The three phases, and an impulse."""
+    solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=SPEED, window=nip.Window.CYCLE))
+    look = Look(exaggerate=EXAGGERATE)
+    with tempfile.TemporaryDirectory() as place:
+        file = write_page(solution, Path(place) / "view.html", look)
+        page = browser.new_page(viewport={"width": VIEW[0], "height": VIEW[1]})
+        page.goto(file.as_uri())
+        page.wait_for_function("animator.time > 0.1")
+        for name, time in moments(film(solution, look)).items():
+            page.evaluate(
+                "time => { animator.pause(); animator.seek(time);"
+                " animator.display_progress(time); }", time
+            )  # fmt: skip
+            page.wait_for_timeout(1000)
+            save(page, folder / f"view_{name}.png")
+        page.close()
+
+
+def live_picture(browser: Browser, path: Path) -> None:
+    """The live page, a moment after the first collision."""
+    with live("--speed", f"{SPEED:g}") as address:
+        page = browser.new_page(viewport={"width": LIVE[0], "height": LIVE[1]})
+        page.set_default_timeout(120_000)
+        page.goto(address)
+        page.wait_for_selector("#setting")
+        # A browser that draws with the processor is told so in a corner of the picture.
+        notice = page.locator(".mantine-Notification-closeButton")
+        page.wait_for_timeout(2000)
+        if notice.count():
+            notice.first.click()
+        page.wait_for_function(STOP_EARLY, polling=20)
+        page.wait_for_timeout(1500)
+        save(page, path)
+        page.close()
+
+
+def main(folder: str | None = None) -> None:
+    """Write all pictures."""
+    target = Path(folder) if folder else Path(__file__).resolve().parents[1] / "docs" / "images"
+    with chromium() as browser:
+        view_pictures(browser, target)
+        live_picture(browser, target / "live.png")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:2])

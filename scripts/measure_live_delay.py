@@ -1,0 +1,166 @@
+"""Where the time between a key on a slider of the live page and its answer goes.
+
+Run: python scripts/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
+     QUERY is put behind the address, for example fixedDpr=0.5
+
+Needs the `dev` extra and Chromium, which draws with the processor here. Of each key, all seen by
+the page itself while the film plays:
+sending  key -> message to the server
+server   that message -> the one that holds the new numbers: socket, run, plots, socket
+telling  that message -> the new numbers in the page
+drawing  the new numbers -> the next but one picture, which shows the new motion
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+from browser import chromium, live
+from playwright.sync_api import Browser, Page
+
+import nipper_pin as nip
+from nipper_pin.view.live.answer import answer, as_html
+from nipper_pin.view.live.settings import SPEED, knobs
+
+STEP = 5  # r/min, of the slider
+ALONE, DRAGGED = (40, 300), (40, 60)  # keys, and milliseconds between them
+# The page's socket lives in a worker; what passes between the two is timed from here.
+WATCH = """() => {
+    const marks = window.marks = [];
+    const speed = text => +/speed ([0-9.]+)/.exec(text)[1];
+    const reached = (mark, value) => (value - mark.wanted) * mark.sense >= 0;
+    const Plain = window.Worker;
+    window.Worker = class extends Plain {
+        constructor(...given) {
+            super(...given);
+            this.addEventListener('message', event => {
+                for (const part of (event.data && event.data.messages) || [])
+                    if (part.type === 'GuiUpdateMessage'
+                            && String(part.updates.content).includes('id="setting"'))
+                        for (const mark of marks)
+                            if (!mark.back && reached(mark, speed(part.updates.content)))
+                                mark.back = performance.now();
+            });
+        }
+        postMessage(data, ...rest) {
+            super.postMessage(data, ...rest);
+            if (data.type === 'send' && data.message.type === 'GuiUpdateMessage')
+                for (const mark of marks)
+                    if (!mark.sent && reached(mark, data.message.updates.value))
+                        mark.sent = performance.now();
+        }
+    };
+    addEventListener('keydown', event => {
+        const sense = event.key === 'ArrowRight' ? 1 : -1;
+        const value = +document.activeElement.getAttribute('aria-valuenow');
+        marks.push({began: performance.now(), wanted: value + sense * STEP, sense});
+    }, true);
+    new MutationObserver(() => {
+        const place = document.querySelector('#setting');
+        if (!place) return;
+        for (const mark of marks)
+            if (!mark.told && reached(mark, speed(place.textContent))) {
+                mark.told = performance.now();
+                requestAnimationFrame(() => requestAnimationFrame(() => {
+                    mark.seen = performance.now();
+                }));
+            }
+    }).observe(document, {subtree: true, childList: true, characterData: true});
+}""".replace("STEP", str(STEP))
+PARTS = (
+    ("  sending", "began", "sent"),
+    ("  server", "sent", "back"),
+    ("  telling", "back", "told"),
+    ("  key to numbers", "began", "told"),
+    ("  drawing", "told", "seen"),
+    ("  key to picture", "began", "seen"),
+)
+PLAYED = 5000  # ms, over which pictures are counted
+COUNT = "window.__viserTestpoints.rendererInfo.render.frame"
+
+
+def told(name: str, values: Sequence[float]) -> str:
+    """One line of the table [ms]."""
+    ordered = sorted(values)
+    late = ordered[min(len(ordered) - 1, round(0.95 * len(ordered)))]
+    return f"{name:34}{ordered[0]:8.1f}{statistics.median(ordered):8.1f}{late:8.1f}"
+
+
+def timed(act: Callable[[], object], times: int = 60) -> list[float]:
+    """Processor time of calls [ms], which other programs disturb less than the time of day."""
+    found = []
+    for _ in range(times):
+        began = time.thread_time()
+        act()
+        found.append(1e3 * (time.thread_time() - began))
+    return found
+
+
+def computed() -> None:
+    """What the server computes, without any browser."""
+    mechanism = nip.load("e62")
+    controls = knobs(mechanism, 650.0)
+    shown = {item.key: item.start for item in controls} | {SPEED: 650.0}
+    found = answer(mechanism, controls, shown)
+    print(told("run, numbers, plots: processor",
+               timed(lambda: answer(mechanism, controls, shown))))  # fmt: skip
+    print(told("text of the numbers: processor", timed(lambda: as_html(found))))
+
+
+def played(browser: Browser, page: Page) -> str:
+    """How often a picture is drawn, and how much of all processors one takes, while it plays."""
+    session = browser.new_browser_cdp_session()
+
+    def spent() -> float:
+        processes = session.send("SystemInfo.getProcessInfo")["processInfo"]
+        return 1e3 * sum(float(item["cpuTime"]) for item in processes)
+
+    first, before = page.evaluate(COUNT), spent()
+    page.wait_for_timeout(PLAYED)
+    count, cost = page.evaluate(COUNT) - first, spent() - before
+    return f"a picture every {PLAYED / count:.0f} ms, {cost / count:.0f} ms of processor time each"
+
+
+def pressed(page: Page, keys: int, pause: int, key: str) -> list[dict[str, float]]:
+    """Times of keys that follow one another after a pause [ms]."""
+    page.evaluate("marks.length = 0")
+    page.locator("[role=slider]").first.focus()
+    for _ in range(keys):
+        page.keyboard.press(key)
+        page.wait_for_timeout(pause)
+    page.wait_for_function("marks.every(item => item.seen)")
+    found: list[dict[str, float]] = page.evaluate("marks")
+    return found
+
+
+def browsed(address: str, width: int, height: int) -> None:
+    """What the browser waits for and draws."""
+    with chromium() as browser:
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.set_default_timeout(60_000)
+        page.add_init_script(f"({WATCH})()")
+        page.goto(address)
+        page.wait_for_selector("#setting")
+        page.wait_for_timeout(4000)
+        print(played(browser, page))
+        runs = [("single keys", pressed(page, *ALONE, "ArrowRight")),
+                (f"a key every {DRAGGED[1]} ms", pressed(page, *DRAGGED, "ArrowLeft"))]  # fmt: skip
+    for title, marks in runs:
+        print(title)
+        for name, start, end in PARTS:
+            print(told(name, [mark[end] - mark[start] for mark in marks]))
+
+
+def main(width: str = "900", height: str = "700", query: str = "") -> None:
+    """Print the table."""
+    print(f"{'milliseconds':34}{'least':>8}{'median':>8}{'95 %':>8}")
+    computed()
+    with live("--speed", "650") as address:
+        browsed(f"{address}?{query}", int(width), int(height))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:4])
