@@ -14,7 +14,7 @@ from nipper_pin import Case, Solution, Window, load_solution, record, save, simu
 from nipper_pin.study.check import check_model
 from nipper_pin.view.report import print_report
 from nipper_pin.view.scene import Look, film, scene_page
-from nipper_pin.view.scene.objects import _arrow_place
+from nipper_pin.view.scene.arrows import arrow_place
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.table import print_solution
 from nipper_pin.view.timelines import motion_figure
@@ -68,7 +68,7 @@ def test_the_viewer_reads_gaps_and_pushes_away_from_the_stop(boxed: Solution) ->
     assert min(columns["floor gap"]) >= 0.0
     assert max(columns["floor gap"]) == pytest.approx(1e3 * HEIGHT, rel=1e-2)
     for name, up in (("floor", 1.0), ("ceiling", -1.0)):
-        place = _arrow_place(boxed.mechanism, boxed.mechanism.stop(name))
+        place = arrow_place(boxed.mechanism, boxed.mechanism.stop(name))
         assert place[:3, 1] == pytest.approx([0.0, 0.0, up], abs=1e-12)
     assert len(scene_page(shown)) > 1000
 

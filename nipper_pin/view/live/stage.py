@@ -71,12 +71,12 @@ class Stage:
             handle = self._add(server, f"/{names[solid.body]}/{solid.name}", solid)
             if solid.spring is not None:
                 self._springs.append((handle, solid, solid.spring))
+            if solid.body in opens:
+                self._opening.append(handle)
         self._lines = None
         if mechanism.struts:
             rest = self._ends(np.zeros(self._body.nv))
             self._lines = scene.add_line_segments("/struts", rest, _LINE_COLOUR)
-            if solid.body in opens:
-                self._opening.append(handle)
         self._arrows = {
             stop.name: self._arrow(server, names[arrow_body(mechanism, stop)], stop)
             for stop in arrow_stops(mechanism)
