@@ -6,12 +6,15 @@ collision then is off by
 
     dt' = dt + T dw/w + delta,      dw'/w' = dw/w + (eta + |a| delta)/|w-|,
 
-since time and final rate of a nearly ballistic flight are proportional to w. A stop that arrives
-slower than it moved before, as one does whose flight others interrupt, arrives later by as much
-more. eps and eta come from the Chebyshev coefficients that are missing (the last ones, times their
-rate of decay), from what one more sweep would change and from what the round-off of a state does to
-its acceleration, which is more than round-off where masses differ much. In a phase without freedom
-the past is forgotten: only the round-off of its closures and of time is left.
+since time and final rate of a ballistic flight are proportional to w. Flights with one freedom are
+followed more closely: the fundamental matrix of their variational equation (``propagation.py``)
+carries an error of the rate, and a start that is late by dt, to their end. Elsewhere a stop that
+arrives slower than it moved before is taken to arrive later by as much more.
+
+eps and eta come from the Chebyshev coefficients that are missing (the last ones, times their rate
+of decay), from what one more sweep would change and from what the round-off of a state does to its
+acceleration, which is more than round-off where masses differ much. In a phase without freedom the
+past is forgotten: only the round-off of its closures and of time is left.
 """
 
 from __future__ import annotations
@@ -26,9 +29,10 @@ from ..dynamics.assembly import inverted
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from ..mechanism import Stop
-from .collocation import nodes
+from .collocation import evaluate, nodes
 from .event import Event, EventKind
 from .panel import Panel, forces_at
+from .propagation import fundamental_matrix
 from .segment import Segment
 
 _EPS = float(np.finfo(float).eps)
@@ -56,6 +60,14 @@ class EventError:
     impulse: float
 
 
+@dataclass(frozen=True)
+class _Known:
+    """What has been found of panels and flights, by array and coordinate: copies share theirs."""
+
+    left_over: dict[tuple[int, int], tuple[float, float]]
+    matrices: dict[tuple[int, int], FloatArray | None]
+
+
 def event_errors(
     system: System, segments: Sequence[Segment], events: Sequence[Event]
 ) -> tuple[EventError, ...]:
@@ -68,12 +80,12 @@ def event_errors(
     """
     found: list[EventError] = []
     error = EventError(0.0, 16.0 * _EPS)
-    left_over: dict[tuple[int, int], tuple[float, float]] = {}
+    known = _Known({}, {})
     place = 0
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
         while place < len(segments) and segments[place].t_end <= event.t:
-            error = _carried(system, segments[place], stop, error, left_over)
+            error = _carried(system, segments[place], stop, error, known)
             place += 1
         # A rest lies beyond the end of the motion: what is left of its series has the error of its
         # rate.
@@ -91,9 +103,9 @@ def _carried(
     segment: Segment,
     stop: Stop,
     before: EventError,
-    left_over: dict[tuple[int, int], tuple[float, float]],
+    known: _Known,
 ) -> EventError:
-    """Errors at the end of a segment from those at its start; copies of a turn share theirs."""
+    """Errors at the end of a segment from those at its start."""
     length, index = segment.t_end - segment.t_start, stop.index
     if length <= 0.0:
         return before
@@ -103,7 +115,10 @@ def _carried(
     rate = abs(float(v[0, index]))
     if rate == 0.0:
         return before
-    a = abs(float(last.a[-1, index]))
+    end = np.array([(segment.t_end - last.t) / last.h])
+    braking = float(evaluate(last.a[:, index], end, 0)[0])
+    a = abs(braking)
+    left_over = known.left_over
     clock = 2.0 * _EPS * segment.t_end
     if segment.kinematic:
         shift = float(round_off(system, last, q)[index]) / rate + clock
@@ -119,6 +134,23 @@ def _carried(
         eps += gap + panel.h * eta
         eta += slope
         fastest = max(fastest, float(np.abs(panel.v[:, index]).max()))
+    first = segment.panels[0]
+    key = (id(first.q), index)
+    if key not in known.matrices:
+        known.matrices[key] = fundamental_matrix(system, rows, segment, index)
+    matrix = known.matrices[key]
+    if matrix is not None:
+        # An error of the rate, and a start that is late by an error of time.
+        rates = np.array([0.0, before.impulse * abs(float(first.v[0, index]))])
+        starts = -before.time * np.array([first.v[0, index], first.a[0, index]])
+        ends = matrix @ np.column_stack([rates, starts])
+        lates = ends[0] / -float(v[0, index])
+        late = float(np.abs(lates).sum())
+        slower = float(np.abs(ends[1] + braking * lates).sum()) / rate
+        grown = max(1.0, abs(float(matrix[1, 1])))
+        shift = grown * eps / rate + clock
+        relative = slower + (grown * eta + a * shift) / rate
+        return EventError(min(late, before.time + length) + shift, min(relative, 1.0))
     shift = eps / rate + clock
     # 1 in a ballistic flight.
     slower = max(fastest / rate, 1.0)
