@@ -20,12 +20,13 @@ past is forgotten: only the round-off of its closures and of time is left.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import inverted
+from ..dynamics.impact import impact_condition
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from ..mechanism import Stop
@@ -62,10 +63,11 @@ class EventError:
 
 @dataclass(frozen=True)
 class _Known:
-    """What has been found of panels and flights, by array and coordinate: copies share theirs."""
+    """What has been found of panels and flights, by their arrays: copies share theirs."""
 
-    left_over: dict[tuple[int, int], tuple[float, float]]
-    matrices: dict[tuple[int, int], FloatArray | None]
+    left_over: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+    matrices: dict[tuple[int, int], FloatArray | None] = field(default_factory=dict)
+    impacts: dict[int, float] = field(default_factory=dict)
 
 
 def event_errors(
@@ -80,7 +82,7 @@ def event_errors(
     """
     found: list[EventError] = []
     error = EventError(0.0, 16.0 * _EPS)
-    known = _Known({}, {})
+    known = _Known()
     place = 0
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
@@ -94,6 +96,8 @@ def event_errors(
         if event.kind is EventKind.RELEASE and place:
             # What follows starts with a force of zero, wherever it starts: nothing is carried on.
             left = _release(system, segments[place - 1], stop.index)
+        if event.kind is EventKind.COLLISION:
+            error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
         found.append(replace(error, time=error.time + left))
     return tuple(found)
 
@@ -158,6 +162,17 @@ def _carried(
     relative = before.impulse * slower + (eta + a * (shift + late * (1.0 - 1.0 / slower))) / rate
     # At 1 nothing is known any more.
     return EventError(before.time + late + shift, min(relative, 1.0))
+
+
+def _impact(system: System, event: Event, known: _Known) -> float:
+    """Relative round-off of the rates after a collision: the digits that its matrix loses."""
+    key = id(event.delta)
+    if key not in known.impacts:
+        _, jacobian = system.body.closures(event.q[None])
+        struck = [system.mechanism.stop(n).index for n, P in event.P_N.items() if P > 0.0]
+        condition = impact_condition(system, event.q, jacobian[0], struck)
+        known.impacts[key] = min(_EPS * condition, 1.0)
+    return known.impacts[key]
 
 
 def _release(system: System, segment: Segment, index: int) -> float:
