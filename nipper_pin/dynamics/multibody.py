@@ -160,7 +160,8 @@ class Multibody:
         for row in range(len(q)):
             a[row] = solve(model, data, q[row], v[row], tau[row], pins, pin_data, proximal)
         self.evaluations += len(q)
-        if not math.isfinite(a.sum()):
+        # A sum of infinities of both signs would warn; squares have one sign.
+        if not math.isfinite(np.vdot(a, a)):
             message = (
                 "the constrained dynamics has no solution here: the closures lose rank; "
                 "keep the mechanism away from this dead centre"

@@ -16,6 +16,8 @@ from .panel import SMALLEST, Attempt, Panel, judged
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
 _AMPLIFIED = 1e3
+# Relative error of rates that is no answer any more.
+_UNDETERMINED = 1e-5
 # Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
@@ -56,6 +58,7 @@ def kinematic_panel(
     system.prescribe(motion, guess, rates, rows)
     q_nodes, jacobian = close_positions(system.body, guess, split)
     _check_branch(jacobian, split)
+    _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
     forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
@@ -92,6 +95,26 @@ def _check_branch(jacobian: FloatArray, split: Partition) -> None:
                 "way; change the dimensions or the drive"
             )
             raise SingularConfigurationError(message, volumes=volumes.tolist())
+
+
+def _check_digits(jacobian: FloatArray, split: Partition) -> None:
+    """Refuse a place so near a dead centre that rates are not determined any more.
+
+    Positions are known to eps times the condition number of the closures there, and rates change
+    with them by that number again.
+    """
+    if not split.dependent:
+        return
+    blocks = jacobian[:, :, split.columns]
+    # No determinant is zero: `_check_branch` has been passed.
+    inverses = np.abs(np.linalg.inv(blocks)).max(axis=(1, 2))
+    condition = len(split.dependent) * float((np.abs(blocks).max(axis=(1, 2)) * inverses).max())
+    if not condition**2 * np.finfo(float).eps < _UNDETERMINED:
+        message = (
+            f"a dead centre is so near (condition {condition:.2g}) that round-off decides on the "
+            "rates; change the dimensions or the drive"
+        )
+        raise SingularConfigurationError(message, condition=condition)
 
 
 def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
