@@ -66,7 +66,9 @@ class _Known:
     """What has been found of panels and flights, by their arrays: copies share theirs."""
 
     left_over: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
-    matrices: dict[tuple[int, int], FloatArray | None] = field(default_factory=dict)
+    matrices: dict[tuple[int, int], tuple[FloatArray, FloatArray] | None] = field(
+        default_factory=dict
+    )
     impacts: dict[int, float] = field(default_factory=dict)
 
 
@@ -83,11 +85,11 @@ def event_errors(
     found: list[EventError] = []
     error = EventError(0.0, 16.0 * _EPS)
     known = _Known()
-    place = 0
+    place, struck = 0, None
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
         while place < len(segments) and segments[place].t_end <= event.t:
-            error = _carried(system, segments[place], stop, error, known)
+            error = _carried(system, segments[place], stop, struck, error, known)
             place += 1
         # A rest lies beyond the end of the motion: what is left of its series has the error of its
         # rate.
@@ -96,7 +98,8 @@ def event_errors(
         if event.kind is EventKind.RELEASE and place:
             # What follows starts with a force of zero, wherever it starts: nothing is carried on.
             left = _release(system, segments[place - 1], stop.index)
-        if event.kind is EventKind.COLLISION:
+        struck = stop if event.kind is EventKind.COLLISION else None
+        if struck is not None:
             error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
         found.append(replace(error, time=error.time + left))
     return tuple(found)
@@ -106,10 +109,11 @@ def _carried(
     system: System,
     segment: Segment,
     stop: Stop,
+    struck: Stop | None,
     before: EventError,
     known: _Known,
 ) -> EventError:
-    """Errors at the end of a segment from those at its start."""
+    """Errors at the end of a segment, at a stop, from those at its start, where one was struck."""
     length, index = segment.t_end - segment.t_start, stop.index
     if length <= 0.0:
         return before
@@ -142,12 +146,13 @@ def _carried(
     key = (id(first.q), index)
     if key not in known.matrices:
         known.matrices[key] = fundamental_matrix(system, rows, segment, index)
-    matrix = known.matrices[key]
-    if matrix is not None:
-        # An error of the rate, and a start that is late by an error of time.
-        rates = np.array([0.0, before.impulse * abs(float(first.v[0, index]))])
-        starts = -before.time * np.array([first.v[0, index], first.a[0, index]])
-        ends = matrix @ np.column_stack([rates, starts])
+    if (propagation := known.matrices[key]) is not None:
+        matrix, direction = propagation
+        # An error of the rate of the stop that was struck, and a start that is late.
+        origin = index if struck is None else struck.index
+        w, slowing = float(first.v[0, origin]), float(first.a[0, origin])
+        errors = np.array([[0.0, before.time * w], [before.impulse * w, before.time * slowing]])
+        ends = matrix @ errors / max(abs(float(direction[origin])), _EPS)
         lates = ends[0] / -float(v[0, index])
         late = float(np.abs(lates).sum())
         slower = float(np.abs(ends[1] + braking * lates).sum()) / rate

@@ -28,7 +28,7 @@ _STEP = 1e-6
 
 def fundamental_matrix(
     system: System, rows: ConstraintSet, segment: Segment, index: int
-) -> FloatArray | None:
+) -> tuple[FloatArray, FloatArray] | None:
     """Carries errors of a gap and of its rate from the start of a flight to its end.
 
     Args:
@@ -38,23 +38,28 @@ def fundamental_matrix(
         index: Coordinate of the stop that counts.
 
     Returns:
-        The matrix, shape (2, 2); None for a phase with another number of freedoms, a very long one,
-        or one in which the coordinate does not determine the others.
+        The matrix, shape (2, 2), and n at the start, shape (nv,); None for a phase with another
+        number of freedoms, a very long one, or one in which the coordinate does not determine the
+        others.
     """
     if rows.freedom != 1 or len(segment.panels) > _MOST_PANELS:
         return None
-    whole = np.eye(2)
+    whole, directions = np.eye(2), []
     for panel in segment.panels:
-        slopes = _slopes(system, rows, panel, index)
-        if slopes is None:
+        found = _slopes(system, rows, panel, index)
+        if found is None:
             return None
+        slopes, direction = found
+        directions.append(direction)
         length = min(panel.t + panel.h, segment.t_end) - panel.t
         whole = _solved(slopes, panel.h, length) @ whole
-    return whole
+    return whole, directions[0]
 
 
-def _slopes(system: System, rows: ConstraintSet, panel: Panel, index: int) -> FloatArray | None:
-    """A and B at the nodes of a panel, shape (N, 2) [1/s^2, 1/s]."""
+def _slopes(
+    system: System, rows: ConstraintSet, panel: Panel, index: int
+) -> tuple[FloatArray, FloatArray] | None:
+    """A and B at the nodes of a panel, shape (N, 2) [1/s^2, 1/s], and n at its start, (nv,)."""
     held = {*system.held_coordinates, *rows.stops, index}
     others = [column for column in range(system.body.nv) if column not in held]
     motion = system.shaft.driven(panel.times)
@@ -81,7 +86,7 @@ def _slopes(system: System, rows: ConstraintSet, panel: Panel, index: int) -> Fl
     except np.linalg.LinAlgError:
         return None
     slopes = np.column_stack([(moved - here) / x, (hurried - here) / w])
-    return slopes if np.isfinite(slopes).all() else None
+    return (slopes, tangent[0]) if np.isfinite(slopes).all() else None
 
 
 def _solved(slopes: FloatArray, h: float, length: float) -> FloatArray:

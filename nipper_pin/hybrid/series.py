@@ -27,6 +27,9 @@ _SAFETY, _PART = 4.0, 0.015
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
+# Nor do collisions where the deceleration was another one altogether: a polynomial through them
+# seems to converge, to the wrong limit.
+_SETTLED = 0.75
 
 
 @dataclass(frozen=True)
@@ -79,9 +82,12 @@ class BounceSeries:
         pressing = _extrapolated(w, self.decelerations)
         best = (inf, inf)
         previous, change, inverse_rates = inf, 0.0, 0.0
-        for rate, (value, slope), (alpha, _) in zip(reversed(w), lines, pressing, strict=True):
+        points = zip(reversed(w), reversed(self.decelerations), lines, pressing, strict=True)
+        for rate, own, (value, slope), (alpha, _) in points:
             inverse_rates += 1.0 / rate
             if alpha <= 0.0 or (rate > _FAR * self.fastest and best[1] < inf):
+                break
+            if abs(own / self.decelerations[-1] - 1.0) > _SETTLED:
                 break
             # Adding a multiple of the product of (w - w_k) changes the slope, not the points.
             found = value + (slope + 2.0 / (alpha * (1.0 - e_N))) / inverse_rates

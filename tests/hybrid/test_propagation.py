@@ -19,7 +19,9 @@ def _matrix(solution: Solution, number: int, stop: str) -> np.ndarray:
     rows = solution.system.constraint_set(segment.closed)
     found = fundamental_matrix(solution.system, rows, segment, solution.mechanism.stop(stop).index)
     assert found is not None
-    return found
+    matrix, direction = found
+    assert direction[solution.mechanism.stop(stop).index] == 1.0
+    return matrix
 
 
 def test_errors_of_a_ballistic_flight_grow_with_its_length() -> None:
