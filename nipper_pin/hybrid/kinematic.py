@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, close_positions, close_velocities, inverted
+from ..dynamics.assembly import (
+    MAX_CONDITION,
+    Partition,
+    close_positions,
+    close_velocities,
+    inverted,
+)
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SingularConfigurationError
@@ -16,8 +22,6 @@ from .panel import SMALLEST, Attempt, Panel, judged
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
 _AMPLIFIED = 1e3
-# Relative error of rates that is no answer any more.
-_UNDETERMINED = 1e-5
 # Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
@@ -98,18 +102,14 @@ def _check_branch(jacobian: FloatArray, split: Partition) -> None:
 
 
 def _check_digits(jacobian: FloatArray, split: Partition) -> None:
-    """Refuse a place so near a dead centre that rates are not determined any more.
-
-    Positions are known to eps times the condition number of the closures there, and rates change
-    with them by that number again.
-    """
+    """Refuse a node so near a dead centre that rates are not determined any more."""
     if not split.dependent:
         return
     blocks = jacobian[:, :, split.columns]
     # No determinant is zero: `_check_branch` has been passed.
     inverses = np.abs(np.linalg.inv(blocks)).max(axis=(1, 2))
     condition = len(split.dependent) * float((np.abs(blocks).max(axis=(1, 2)) * inverses).max())
-    if not condition**2 * np.finfo(float).eps < _UNDETERMINED:
+    if not condition < MAX_CONDITION:
         message = (
             f"a dead centre is so near (condition {condition:.2g}) that round-off decides on the "
             "rates; change the dimensions or the drive"
