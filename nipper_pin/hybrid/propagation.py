@@ -44,16 +44,17 @@ def fundamental_matrix(
     """
     if rows.freedom != 1 or len(segment.panels) > _MOST_PANELS:
         return None
-    whole, directions = np.eye(2), []
+    whole, start = np.eye(2), np.empty(0)
     for panel in segment.panels:
         found = _slopes(system, rows, panel, index)
         if found is None:
             return None
         slopes, direction = found
-        directions.append(direction)
+        if not start.size:
+            start = direction
         length = min(panel.t + panel.h, segment.t_end) - panel.t
         whole = _solved(slopes, panel.h, length) @ whole
-    return whole, directions[0]
+    return whole, start
 
 
 def _slopes(

@@ -10,11 +10,9 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from multiprocessing import get_context
 from types import FrameType
 from typing import Any
 
@@ -22,7 +20,7 @@ from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome
-from ..processes import one_thread_each
+from ..processes import fresh_processes
 from .agreement import bits, engines_agree, same_bits, within_errors
 from .invariants import Violation, violations
 from .space import Trial, trial
@@ -208,13 +206,7 @@ def run_campaign(
     began = time.perf_counter()
     verdicts: list[Verdict] = []
     count = workers or os.cpu_count() or 1
-    # Fresh processes: a fork of one that has threads may never end.
-    with (
-        one_thread_each(),
-        ProcessPoolExecutor(
-            count, mp_context=get_context("spawn"), initializer=_leave_interrupts
-        ) as pool,
-    ):
+    with fresh_processes(count, _wake) as pool:
         jobs = ((seed, number, time_limit_s) for number in range(cases))
         try:
             for verdict in pool.map(_judged, jobs, chunksize=min(8, 1 + cases // (4 * count))):
@@ -235,6 +227,5 @@ def _judged(job: tuple[int, int, float]) -> Verdict:
     return judge(trial(seed, number), time_limit_s)
 
 
-def _leave_interrupts() -> None:
-    """An interrupt from the keyboard is for the process that collects."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _wake() -> None:
+    """Nothing to do: a process that comes here has imported what trials need."""
