@@ -122,6 +122,7 @@ class _Picard:
         # Relative change of positions by change of acceleration, shape (nv,).
         self.weight = np.empty(0)
         self._contraction = 1.0
+        self._operators: dict[int, FloatArray] = {}
         self.sweeps = 0
 
     def converges(self, a: FloatArray, stride: int, most: int) -> bool:
@@ -166,7 +167,8 @@ class _Picard:
 
     def _operator(self, count: int) -> FloatArray:
         """Node values to their integrals: twice (first ``count`` rows) and once."""
-        operator = nodes(count).motion.copy()
-        operator[:count] *= self._h**2
-        operator[count:] *= self._h
-        return operator
+        if count not in self._operators:
+            operator = self._operators[count] = nodes(count).motion.copy()
+            operator[:count] *= self._h**2
+            operator[count:] *= self._h
+        return self._operators[count]

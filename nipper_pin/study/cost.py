@@ -16,11 +16,11 @@ import numpy as np
 from ..dynamics.system import DriveMode
 from ..errors import SimulationError
 from ..hybrid.case import Case, Resolution, Window
-from ..hybrid.segment import Advance, Segment, advance
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .certified import certified_cycle
+from .phase_cost import phase_cost, transition_parts
 from .scenes import bouncing_mass, bouncing_mass_rest, bouncing_mass_times, four_bar_chain
 from .timing import timed
 
@@ -29,7 +29,6 @@ Rows = list[dict[str, Any]]
 RESTITUTIONS = (0.2, 0.5, 0.8, 0.9, 0.95)
 TURNS, QUICK_TURNS = (1, 3, 10, 30, 100), (1, 3, 10)
 CHAINS, QUICK_CHAINS = (1, 2, 5, 10, 20, 40), (1, 2, 5, 10)
-_ROUND_OFF = 1e-15
 _BUDGET_S, _QUICK_BUDGET_S = 5.0, 0.6
 
 
@@ -45,6 +44,7 @@ def costs(mechanism: Mechanism, *, quick: bool, repeats: int) -> dict[str, Any]:
     return {
         "cycle": [cycle_cost(mechanism, speed, repeats, budget) for speed in ("450", "650")],
         "phases": phase_cost(mechanism, 450.0, repeats),
+        "parts": transition_parts(mechanism, 650.0, repeats),
         "collisions": collision_cost(repeats, budget),
         "turns": turn_cost(mechanism, QUICK_TURNS if quick else TURNS, repeats, budget),
         "links": link_cost(QUICK_CHAINS if quick else CHAINS, repeats, budget),
@@ -89,60 +89,6 @@ def _cycle_error(solution: Solution, speed: str) -> float:
         abs(t / t_true - 1.0)
         for key in true
         for t, t_true in zip(series[key], true[key], strict=False)
-    )
-
-
-def phase_cost(mechanism: Mechanism, speed_rpm: float, repeats: int) -> Rows:
-    """Cost of each phase of one turn: every segment of a solution is followed again by itself."""
-    case = Case(speed_rpm=speed_rpm, window=Window.CYCLE)
-    solution = simulate(mechanism, case)
-    whole = timed(lambda: simulate(mechanism, case), repeats)
-    rows: dict[str, dict[str, Any]] = {}
-    for segment in solution.segments:
-        phase = mechanism.phase_of(segment.closed)
-        name = "other" if phase is None else f"phase {phase.number}, {phase.name}"
-        body = solution.system.body
-        before = body.evaluations
-        again(solution, segment)
-        evaluations = body.evaluations - before
-        timing = timed(lambda segment=segment: again(solution, segment), repeats)  # type: ignore[misc]
-        row = rows.setdefault(name, {"what": name, "wall_ms": 0.0, "evaluations": 0, "segments": 0})
-        row["wall_ms"] += timing.median_ms
-        row["evaluations"] += evaluations
-        row["segments"] += 1
-    known = sum(row["wall_ms"] for row in rows.values())
-    rest = {
-        "what": "start, impacts, changes of phase",
-        "wall_ms": max(whole.median_ms - known, 0.0),
-        "evaluations": solution.evaluations - sum(row["evaluations"] for row in rows.values()),
-        "segments": 0,
-    }
-    total = {
-        "what": "whole turn",
-        "wall_ms": whole.median_ms,
-        "evaluations": solution.evaluations,
-        "segments": len(solution.segments),
-    }
-    return [*rows.values(), rest, total]
-
-
-def again(solution: Solution, segment: Segment) -> Advance:
-    """Follow one segment again from its first state."""
-    system, panel = solution.system, segment.panels[0]
-    _, jacobian = system.body.closures(panel.q[:1])
-    q = panel.q[0].copy()
-    # A stop that has just been left has a gap of exactly zero, the first node one to round-off.
-    q[np.abs(q) < _ROUND_OFF] = 0.0
-    return advance(
-        system,
-        system.constraint_set(segment.closed),
-        segment.t_start,
-        q,
-        panel.v[0],
-        panel.a[0],
-        jacobian[0],
-        solution.shaft.period,
-        solution.case.resolution,
     )
 
 

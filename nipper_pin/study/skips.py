@@ -25,7 +25,8 @@ from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..hybrid.trajectory import closure_residuals
 from ..mechanism import Mechanism, collision_model
-from .cost import again, run_python
+from .cost import run_python
+from .phase_cost import again
 from .timing import timed
 
 Pictures = Callable[[Solution, Path], object]

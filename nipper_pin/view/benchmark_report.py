@@ -167,6 +167,7 @@ def _costs(cost: dict[str, Any]) -> list[tuple[str, list[dict[str, Any]]]]:
     return [
         ("A whole turn, against the certified one", cost["cycle"]),
         ("Cost of the phases of a turn at 450 r/min", cost["phases"]),
+        ("Parts of one transition at 650 r/min, tolerance 1e-9", cost["parts"]),
         ("Growth with the number of collisions: bouncing mass", cost["collisions"]),
         ("Growth with the number of turns at 650 r/min", cost["turns"]),
         ("Growth with the number of links: chain of N four-bars, one turn", cost["links"]),

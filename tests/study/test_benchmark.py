@@ -18,13 +18,14 @@ import pytest
 from numpy.polynomial import chebyshev
 from rich.console import Console
 
-from nipper_pin import Case, Mechanism, Outcome, Window, simulate
+from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
 from nipper_pin.cli import main
 from nipper_pin.errors import SimulationError, UnknownNameError
 from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.certified import Certified, certified, certified_names
-from nipper_pin.study.cost import again, run_python
+from nipper_pin.study.cost import run_python
 from nipper_pin.study.peer_work import graded_peer
+from nipper_pin.study.phase_cost import again, transition_parts
 from nipper_pin.study.scenes import (
     bouncing_mass,
     bouncing_mass_rest,
@@ -257,6 +258,24 @@ def test_a_segment_followed_again_is_the_same(e62: Mechanism) -> None:
         assert again(solution, segment).segment.t_end == pytest.approx(segment.t_end, abs=1e-14)
 
 
+def test_parts_of_a_transition_are_those_of_its_run(e62: Mechanism) -> None:
+    """What is timed apart is repeated as often as in the run, and no part is negative.
+
+    The engine counts its evaluations and the solution its collisions; a flight that is left out, or
+    an impact without the stop that was closed before it, would change a count or find no impulses.
+    """
+    solution = simulate(e62, Case(speed_rpm=650.0, resolution=Resolution(tolerance=1e-9)))
+    rows = {row["what"]: row for row in transition_parts(e62, 650.0, repeats=3)}
+    assert [row["count"] for row in rows.values()] == [
+        solution.evaluations,
+        len(solution.collisions) - 1,
+        len(solution.collisions),
+        1,
+        1,
+    ]
+    assert all(row["wall_ms"] >= 0.0 for row in rows.values())
+
+
 def test_integration_of_a_kinematic_phase_is_the_same_motion(e62: Mechanism) -> None:
     """What the skip list integrates instead ends where kinematics does (1e-7, 1e-6 in rates).
 
@@ -404,7 +423,8 @@ def made_up() -> Benchmark:
         skips=(Skip("plots", 3.0, 600.0),),
         imports=ImportCost(80.0, 40.0, 0.5),
         cost={
-            name: [empty] for name in ("cycle", "phases", "collisions", "turns", "links", "memory")
+            name: [empty]
+            for name in ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
         },
     )
 

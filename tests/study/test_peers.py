@@ -35,6 +35,8 @@ CLAIMS = [
     ("rk4", "numba", "20 us", 1e-11),
     ("scipy_ivp", "scipy", "rtol 1e-9", 1e-8),
     ("scipy_ivp", "scipy", "rtol 1e-13", 1e-12),
+    ("scipy_pinocchio", "scipy", "rtol 1e-9", 1e-8),
+    ("scipy_pinocchio", "scipy", "rtol 1e-13", 1e-12),
     ("sundae", "sksundae", "rtol 1e-12", 1e-11),
     ("paper_scheme", "numba", "1 us, forward Euler", 1e-2),
     ("paper_scheme", "numba", "0.1 us, semi-implicit", 1e-3),

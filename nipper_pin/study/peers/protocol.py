@@ -20,6 +20,7 @@ from ...mechanism import Mechanism
 MODULES = (
     "rk4",
     "scipy_ivp",
+    "scipy_pinocchio",
     "sundae",
     "paper_scheme",
     "mujoco_shell",
