@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         default="e62",
         metavar="MODEL",
-        help="the E62 or another set of numbers for it: a model's name, or a folder",
+        help="the E62, another set of numbers for it, or another comber, on which the same is "
+        "done without a comparison: a model's name, or a folder",
     )
     paper.add_argument(
         "--set",
@@ -102,7 +103,7 @@ def _with_report(
 ) -> tuple[PaperStudy, Path]:
     """Do the study, and write the report with sensitivities and any identification."""
     from ..study.paper import paper_study
-    from ..study.paper.published import published
+    from ..study.paper.published import conditions
     from ..study.sensitivity import sensitivities
 
     # Sensitivities are half of the work and need nothing of the rest.
@@ -110,7 +111,7 @@ def _with_report(
         found = beside.submit(
             sensitivities,
             mechanism,
-            published().common_speed_rpm,
+            conditions(mechanism).common_speed_rpm,
             workers=os.cpu_count() or 1,
         )
         result = paper_study(mechanism, _say)

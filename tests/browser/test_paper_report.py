@@ -17,7 +17,7 @@ from nipper_pin.view.paper.files import write_paper
 from nipper_pin.view.paper.supplements import Supplements
 
 FIGURES = [
-    "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "jaw_and_steeve",
+    "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
     "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",
     "sensitivities", "identification",
 ]  # fmt: skip

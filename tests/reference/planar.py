@@ -235,7 +235,7 @@ class Machine:
             eccentric=gear * self.eccentricity + self.tension,
         )
 
-    def jaw_on_steeve_stop(self, frame: Frame) -> Series:
+    def jaw_on_stop_in_phase_1(self, frame: Frame) -> Series:
         """Phase 1: the jaw angle th(t) that keeps s = 0, in closed form."""
         ctx = self.ctx
         base = frame.eccentric - frame.pivot
@@ -332,7 +332,7 @@ class Machine:
 
     def phase1(self, frame: Frame) -> tuple[Motion, Series]:
         """Steeve on its stop: the motion and the stop force lambda_steeve in N (>= 0 holds)."""
-        motion = self.along(frame, self.jaw_on_steeve_stop(frame))
+        motion = self.along(frame, self.jaw_on_stop_in_phase_1(frame))
         acceleration = motion.th.derivative().derivative()
         torque = motion.inertia * acceleration + motion.bias - motion.force
         return motion, torque / motion.stroke_th

@@ -71,7 +71,7 @@ def test_touch_configuration() -> None:
     frame = machine.frame(machine.psi_touch)
     assert abs(frame.pin[0] - mpmath.mpc("-0.013", "0.0895")) < 1e-28
     assert abs(frame.pivot[0] - mpmath.mpc("-0.0726", "0.1019")) < 1e-28
-    assert abs(machine.jaw_on_steeve_stop(frame)[0]) < 1e-28
+    assert abs(machine.jaw_on_stop_in_phase_1(frame)[0]) < 1e-28
     assert relative(machine.lever, mpmath.sqrt(mpmath.mpf("81.8") ** 2 + 36.4**2) / 1000) < 1e-12
 
 
@@ -235,7 +235,7 @@ def test_steeve_collisions_lie_on_the_closed_form() -> None:
         assert len(rows) > 10
         for row in rows:
             frame = machine.frame(mpmath.mpf(row["cylinder_angle_rad"]))
-            closed = machine.jaw_on_steeve_stop(frame)[0]
+            closed = machine.jaw_on_stop_in_phase_1(frame)[0]
             assert relative(closed, mpmath.mpf(row["th_rad"])) < 1e-20
 
 

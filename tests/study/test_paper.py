@@ -211,7 +211,7 @@ def test_the_stop_force_is_that_of_a_simulated_turn(e62, study):
 
 
 def test_the_threshold_speed_separates_turns_that_release_from_those_that_do_not(e62, study):
-    limit = study.phase_one.threshold_rpm(study.phase_one.preload_m)
+    limit = study.phase_one.threshold_rpm(study.phase_one.preload)
     assert limit == pytest.approx(641.2, abs=0.05)
     below, above = (
         phase_one(e62, (limit + change,)).releases[0].index is None for change in (-0.5, 0.5)
@@ -224,7 +224,7 @@ def test_the_steeve_leaves_its_stop_at_650_only(study):
     indices = [item.index for item in study.phase_one.releases]
     assert indices[:2] == [None, None]
     assert indices[2] == pytest.approx(28.838, abs=1e-3)
-    assert study.phase_one.releases[2].lift_m == pytest.approx(4.3e-6, abs=0.05e-6)
+    assert study.phase_one.releases[2].lift == pytest.approx(4.3e-6, abs=0.05e-6)
 
 
 def test_a_preload_that_is_never_overcome_has_no_threshold(study):
@@ -282,9 +282,9 @@ def test_the_map_holds_single_transitions(study):
                 "springs.steeve.stiffness_N_per_m": float(data.stiffnesses[k]),
             },
         )
-        run = simulate(mechanism, Case(speed_rpm=float(designs_module.SPEEDS_RPM[n])))
+        run = simulate(mechanism, Case(speed_rpm=float(data.speeds_rpm[n])))
         assert data.durations[k, e, n] == pytest.approx(run.transitions[0].duration, rel=1e-8)
-    turns = data.durations[0, 0, 0] * designs_module.SPEEDS_RPM[0] / 60.0
+    turns = data.durations[0, 0, 0] * data.speeds_rpm[0] / 60.0
     assert data.index_units[0, 0, 0] == pytest.approx(40.0 * turns)
 
 
@@ -379,6 +379,39 @@ def test_other_mechanisms_are_refused(tmp_path):
         paper_study(mass)
 
 
+@pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
+def test_the_same_is_done_for_another_comber(name):
+    """Speeds and spring rates in proportion to its own; nothing is compared with the E62.
+
+    Each study is held against single runs with the changed number, so that a scale that is wrong
+    by a few per cent, or a rate that is not changed, differs in the second digit.
+    """
+    mechanism = load(name)
+    found = paper_study(mechanism)
+    rated = mechanism.cylinder.rated_speed_rpm
+    assert found.ratios == found.identified == ()
+    assert found.fixed_step is None
+    assert not found.compared
+    speed = round(rated * 650.0 / 450.0)
+    assert found.studies.speed.values.tolist() == [rated, round(rated * 550.0 / 450.0), speed]
+    for value, duration in zip(found.studies.speed.values, found.studies.speed.durations,
+                               strict=True):  # fmt: skip
+        run = simulate(mechanism, Case(speed_rpm=float(value)))
+        assert duration == pytest.approx(run.transitions[0].duration, rel=1e-9)
+    for path, study in (("restitution", found.studies.restitution),
+                        ("stiffness", found.studies.stiffness)):  # fmt: skip
+        for place in (0, -1):
+            changed = load(name, {mechanism.shortcuts[path]: float(study.values[place])})
+            run = simulate(changed, Case(speed_rpm=float(speed)))
+            assert study.durations[place] == pytest.approx(run.transitions[0].duration, rel=1e-9)
+    own = mechanism.springs[0].stiffness
+    assert found.studies.stiffness.values == pytest.approx(own * np.arange(7.0, 12.0) / 9.0)
+    changes = found.record()["changes"]
+    assert len(changes) == len(NAMES)
+    low, high = found.studies.speed.amplitudes[[0, -1], 0]
+    assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0
+
+
 def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
     program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
     done = subprocess.run(
@@ -400,7 +433,7 @@ def test_values_of_the_model_reach_the_study(tmp_path, capsys):
     assert main([*arguments, "--json", str(target)]) == 0
     assert "never the maker's data" in " ".join(capsys.readouterr().out.split())
     record = json.loads(target.read_text(encoding="utf-8"))
-    assert record["phase_1"]["preload_m"] == pytest.approx(0.013)
+    assert record["phase_1"]["preload"] == pytest.approx(0.013)
     assert record["phase_1"]["threshold_rpm"] > 650.0
     assert [turn["index"] for turn in record["phase_1"]["turns"]] == [None, None, None]
 

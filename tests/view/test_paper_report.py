@@ -16,10 +16,10 @@ from matplotlib.contour import ContourSet
 from scipy.interpolate import RegularGridInterpolator
 
 from nipper_pin.errors import InputError
-from nipper_pin.mechanism import Mechanism
+from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.study.identify.record import read_identification
 from nipper_pin.study.paper import PaperStudy, paper_study
-from nipper_pin.study.paper.designs import RESTITUTIONS, SPEEDS_RPM
+from nipper_pin.study.paper.designs import RESTITUTIONS
 from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.view.paper.files import write_paper
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
@@ -99,6 +99,25 @@ def test_every_figure_and_table_is_on_the_page_once_with_its_number(page, conten
         assert re.search(rf'<figure id="figure_{number}">.*?<b>Figure {number}\. ', page, re.S)
 
 
+@pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
+def test_the_page_of_another_comber(name):
+    """It has the same figures and tables where they apply, and speaks of no other machine."""
+    study = paper_study(load(name))
+    content = material(study, Supplements(), study_plates(study))
+    page = report_html(study, Supplements(), content)
+    test_the_page_is_well_formed_and_points_nowhere_else(page)
+    test_every_figure_and_table_is_on_the_page_once_with_its_number(page, content)
+    test_no_value_is_missing_or_unwritten(page)
+    text = re.sub(r"<svg.*?</svg>|<head>.*?</head>", "", page, flags=re.DOTALL)
+    assert not re.search(r"of the paper|published ratio|figure_none|deviation", text)
+    stop = study.phase_one.stop
+    assert ("steeve" in text) == (stop == "steeve")
+    assert f"The {stop}" in text
+    sections = [int(number) for number in re.findall(r"<h2>(\d+) ", text)]
+    assert sections == list(range(1, len(sections) + 1))
+    assert len(content.plates) >= 10
+
+
 def test_no_value_is_missing_or_unwritten(page):
     """Half-filled templates show names of objects, NaN or None."""
     text = re.sub(r"<svg.*?</svg>", "", page, flags=re.DOTALL)
@@ -174,7 +193,9 @@ def test_contours_of_the_map_run_through_their_times(study):
         item for item in axes.collections if isinstance(item, ContourSet) and not item.filled
     )
     path = lines.get_paths()[list(lines.levels).index(5.0)]
-    read = RegularGridInterpolator((RESTITUTIONS, SPEEDS_RPM), 1e3 * study.designs.durations[0])
+    read = RegularGridInterpolator(
+        (RESTITUTIONS, study.designs.speeds_rpm), 1e3 * study.designs.durations[0]
+    )
     assert len(path.vertices) > 50
     assert read(path.vertices[:, ::-1]) == pytest.approx(5.0, abs=1e-3)
 

@@ -39,7 +39,8 @@ class Counts:
         stiffness: Collisions by threshold and spring rate, shape (K, m).
         speed: Collisions by threshold and speed, shape (K, l).
         collisions_match: Where the collisions grow with the restitution as published.
-        rebounds_match: Where the rebounds, one less than the collisions, do.
+        rebounds_match: Where the rebounds, one less than the collisions, do; these and the next
+            are empty if nothing was published for the machine.
         times_match: Where the collisions grow *to* the published number of times, which is
             another reading of the words, if not of the other numbers beside them.
         same_with_stiffness: Where no spring rate changes the number.
@@ -103,15 +104,15 @@ def collision_counts(studies: Studies, conditions: Published) -> Counts:
     by_restitution = counted(studies.restitution.rates, middles)
     by_stiffness = counted(studies.stiffness.rates, middles)
     few, many = by_restitution[:, 0], by_restitution[:, -1]
-    factor = 1.0 + conditions.count_increase
+    increase = np.nan if conditions.count_increase is None else conditions.count_increase
     return Counts(
         thresholds=thresholds,
         restitution=counted(studies.restitution.rates, thresholds),
         stiffness=counted(studies.stiffness.rates, thresholds),
         speed=counted(studies.speed.rates, thresholds),
-        collisions_match=_intervals(edges, many == factor * few),
-        rebounds_match=_intervals(edges, (few > 1) & (many - 1 == factor * (few - 1))),
-        times_match=_intervals(edges, many == conditions.count_increase * few),
+        collisions_match=_intervals(edges, many == (1.0 + increase) * few),
+        rebounds_match=_intervals(edges, (few > 1) & (many - 1 == (1.0 + increase) * (few - 1))),
+        times_match=_intervals(edges, many == increase * few),
         same_with_stiffness=_intervals(edges, np.ptp(by_stiffness, axis=1) == 0),
         time_increase=_time_increase(studies.restitution, thresholds),
         largest_increase=float((many / few).max() - 1.0),

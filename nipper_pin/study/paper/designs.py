@@ -12,7 +12,8 @@ from ...mechanism import INDEX_PER_TURN, Mechanism
 from ..transitions import transition_table
 from .published import Published
 
-SPEEDS_RPM = np.linspace(400.0, 700.0, 61)
+# In rated speeds: 400 to 700 r/min of the E62.
+_SPEEDS = np.linspace(400.0, 700.0, 61) / 450.0
 RESTITUTIONS = np.linspace(0.02, 0.32, 61)
 _RATES = (0, 2, 4)
 
@@ -22,13 +23,15 @@ class DesignMap:
     """Transition times.
 
     Attributes:
-        stiffnesses: Spring rates [N/m], shape (n,).
-        durations: Transition times over RESTITUTIONS and SPEEDS_RPM [s], shape (n, m, l).
+        stiffnesses: Spring rates [N/m or N m/rad], shape (n,).
+        speeds_rpm: Speeds [r/min], shape (l,).
+        durations: Transition times over RESTITUTIONS and speeds [s], shape (n, m, l).
         cases: Transitions that were computed.
         engine: The engine that computed them, and why.
     """
 
     stiffnesses: FloatArray
+    speeds_rpm: FloatArray
     durations: FloatArray
     cases: int
     engine: str
@@ -36,14 +39,14 @@ class DesignMap:
     @property
     def index_units(self) -> FloatArray:
         """The same in units of the comber's index, 40 to a turn, shape (n, m, l)."""
-        return self.durations * SPEEDS_RPM / 60.0 * INDEX_PER_TURN
+        return self.durations * self.speeds_rpm / 60.0 * INDEX_PER_TURN
 
     def record(self) -> dict[str, Any]:
         """Return a thinned map as plain data."""
         return {
-            "speed_rpm": SPEEDS_RPM[::10].tolist(),
+            "speed_rpm": self.speeds_rpm[::10].tolist(),
             "restitution": RESTITUTIONS[::10].tolist(),
-            "stiffness_N_per_m": self.stiffnesses.tolist(),
+            "stiffness": self.stiffnesses.tolist(),
             "transition_time_s": [
                 [[None if np.isnan(t) else float(t) for t in row] for row in panel]
                 for panel in self.durations[:, ::10, ::10]
@@ -59,7 +62,8 @@ def design_map(mechanism: Mechanism, conditions: Published) -> DesignMap:
         conditions: The published numbers.
     """
     rates = np.array([conditions.stiffnesses[i] for i in _RATES])
-    grid = np.meshgrid(rates, RESTITUTIONS, SPEEDS_RPM, indexing="ij")
+    speeds = _SPEEDS * mechanism.cylinder.rated_speed_rpm
+    grid = np.meshgrid(rates, RESTITUTIONS, speeds, indexing="ij")
     table = transition_table(
         mechanism,
         speed_rpm=grid[2].ravel(),
@@ -67,4 +71,4 @@ def design_map(mechanism: Mechanism, conditions: Published) -> DesignMap:
         stiffness=grid[0].ravel(),
         tolerance=1e-9,
     )
-    return DesignMap(rates, table.duration.reshape(grid[0].shape), len(table), table.why)
+    return DesignMap(rates, speeds, table.duration.reshape(grid[0].shape), len(table), table.why)

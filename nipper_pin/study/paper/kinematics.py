@@ -51,7 +51,7 @@ class Kinematics:
         link_rates: Their rates, shape (K, links) [rad/s].
         link_accelerations: Their accelerations, shape (K, links) [rad/s^2].
         stop_jaw: Place of the jaw angle in q.
-        stop_steeve: Place of the stroke in q.
+        stop_steeve: Place in q of the stop that is closed while the jaw is open: the steeve's.
         closing_index: Where the jaw closes.
         opening_index: Where it opens.
     """
@@ -83,7 +83,7 @@ class Kinematics:
 
     @property
     def largest_stroke(self) -> float:
-        """Longest stroke of the steeve [m]."""
+        """Longest way of the other stop, the steeve's stroke in the E62 [m or rad]."""
         return float(self.of_phases("q", self.stop_steeve).max())
 
     def record(self) -> dict[str, Any]:
@@ -93,7 +93,7 @@ class Kinematics:
             "closing_index": self.closing_index,
             "opening_index": self.opening_index,
             "largest_jaw_angle_rad": self.largest_jaw_angle,
-            "largest_stroke_m": self.largest_stroke,
+            "largest_stroke": self.largest_stroke,
         }
 
 

@@ -23,8 +23,9 @@ from .branches import branch, touch_index
 _PLACES = 1440
 _SPEEDS_RPM = (100.0, 600.0)
 _PRELOAD_STEP = 1e-3
-PRELOADS = np.linspace(5e-3, 17e-3, 49)
-SPEEDS_RPM = np.linspace(400.0, 800.0, 81)
+# Of the map, in preloads of the model and in rated speeds: 5 to 17 mm, 400 to 800 r/min of the E62.
+_PRELOADS = np.linspace(5.0, 17.0, 49) / 11.0
+_MAP_SPEEDS = np.linspace(400.0, 800.0, 81) / 450.0
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,13 @@ class Release:
     Attributes:
         speed_rpm: Cylinder speed [r/min].
         index: Where it lets go; None if it does not.
-        lift_m: How far the steeve leaves its stop [m].
+        lift: How far it opens [m or rad].
         duration_s: Until it is back [s].
     """
 
     speed_rpm: float
     index: float | None
-    lift_m: float
+    lift: float
     duration_s: float
 
 
@@ -50,50 +51,54 @@ class PhaseOne:
 
     Attributes:
         stop: Name of the stop.
-        preload_m: Preload of the model [m].
+        preload: Preload of the model [m or rad].
+        preloads: Those of the map, shape (preloads,) [m or rad].
+        speeds_rpm: Speeds of the map, shape (speeds,) [r/min].
         index: Places with the jaw open, shape (K,).
-        per_preload: B, force by preload [N/m], shape (K,).
+        per_preload: B, force by preload [N/m or N/rad], shape (K,).
         weight: W [N], shape (K,).
         per_speed2: J, force by the square of the cylinder's rate [N s^2], shape (K,).
         releases: What a simulated turn does at the published speeds.
     """
 
     stop: str
-    preload_m: float
+    preload: float
+    preloads: FloatArray
+    speeds_rpm: FloatArray
     index: FloatArray
     per_preload: FloatArray
     weight: FloatArray
     per_speed2: FloatArray
     releases: tuple[Release, ...]
 
-    def force(self, preload_m: float, speed_rpm: float) -> FloatArray:
+    def force(self, preload: float, speed_rpm: float) -> FloatArray:
         """Force of the stop along the phase [N], shape (K,)."""
         omega = rad_s_from_rpm(speed_rpm)
-        return self.per_preload * preload_m + self.weight + omega**2 * self.per_speed2
+        return self.per_preload * preload + self.weight + omega**2 * self.per_speed2
 
-    def threshold_rpm(self, preload_m: float) -> float:
+    def threshold_rpm(self, preload: float) -> float:
         """Speed from which on the stop lets go somewhere [r/min]; infinite if it never does."""
         pull = self.per_speed2 < 0.0
-        held = (self.per_preload * preload_m + self.weight)[pull]
+        held = (self.per_preload * preload + self.weight)[pull]
         if not pull.any():
             return np.inf
         omega2 = max(float((held / -self.per_speed2[pull]).min()), 0.0)
         return float(np.sqrt(omega2) * 60.0 / (2.0 * np.pi))
 
     def smallest_forces(self) -> FloatArray:
-        """Smallest force over PRELOADS and SPEEDS_RPM [N], shape (preloads, speeds)."""
-        return np.array([[self.force(p, n).min() for n in SPEEDS_RPM] for p in PRELOADS])
+        """Smallest force over the map [N], shape (preloads, speeds)."""
+        return np.array([[self.force(p, n).min() for n in self.speeds_rpm] for p in self.preloads])
 
     def record(self) -> dict[str, Any]:
         """Return the answers as plain data."""
-        thresholds = [self.threshold_rpm(float(p)) for p in PRELOADS]
+        thresholds = [self.threshold_rpm(float(p)) for p in self.preloads]
         return {
             "stop": self.stop,
-            "preload_m": self.preload_m,
-            "threshold_rpm": self.threshold_rpm(self.preload_m),
+            "preload": self.preload,
+            "threshold_rpm": self.threshold_rpm(self.preload),
             "thresholds": [
-                {"preload_m": float(p), "speed_rpm": value}
-                for p, value in zip(PRELOADS, thresholds, strict=True)
+                {"preload": float(p), "speed_rpm": value}
+                for p, value in zip(self.preloads, thresholds, strict=True)
                 if np.isfinite(value)
             ],
             "turns": [asdict(item) for item in self.releases],
@@ -129,7 +134,9 @@ def phase_one(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> PhaseOne:
     back = slice(last - 1, None, -1)
     return PhaseOne(
         stop=name,
-        preload_m=spring.preload,
+        preload=spring.preload,
+        preloads=_PRELOADS * spring.preload,
+        speeds_rpm=_MAP_SPEEDS * mechanism.cylinder.rated_speed_rpm,
         index=index[back],
         per_preload=per_preload[back],
         weight=weight[back],

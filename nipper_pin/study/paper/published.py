@@ -1,27 +1,30 @@
-"""What the study published, read from the file beside this one."""
+"""What the study published, read from the file beside this one, and the same for other machines."""
 
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
+
+from ...mechanism import Mechanism
+from ..peers.planar_model import e62_laws
 
 
 @dataclass(frozen=True)
 class Published:
-    """Conditions and results of the published study.
+    """Conditions and results of the published study, or conditions of the same for another machine.
 
     Attributes:
         source: Where it was published.
         speeds_rpm: Speeds of the first study [r/min].
         restitutions: Restitutions of the second.
-        stiffnesses: Spring rates of the third [N/m].
+        stiffnesses: Spring rates of the third [N/m or N m/rad].
         common_speed_rpm: Speed of the second and third [r/min].
         common_restitution: Restitution of the first and third; inferred, not printed.
         time_step_s: Fixed step of its integration [s].
-        ratios: The ratios that are compared, by name.
-        count_increase: Increase of the number of collisions with the restitution.
+        ratios: The ratios that are compared, by name; none for another machine.
+        count_increase: Increase of the number of collisions with the restitution, likewise.
         count_changes: Whether the number of collisions changes with the spring rate.
     """
 
@@ -33,7 +36,7 @@ class Published:
     common_restitution: float
     time_step_s: float
     ratios: dict[str, float]
-    count_increase: float
+    count_increase: float | None
     count_changes: bool
 
 
@@ -54,4 +57,30 @@ def published() -> Published:
         ratios=data["ratios"],
         count_increase=counts["restitution_increase"],
         count_changes=counts["stiffness_changes"],
+    )
+
+
+def conditions(mechanism: Mechanism) -> Published:
+    """The published study if the mechanism is an E62 in all but its numbers, or the same for it.
+
+    For another machine speeds stand to its rated speed and spring rates to its own one as the
+    published ones to those of the E62, and there is nothing to compare with.
+
+    Args:
+        mechanism: The mechanism; with at least one spring if it is not an E62.
+    """
+    given = published()
+    if e62_laws(mechanism) is not None or not mechanism.springs:
+        return given
+    faster = mechanism.cylinder.rated_speed_rpm / given.speeds_rpm[0]
+    middle = given.stiffnesses[len(given.stiffnesses) // 2]
+    stiffer = mechanism.springs[0].stiffness / middle
+    speeds = tuple(float(round(faster * speed)) for speed in given.speeds_rpm)
+    return replace(
+        given,
+        speeds_rpm=speeds,
+        stiffnesses=tuple(stiffer * rate for rate in given.stiffnesses),
+        common_speed_rpm=speeds[given.speeds_rpm.index(given.common_speed_rpm)],
+        ratios={},
+        count_increase=None,
     )

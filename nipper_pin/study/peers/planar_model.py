@@ -19,6 +19,26 @@ def _point(vector: FloatArray) -> complex:
     return complex(vector[0], vector[2])
 
 
+def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
+    """Drive laws of pendulum and tension shaft, if the mechanism is an E62 in all but its numbers.
+
+    Args:
+        mechanism: Any mechanism.
+    """
+    names = tuple(joint.name for joint in mechanism.joints)
+    laws = {drive.name: drive.law for drive in mechanism.drives}
+    pendulum, gears = laws.get("pendulum"), laws.get("tension")
+    if (
+        set(names) != set(_JOINTS)
+        or not isinstance(pendulum, OscillatingGuide)
+        or not isinstance(gears, Geared)
+        or pendulum.guide_offset_m != 0.0
+        or [spring.index for spring in mechanism.springs] != [names.index("steeve")]
+    ):
+        return None
+    return pendulum, gears
+
+
 def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
     """Read the numbers of the equation.
 
@@ -30,21 +50,15 @@ def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
         InputError: The mechanism is not of this kind.
     """
     model, cylinder = mechanism.model, mechanism.cylinder
-    names = tuple(joint.name for joint in mechanism.joints)
-    laws = {drive.name: drive.law for drive in mechanism.drives}
-    pendulum, gears = laws.get("pendulum"), laws.get("tension")
-    if (
-        set(names) != set(_JOINTS)
-        or not isinstance(pendulum, OscillatingGuide)
-        or not isinstance(gears, Geared)
-        or pendulum.guide_offset_m != 0.0
-        or [spring.index for spring in mechanism.springs] != [names.index("steeve")]
-    ):
+    laws = e62_laws(mechanism)
+    if laws is None:
         message = (
             f"the hand-derived equation is that of the E62; {mechanism.name!r} has other joints, "
             "drives or springs"
         )
-        raise InputError(message, joints=names, drives=list(laws))
+        joints = [joint.name for joint in mechanism.joints]
+        raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
+    pendulum, gears = laws
     placements = joint_placements(model)
     shaft, E, R, J, H, _, S = (
         _point(placements[model.getJointId(name)].translation) for name in _JOINTS

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from ..style import SMALL, WIDTH_IN
 
-MARK = "estimate of the E62 class identified from the published ratios; not the maker's data"
 # Of the height, for the line that says so.
 _FOOT_IN = 0.16
 
@@ -70,17 +69,18 @@ def plate(name: str, title: str, caption: str, figure: Figure) -> Plate:
     return Plate(name, title, caption, figure, picture.getvalue(), document.getvalue())
 
 
-def new_figure(height_in: float) -> Figure:
+def new_figure(height_in: float, mark: str) -> Figure:
     """Return an empty figure that says what its numbers are.
 
     Args:
         height_in: Height [in].
+        mark: The line that says so.
     """
     figure = Figure(figsize=(WIDTH_IN, height_in), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     foot = _FOOT_IN / height_in
     figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - foot))  # type: ignore[union-attr, call-arg]
-    figure.text(0.995, 0.02 / height_in, MARK, ha="right", va="bottom", fontsize=6.0, color="0.45")
+    figure.text(0.995, 0.02 / height_in, mark, ha="right", va="bottom", fontsize=6.0, color="0.45")
     return figure
 
 

@@ -14,13 +14,14 @@ from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table, percent
 
 
-def identification_plate(document: Mapping[str, Any]) -> Plate:
+def identification_plate(document: Mapping[str, Any], mark: str) -> Plate:
     """Draw singular values, and how the misfit rises with single numbers.
 
     Args:
         document: What ``nipper-pin identify --json`` wrote.
+        mark: What the figure says of its numbers.
     """
-    figure = new_figure(3.6)
+    figure = new_figure(3.6, mark)
     values, profiles = figure.subplots(1, 2)
     singular = np.array(document["singular_values"])
     place = np.arange(1, len(singular) + 1)

@@ -8,23 +8,25 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import FloatArray
-from ...mechanism import INDEX_PER_TURN
+from ...mechanism import INDEX_PER_TURN, OscillatingGuide
 from ...study.paper import PaperStudy
 from ..style import LINES, SMALL, TEXT, TINTS, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
+from .terms import Terms, terms
 
 DEGREES = math.degrees(1.0)
 _DASHES = ("-", "--", ":", "-.")
 
 
 def kinematic_plates(study: PaperStudy) -> list[Plate]:
-    """Draw the guide, the links, and jaw and steeve."""
-    return [_guide(study), _links(study), _stops(study)]
+    """Draw the guide, if there is one, the links, and the coordinates of both stops."""
+    guided = isinstance(study.mechanism.drives[0].law, OscillatingGuide)
+    return [*([_guide(study)] if guided else []), _links(study), _stops(study)]
 
 
 def _guide(study: PaperStudy) -> Plate:
     turn = study.kinematics
-    figure = new_figure(5.8)
+    figure = new_figure(5.8, terms(study).mark)
     panels = figure.subplots(3, 1, sharex=True)
     order, index = _order(study)
     drive = study.mechanism.drives[0].name
@@ -56,7 +58,7 @@ def _guide(study: PaperStudy) -> Plate:
 
 def _links(study: PaperStudy) -> Plate:
     turn = study.kinematics
-    figure = new_figure(6.8)
+    figure = new_figure(6.8, terms(study).mark)
     panels = figure.subplots(3, 1, sharex=True)
     order, index = _order(study)
     rows = (DEGREES * turn.link_angles, turn.link_rates, turn.link_accelerations)
@@ -80,19 +82,20 @@ def _links(study: PaperStudy) -> Plate:
         "(a) Rotation of every link from the touch configuration, counter-clockwise in the side "
         f"view, (b) its angular rate and (c) its angular acceleration at {turn.speed_rpm:g} r/min, "
         "through phases 1 and 2. Positions do not depend on the speed, rates are proportional to "
-        "it and accelerations to its square. Where the jaw is closed (shaded) top and bottom "
-        "nipper turn together; the two halves of the steeve always do, since they slide straight.",
+        "it and accelerations to its square. Shaded: jaw closed. Links that a closed stop or a "
+        "slide holds together turn together.",
         figure,
     )
 
 
 def _stops(study: PaperStudy) -> Plate:
     turn = study.kinematics
-    figure = new_figure(6.0)
+    figure = new_figure(6.0, terms(study).mark)
     panels = figure.subplots(3, 2, sharex=True)
     order, index = _order(study)
+    words = terms(study)
     columns = (("jaw angle", "deg", "rad/s", "rad/s$^2$", DEGREES, 1.0, turn.stop_jaw),
-               ("stroke s", "mm", "m/s", "m/s$^2$", 1e3, 1.0, turn.stop_steeve))  # fmt: skip
+               (*_other_stop(words), turn.stop_steeve))  # fmt: skip
     for column, (name, unit, rate, acceleration, factor, other, place) in enumerate(columns):
         rows = (("q", unit, factor), ("v", rate, other), ("a", acceleration, other))
         for row, (quantity, text, scale) in enumerate(rows):
@@ -109,15 +112,23 @@ def _stops(study: PaperStudy) -> Plate:
     for axes in panels[-1]:
         axes.set_xlabel("index (40 to a turn)", fontsize=SMALL)
     return plate(
-        "jaw_and_steeve",
-        "Jaw angle and steeve stroke over a turn",
+        "both_stops",
+        f"Jaw and {words.stop} over a turn",
         f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "
         f"closes at index {turn.closing_index:.2f} and would open at {turn.opening_index:.2f}; it "
-        f"opens to {DEGREES * turn.largest_jaw_angle:.1f} degrees, and the steeve telescopes by "
-        f"{1e3 * turn.largest_stroke:.2f} mm. At the change of phase the rates jump: that jump is "
-        "the impact.",
+        f"opens to {DEGREES * turn.largest_jaw_angle:.1f} degrees, and the {words.stop} moves by "
+        f"{words.stroke.coordinate_factor * turn.largest_stroke:.2f} {words.stroke.coordinate} "
+        "from its stop. At the change of phase the rates jump: that jump is the impact.",
         figure,
     )
+
+
+def _other_stop(words: Terms) -> tuple[str, str, str, str, float, float]:
+    """Name, units and factors of the coordinate of the stop that is closed with the jaw open."""
+    unit, factor = words.stroke.coordinate, words.stroke.coordinate_factor
+    if words.stroke.noun == "angle":
+        return f"{words.stop} angle", unit, "rad/s", "rad/s$^2$", factor, 1.0
+    return "stroke s", unit, "m/s", "m/s$^2$", factor, 1.0
 
 
 def _order(study: PaperStudy) -> tuple[np.ndarray, FloatArray]:

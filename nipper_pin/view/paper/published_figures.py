@@ -1,4 +1,4 @@
-"""Figures 11 to 14 of the published study."""
+"""Figures 11 to 14 of the published study, or the same of another machine."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ...study.paper.studies import Study
 from ..sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
+from .terms import terms
 
 DEGREES = math.degrees(1.0)
 # Thresholds at which collisions are counted in figures and tables [rad/s].
@@ -27,7 +28,7 @@ def published_plates(study: PaperStudy) -> list[Plate]:
 
 
 def _angle(study: PaperStudy) -> Plate:
-    figure = new_figure(5.4)
+    figure = new_figure(5.4, terms(study).mark)
     panels = figure.subplots(len(study.motions), 1, sharex=True, sharey=True)
     jaw = study.mechanism.stop(study.mechanism.transition_stop)
     durations = 1e3 * study.studies.speed.durations
@@ -46,7 +47,8 @@ def _angle(study: PaperStudy) -> Plate:
     return plate(
         "figure_11",
         "Jaw angle during the transition",
-        "Jaw angle against time from the first collision at three speeds (figure 11 of the paper). "
+        "Jaw angle against time from the first collision at three speeds"
+        f"{terms(study).of_paper('figure 11')}. "
         "Strokes mark collisions, the square the time of rest as the limit of the series: "
         f"{shown} ms. Insets: from the second collision on, in thousandths of a degree.",
         figure,
@@ -74,7 +76,7 @@ def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, collisions: list[flo
 
 
 def _impulses(study: PaperStudy) -> Plate:
-    figure = new_figure(3.2)
+    figure = new_figure(3.2, terms(study).mark)
     linear, log = figure.subplots(1, 2)
     table = study.studies.speed.bounces
     for i, speed in enumerate(study.studies.speed.values):
@@ -96,25 +98,32 @@ def _impulses(study: PaperStudy) -> Plate:
     return plate(
         "figure_12",
         "Impulse of each collision",
-        "Normal impulse at the lips in each collision, one series a speed (figure 12 of the "
-        f"paper). The first impulses, {first} N s, are proportional to the speed, because with "
-        f"held shafts nothing but the approach rate sets them. The second is {low:.3f} to "
-        f"{high:.3f} of the first, and not e = {study.published.common_restitution:g}, because the "
-        "closing force changes during the long first rebound; later ones, which are short, fall by "
-        "nearly e.",
+        "Normal impulse at the lips in each collision, one series a speed"
+        f"{terms(study).of_paper('figure 12')}. The first impulses, {first} N s, are proportional "
+        "to the speed, because with held shafts nothing but the approach rate sets them. The "
+        f"second is {low:.3f} to {high:.3f} of the first; what it lacks to "
+        f"e = {study.published.common_restitution:g} is the change of the closing force during the "
+        "long first rebound. Later rebounds are short, and impulses fall by nearly e.",
         figure,
     )
 
 
 def _restitution(study: PaperStudy) -> Plate:
     data = study.studies.restitution
-    figure = new_figure(3.2)
+    figure = new_figure(3.2, terms(study).mark)
     time, number = figure.subplots(1, 2)
     time.plot(data.values, 1e3 * data.durations, color=LINES[0], marker="o", markersize=4.0,
               linewidth=1.2, label="ours")  # fmt: skip
-    published = 1.0 + study.published.ratios["restitution.transition_time_increase"]
-    time.plot(data.values[-1], 1e3 * data.durations[0] * published, "x", color="black",
-              label="published ratio")  # fmt: skip
+    cross = ""
+    if study.compared:
+        published = 1.0 + study.published.ratios["restitution.transition_time_increase"]
+        time.plot(data.values[-1], 1e3 * data.durations[0] * published, "x", color="black",
+                  label="published ratio")  # fmt: skip
+        cross = (
+            "Cross: the published ratio applied to our value at the smallest restitution. The "
+            "number depends on the separation rate at which one stops to count, which is not "
+            "published."
+        )
     time.legend(fontsize=SMALL, frameon=False)
     letter(time, "(a)")
     grid(time)
@@ -128,18 +137,17 @@ def _restitution(study: PaperStudy) -> Plate:
         "figure_13",
         "Transition over the restitution",
         f"(a) Transition time and (b) number of collisions against the restitution at {speed:g} "
-        "r/min (figure 13 of the paper). Cross: the published ratio applied to our value at the "
-        "smallest restitution. The number depends on the separation rate at which one stops to "
-        "count, which is not published.",
+        f"r/min{terms(study).of_paper('figure 13')}. {cross}",
         figure,
     )
 
 
 def _stiffness(study: PaperStudy) -> Plate:
     data = study.studies.stiffness
-    figure = new_figure(3.2)
+    figure = new_figure(3.2, terms(study).mark)
     time, number = figure.subplots(1, 2)
-    rates = 1e-3 * data.values
+    words = terms(study)
+    rates = words.rate_factor * data.values
     series = (
         ("transition", data.durations, None),
         ("first rebound", data.times[:, 0], "stiffness.first_rebound_time_change"),
@@ -148,7 +156,7 @@ def _stiffness(study: PaperStudy) -> Plate:
     for i, (label, values, ratio) in enumerate(series):
         time.plot(rates, 1e3 * values, color=LINES[i], marker=MARKERS[i], markersize=4.0,
                   linewidth=1.2, label=label)  # fmt: skip
-        if ratio is not None:
+        if ratio is not None and study.compared:
             change = 1.0 + study.published.ratios[ratio]
             time.plot(rates[-1], 1e3 * values[0] * change, "x", color="black", zorder=5,
                       label="published ratio" if i == 1 else None)  # fmt: skip
@@ -156,18 +164,18 @@ def _stiffness(study: PaperStudy) -> Plate:
     time.legend(fontsize=SMALL, frameon=False, ncols=2)
     letter(time, "(a)")
     grid(time)
-    tidy(time, "spring rate [N/mm]", "time [ms]")
-    _draw_counts(number, data, 1e-3)
-    tidy(number, "spring rate [N/mm]", "collisions")
+    tidy(time, f"spring rate [{words.rate_unit}]", "time [ms]")
+    _draw_counts(number, data, words.rate_factor)
+    tidy(number, f"spring rate [{words.rate_unit}]", "collisions")
     for axes in (time, number):
         axes.set_xticks(rates)
     speed = study.published.common_speed_rpm
+    crosses = "Crosses: published ratios applied to our value at the smallest rate."
     return plate(
         "figure_14",
         "Transition over the spring rate",
         f"(a) Times and (b) number of collisions against the spring rate at {speed:g} r/min, the "
-        "preload length kept (figure 14 of the paper). Crosses: published ratios applied to our "
-        "value at the smallest rate.",
+        f"preload kept{words.of_paper('figure 14')}. {crosses if words.compared else ''}",
         figure,
     )
 

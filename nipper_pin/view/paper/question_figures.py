@@ -8,29 +8,32 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ...arrays import FloatArray
 from ...study.paper import PaperStudy
-from ...study.paper.designs import RESTITUTIONS, SPEEDS_RPM
+from ...study.paper.designs import RESTITUTIONS
 from ...study.paper.drives import FACTORS
-from ...study.paper.phase_one import PRELOADS
-from ...study.paper.phase_one import SPEEDS_RPM as STOP_SPEEDS
+from ...study.paper.fixed_step import FixedStep
 from ..style import LINES, MARKERS, SMALL, TEXT, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
+from .terms import terms
 
-# How far a label stands from the frame, and how far it may go from its speed.
-_MARGIN = (110.0, 0.012)
+# Where lines of time and of index are labelled, in parts of the range of speeds, how far a label
+# may go from there, and how far it stands from the frame.
+_LABELLED, _AWAY, _MARGIN = (0.13, 0.8), 0.37, 0.012
 
 
 def question_plates(study: PaperStudy) -> list[Plate]:
     """Draw one figure for each open question."""
+    steps = [] if study.fixed_step is None else [_fixed_step(study.fixed_step, terms(study).mark)]
     return [
-        _thresholds(study), _drives(study), _stop_force(study), _fixed_step(study),
-        _shares(study), _designs(study),
+        _thresholds(study), _drives(study), _stop_force(study), *steps, _shares(study),
+        _designs(study),
     ]  # fmt: skip
 
 
 def _thresholds(study: PaperStudy) -> Plate:
     counts = study.counts
-    figure = new_figure(3.4)
+    figure = new_figure(3.4, terms(study).mark)
     number, time = figure.subplots(1, 2)
     values = study.studies.restitution.values
     for i, column in enumerate((0, 2, 4)):
@@ -49,18 +52,20 @@ def _thresholds(study: PaperStudy) -> Plate:
     durations = study.studies.restitution.durations
     time.axhline(durations[-1] / durations[0] - 1.0, color=LINES[1], linestyle="--", linewidth=1.1,
                  label="limit of the series")  # fmt: skip
-    time.axhline(study.published.ratios["restitution.transition_time_increase"], color="black",
-                 linestyle=":", linewidth=1.1, label="published")  # fmt: skip
+    if study.compared:
+        time.axhline(study.published.ratios["restitution.transition_time_increase"], color="black",
+                     linestyle=":", linewidth=1.1, label="published")  # fmt: skip
     time.legend(fontsize=SMALL, frameon=False)
     tidy(time, "threshold [rad/s]", "increase of the\ntransition time [-]")
     for axes, text in ((number, "(a)"), (time, "(b)")):
         letter(axes, text)
         grid(axes)
+    shaded = "Shaded: where the number of rebounds grows as published. "
     return plate(
         "thresholds",
         "Collisions and transition time over the threshold",
         "(a) Number of collisions against the separation rate at which one stops to count, for "
-        "three restitutions. Shaded: where the number of rebounds grows as published. (b) Increase "
+        f"three restitutions. {shaded if study.compared else ''}(b) Increase "
         "of the transition time from the smallest to the largest restitution when the transition "
         "ends at that collision; beyond the end of the line one of the two transitions has no "
         "length.",
@@ -69,76 +74,84 @@ def _thresholds(study: PaperStudy) -> Plate:
 
 
 def _drives(study: PaperStudy) -> Plate:
-    figure = new_figure(3.3)
+    figure = new_figure(3.3, terms(study).mark)
     panels = figure.subplots(1, 2, sharex=True)
     names = (("first_amplitude", "first rebound amplitude"), ("transition_time", "transition time"))
     for axes, (name, text), mark in zip(panels, names, "ab", strict=True):
         for i, speed in enumerate(study.published.speeds_rpm):
             rows = [item for item in study.drives.effects if item.speed_rpm == speed]
-            axes.loglog(FACTORS, [100.0 * getattr(item, name) for item in rows], color=LINES[i],
-                        marker=MARKERS[i], markersize=4.0, linewidth=1.1,
-                        label=f"{speed:g} r/min")  # fmt: skip
+            sizes = [100.0 * abs(getattr(item, name)) for item in rows]
+            axes.loglog(FACTORS, sizes, color=LINES[i], marker=MARKERS[i], markersize=4.0,
+                        linewidth=1.1, label=f"{speed:g} r/min")  # fmt: skip
         axes.axvline(1.0, color="0.5", linewidth=0.8, linestyle=":")
         letter(axes, f"({mark})")
         grid(axes)
         tidy(axes, "shaft inertia by that of the model [-]", f"change of the\n{text} [%]")
     panels[0].legend(fontsize=SMALL, frameon=False)
-    worst = 100.0 * max(item.first_amplitude for item in study.drives.effects if item.factor == 1.0)
+    own = (item for item in study.drives.effects if item.factor == 1.0)
+    worst = 100.0 * max(abs(item.first_amplitude) for item in own)
     return plate(
         "drives",
         "Inertial shafts beside held ones",
-        "Change of (a) the first rebound amplitude and (b) the transition time when an impact is "
-        "free to change the speed of the shafts, against their reflected inertia. With the model's "
-        f"own inertias (dotted) the amplitude grows by at most {worst:.2f} %; the change falls "
-        "with the inertia, so held shafts are the limit.",
+        "Size of the change of (a) the first rebound amplitude and (b) the transition time when "
+        "an impact is free to change the speed of the shafts, against their reflected inertia. "
+        f"With the model's own inertias (dotted) the amplitude changes by at most {worst:.2g} %; "
+        "the change falls with the inertia, so held shafts are the limit.",
         figure,
     )
 
 
 def _stop_force(study: PaperStudy) -> Plate:
-    stop = study.phase_one
-    figure = new_figure(3.6)
+    stop, words = study.phase_one, terms(study)
+    figure = new_figure(3.6, terms(study).mark)
     curve, chart = figure.subplots(1, 2)
     for i, speed in enumerate(study.published.speeds_rpm):
-        curve.plot(stop.index, stop.force(stop.preload_m, speed), color=LINES[i], linewidth=1.3,
+        curve.plot(stop.index, stop.force(stop.preload, speed), color=LINES[i], linewidth=1.3,
                    label=f"{speed:g} r/min")  # fmt: skip
     curve.axhline(0.0, color="black", linewidth=0.8)
     curve.legend(fontsize=SMALL, frameon=False)
     tidy(curve, "index (40 to a turn)", "stop force with the jaw open [N]")
     forces = stop.smallest_forces()
-    preloads = 1e3 * PRELOADS
-    filled = chart.contourf(STOP_SPEEDS, preloads, forces, levels=12, cmap="RdBu",
+    preloads = words.preload_factor * stop.preloads
+    filled = chart.contourf(stop.speeds_rpm, preloads, forces, levels=12, cmap="RdBu",
                             vmin=-np.abs(forces).max(), vmax=np.abs(forces).max())  # fmt: skip
     _bar(figure, filled, [chart], "smallest stop force [N]")
-    limit = [stop.threshold_rpm(float(p)) for p in PRELOADS]
+    limit = [stop.threshold_rpm(float(p)) for p in stop.preloads]
     chart.plot(limit, preloads, color="black", linewidth=1.6, label="lets go beyond")
     for item in stop.releases:
         stays = item.index is None
-        chart.plot(item.speed_rpm, 1e3 * stop.preload_m, "s" if stays else "X", markersize=6.0,
+        chart.plot(item.speed_rpm, words.preload_factor * stop.preload,
+                   "s" if stays else "X", markersize=6.0,
                    color="black", markeredgecolor="white", markeredgewidth=0.6)  # fmt: skip
-    chart.set_xlim(STOP_SPEEDS[0], STOP_SPEEDS[-1])
+    chart.set_xlim(stop.speeds_rpm[0], stop.speeds_rpm[-1])
     chart.legend(fontsize=SMALL, loc="lower right")
-    tidy(chart, "cylinder speed [r/min]", "preload [mm]")
+    tidy(chart, "cylinder speed [r/min]", f"preload [{words.preload_unit}]")
     letter(curve, "(a)")
     letter(chart, "(b)")
     grid(curve)
+    threshold = stop.threshold_rpm(stop.preload)
+    begins = (
+        f"With the model's preload that begins at {threshold:.1f} r/min. "
+        if np.isfinite(threshold)
+        else ""
+    )
     return plate(
         "stop_force",
-        "Force on the steeve's stop in phase 1",
-        f"(a) Force of the stop while the jaw is open, preload {1e3 * stop.preload_m:g} mm, as if "
+        f"Force on the stop of the {words.stop} in phase 1",
+        "(a) Force of the stop while the jaw is open, preload "
+        f"{words.preload_factor * stop.preload:g} {words.preload_unit}, as if "
         "it could pull. (b) Its smallest value over speed and preload; right of the line the "
-        "steeve leaves its stop. With the model's preload that begins at "
-        f"{stop.threshold_rpm(stop.preload_m):.1f} r/min. Marks: simulated turns, squares where "
+        f"{words.stop} leaves its stop. {begins}Marks: simulated turns, squares where "
         "it stays, crosses where it lets go.",
         figure,
     )
 
 
-def _fixed_step(study: PaperStudy) -> Plate:
-    figure = new_figure(3.6)
+def _fixed_step(data: FixedStep, mark: str) -> Plate:
+    figure = new_figure(3.6, mark)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     labels = ("first rebound time", "second rebound time", "first amplitude", "transition time")
-    for axes, rule, mark in zip(panels, study.fixed_step.rules, "ab", strict=True):
+    for axes, rule, mark in zip(panels, data.rules, "ab", strict=True):
         for i, label in enumerate(labels):
             axes.loglog(rule.steps_s, np.abs(rule.errors[:, i]), color=LINES[i], marker=MARKERS[i],
                         markersize=4.0, linewidth=1.1, label=label)  # fmt: skip
@@ -161,7 +174,7 @@ def _fixed_step(study: PaperStudy) -> Plate:
 
 def _shares(study: PaperStudy) -> Plate:
     data = study.shares
-    figure = new_figure(3.5)
+    figure = new_figure(3.5, terms(study).mark)
     axes, rest = figure.subplots(1, 2)
     axes.plot(data.restitutions, data.ballistic, color="black", linestyle="--", linewidth=1.2,
               label="$1 - e^2$")  # fmt: skip
@@ -170,11 +183,12 @@ def _shares(study: PaperStudy) -> Plate:
                   label=f"{speed:g} r/min")  # fmt: skip
         rest.plot(data.restitutions, 100.0 * (data.shares[i] - data.ballistic), color=LINES[i],
                   linewidth=1.2)  # fmt: skip
-        value = study.published.ratios[f"speed.first_two_share_{speed:g}"]
+        value = study.published.ratios.get(f"speed.first_two_share_{speed:g}", np.nan)
         common = study.published.common_restitution
         axes.plot(common, value, "x", color=LINES[i], markersize=6.0)
         rest.plot(common, 100.0 * (value - 1.0 + common**2), "x", color=LINES[i], markersize=6.0)
-    axes.plot([], [], "x", color="0.3", label="published")
+    if study.compared:
+        axes.plot([], [], "x", color="0.3", label="published")
     axes.legend(fontsize=SMALL, frameon=False)
     tidy(axes, "restitution e [-]", "share of the first two rebounds [-]")
     tidy(rest, "restitution e [-]", "difference from $1 - e^2$\n[points of %]")
@@ -192,30 +206,33 @@ def _shares(study: PaperStudy) -> Plate:
 
 
 def _designs(study: PaperStudy) -> Plate:
-    data = study.designs
-    figure = new_figure(3.8)
+    data, words = study.designs, terms(study)
+    speeds = data.speeds_rpm
+    places = speeds[0] + np.array(_LABELLED) * (speeds[-1] - speeds[0])
+    figure = new_figure(3.8, terms(study).mark)
     panels = figure.subplots(1, len(data.stiffnesses), sharex=True, sharey=True)
     most = float(np.nanmax(data.durations)) * 1e3
     levels = np.arange(0.0, most + 1.0)
     for number, axes in enumerate(panels):
         times = 1e3 * data.durations[number]
-        filled = axes.contourf(SPEEDS_RPM, RESTITUTIONS, times, levels=levels, cmap="YlOrBr",
+        filled = axes.contourf(speeds, RESTITUTIONS, times, levels=levels, cmap="YlOrBr",
                                alpha=0.75)  # fmt: skip
-        lines = axes.contour(SPEEDS_RPM, RESTITUTIONS, times, levels=levels, colors="black",
+        lines = axes.contour(speeds, RESTITUTIONS, times, levels=levels, colors="black",
                              linewidths=0.8)  # fmt: skip
-        _label(lines, 640.0)
-        index = axes.contour(SPEEDS_RPM, RESTITUTIONS, data.index_units[number],
+        _label(lines, places[1], speeds)
+        index = axes.contour(speeds, RESTITUTIONS, data.index_units[number],
                              levels=[1.0, 2.0, 3.0, 4.0], colors=LINES[0], linewidths=0.9,
                              linestyles="--")  # fmt: skip
-        _label(index, 440.0)
-        letter(axes, f"({'abc'[number]})  {1e-3 * data.stiffnesses[number]:g} N/mm")
+        _label(index, places[0], speeds)
+        stiffness = words.rate_factor * data.stiffnesses[number]
+        letter(axes, f"({'abc'[number]})  {stiffness:.3g} {words.rate_unit}")
         tidy(axes, "speed [r/min]", "restitution e [-]" if number == 0 else "")
     _bar(figure, filled, list(panels), "transition time [ms]")
     return plate(
         "designs",
         "Transition time over speed, restitution and spring rate",
         "Full lines: transition time in ms. Dashed: the same in units of the index, 40 to a turn, "
-        "the part of the cycle in which the jaw does not hold. The preload length is kept.",
+        "the part of the cycle in which the jaw does not hold. The preload is kept.",
         figure,
     )
 
@@ -227,16 +244,17 @@ def _bar(figure: Figure, filled: ContourSet, panels: list[Axes], text: str) -> N
     bar.ax.tick_params(labelsize=SMALL)
 
 
-def _label(lines: ContourSet, speed_rpm: float) -> None:
+def _label(lines: ContourSet, speed_rpm: float, speeds: FloatArray) -> None:
     """Write the value on each line where it comes nearest to a speed, clear of the frame.
 
     Two sets of lines that are labelled at different speeds do not write over one another.
     """
     places = []
-    low, high = (RESTITUTIONS[0] + _MARGIN[1], RESTITUTIONS[-1] - _MARGIN[1])
+    low, high = (RESTITUTIONS[0] + _MARGIN, RESTITUTIONS[-1] - _MARGIN)
+    reach = _AWAY * (speeds[-1] - speeds[0])
     for path in lines.get_paths():
         x, y = np.asarray(path.vertices, dtype=float).reshape(-1, 2).T
-        inside = (y > low) & (y < high) & (np.abs(x - speed_rpm) < _MARGIN[0])
+        inside = (y > low) & (y < high) & (np.abs(x - speed_rpm) < reach)
         if inside.any():
             nearest = np.argmin(np.where(inside, np.abs(x - speed_rpm), np.inf))
             places.append((float(x[nearest]), float(y[nearest])))

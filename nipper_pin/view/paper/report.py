@@ -14,9 +14,9 @@ from ...study.conclusions import conclusions
 from ...study.paper import PaperStudy
 from ...study.paper.counts import HIGHEST, LOWEST
 from ...study.paper.ratios import within
-from ...study.paper.study import FAR, IDENTIFIED, NEAR, NOTE
+from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
 from ..reading import digits, spring_text
-from .canvas import MARK, Plate
+from .canvas import Plate
 from .identification import identification_plate, identification_tables
 from .kinematic_figures import kinematic_plates
 from .published_figures import published_plates
@@ -39,6 +39,7 @@ from .tables import (
     step_table,
     stop_table,
 )
+from .terms import terms
 
 _TEMPLATE = "report.html.j2"
 
@@ -71,21 +72,21 @@ def material(study: PaperStudy, supplements: Supplements, drawn: Sequence[Plate]
     """
     plates = list(drawn)
     tables = [
-        ratio_table(study),
+        *([ratio_table(study)] if study.compared else []),
         *published_tables(study),
         count_table(study),
         rest_table(study),
         drive_table(study),
-        inertial_ratio_table(study),
+        *([inertial_ratio_table(study)] if study.compared else []),
         stop_table(study),
-        step_table(study),
-        force_table(study),
+        *([] if study.fixed_step is None else [step_table(study.fixed_step)]),
+        *([force_table(study)] if study.compared else []),
     ]
     if supplements.sensitivities is not None:
-        plates.append(sensitivity_plate(supplements.sensitivities))
+        plates.append(sensitivity_plate(supplements.sensitivities, terms(study).mark))
         tables.append(sensitivity_table(supplements.sensitivities))
     if supplements.identification is not None:
-        plates.append(identification_plate(supplements.identification))
+        plates.append(identification_plate(supplements.identification, terms(study).mark))
         tables.extend(identification_tables(supplements.identification))
     return Material(tuple(plates), tuple(tables))
 
@@ -121,10 +122,10 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
     template = environment.get_template(_TEMPLATE)
     return template.render(
         study=study,
+        words=terms(study),
         plates=plates,
         tables=tables,
-        note=NOTE,
-        mark=MARK,
+        note=note(study),
         identified_model=IDENTIFIED,
         near=NEAR,
         far=FAR,
@@ -162,9 +163,10 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
     """Numbers that the text needs and no table holds."""
     studies, given = study.studies, study.published
     common = given.speeds_rpm.index(given.common_speed_rpm)
-    worst = max(study.ratios, key=lambda item: abs(item.relative_deviation))
+    worst = max(study.ratios, key=lambda item: abs(item.relative_deviation), default=None)
     own = [item for item in study.drives.effects if item.factor == 1.0]
-    steps = {rule.name: rule for rule in study.fixed_step.rules}
+    rules = () if study.fixed_step is None else study.fixed_step.rules
+    threshold = study.phase_one.threshold_rpm(study.phase_one.preload)
     released = [item for item in study.phase_one.releases if item.index is not None]
     low, high = given.restitutions[0], given.restitutions[-1]
     return {
@@ -181,12 +183,13 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
         "drive_ratio": max(
             abs(inertial.ours / held.ours - 1.0)
             for inertial, held in zip(study.drives.ratios, study.ratios, strict=True)
-        ),
-        "threshold_rpm": study.phase_one.threshold_rpm(study.phase_one.preload_m),
+        )
+        if study.compared
+        else None,
+        "threshold_rpm": threshold if math.isfinite(threshold) else None,
         "released": released,
-        "forward": float(abs(steps["forward"].errors[-1, -1])),
-        "semi_implicit": float(abs(steps["semi-implicit"].errors[-1, -1])),
-        "rules": study.fixed_step.rules,
+        "last_errors": {rule.name: float(abs(rule.errors[-1, -1])) for rule in rules},
+        "rules": rules,
         "time_range_ms": [
             1e3 * float(np.nanmin(study.designs.durations)),
             1e3 * float(np.nanmax(study.designs.durations)),

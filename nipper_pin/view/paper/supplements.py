@@ -32,9 +32,14 @@ class Supplements:
     identification: Mapping[str, Any] | None = None
 
 
-def sensitivity_plate(found: Sensitivities) -> Plate:
-    """Draw the numbers of the model that matter most, for each quantity."""
-    figure = new_figure(7.6)
+def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
+    """Draw the numbers of the model that matter most, for each quantity.
+
+    Args:
+        found: The sensitivities.
+        mark: What the figure says of its numbers.
+    """
+    figure = new_figure(7.6, mark)
     panels = figure.subplots(len(QUANTITIES), 1)
     for place, (axes, quantity) in enumerate(zip(panels, QUANTITIES, strict=True)):
         ranked = found.ranked(quantity)

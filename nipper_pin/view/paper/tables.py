@@ -13,9 +13,11 @@ import numpy as np
 
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
+from ...study.paper.fixed_step import FixedStep
 from ...study.paper.published import published
 from ...study.paper.studies import Study
 from ..reading import digits
+from .terms import terms
 
 DEGREES = math.degrees(1.0)
 COUNTED_AT = (1e-4, 1e-3, 0.005, 0.02, 0.05, 0.06, 0.08, 0.1, 0.3, 0.9)
@@ -150,23 +152,26 @@ def inertial_ratio_table(study: PaperStudy) -> Table:
 
 def published_tables(study: PaperStudy) -> list[Table]:
     """Tables 3, 4 and 5 of the paper."""
-    studies = study.studies
+    studies, words = study.studies, terms(study)
     share = Column("first_two_share", "share of the first two", lambda v: f"{100.0 * v:.2f} %")
     stated = Column("published_share", "published", lambda v: f"{100.0 * v:.2f} %")
-    shares = [
-        study.published.ratios[f"speed.first_two_share_{value:g}"] for value in studies.speed.values
-    ]
-    rows = [(*row, value) for row, value in zip(_rows(studies.speed), shares, strict=True)]
+    rows, last = _rows(studies.speed), [share]
+    if study.compared:
+        given = study.published.ratios
+        shares = [given[f"speed.first_two_share_{value:g}"] for value in studies.speed.values]
+        rows = tuple((*row, value) for row, value in zip(rows, shares, strict=True))
+        last.append(stated)
+    stiffness = Column(f"stiffness_{words.rate_si}", f"k [{words.rate_unit}]",
+                       lambda v: f"{words.rate_factor * v:.4g}")  # fmt: skip
     return [
-        Table("table_3", "Rebounds over the speed (table 3 of the paper)",
-              (Column("speed_rpm", "speed [r/min]", _general), *_AMPLITUDES, *_TIMES, share,
-               stated), tuple(rows)),
-        Table("table_4", "Rebounds over the restitution (table 4 of the paper)",
+        Table("table_3", f"Rebounds over the speed{words.of_paper('table 3')}",
+              (Column("speed_rpm", "speed [r/min]", _general), *_AMPLITUDES, *_TIMES, *last),
+              rows),
+        Table("table_4", f"Rebounds over the restitution{words.of_paper('table 4')}",
               (Column("restitution", "e [-]", _general), *_AMPLITUDES, *_TIMES, share),
               _rows(studies.restitution)),
-        Table("table_5", "Rebounds over the spring rate (table 5 of the paper)",
-              (Column("stiffness_N_per_m", "k [N/mm]", lambda v: _general(1e-3 * v)),
-               *_AMPLITUDES, *_TIMES, share), _rows(studies.stiffness)),
+        Table("table_5", f"Rebounds over the spring rate{words.of_paper('table 5')}",
+              (stiffness, *_AMPLITUDES, *_TIMES, share), _rows(studies.stiffness)),
     ]  # fmt: skip
 
 
@@ -241,25 +246,27 @@ def drive_table(study: PaperStudy) -> Table:
 
 
 def stop_table(study: PaperStudy) -> Table:
-    """What the steeve does in a turn at the published speeds."""
-    stop = study.phase_one
+    """What the stop that is closed in phase 1 does in a turn at the speeds of the study."""
+    stop, words = study.phase_one, terms(study)
+    stroke = words.stroke
     return Table(
-        "steeve_stop",
-        "The steeve's stop in phase 1, simulated turns",
+        "stop_in_phase_1",
+        f"The stop of the {stop.stop} in phase 1, simulated turns",
         (
             Column("speed_rpm", "speed [r/min]", _general),
             Column("smallest_force_N", "smallest force [N]", digits),
             Column("release_index", "lets go at index",
                    lambda v: "stays closed" if v is None else f"{v:.3f}"),
-            Column("lift_m", "lift [µm]", lambda v: "-" if v == 0.0 else digits(1e6 * v)),
+            Column(f"lift_{words.stroke_si}", f"lift [{stroke.amplitude.replace('um', 'µm')}]",
+                   lambda v: "-" if v == 0.0 else digits(stroke.amplitude_factor * v)),
             Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(1e3 * v)),
         ),
-        tuple((i.speed_rpm, float(stop.force(stop.preload_m, i.speed_rpm).min()), i.index,
-               i.lift_m, i.duration_s) for i in stop.releases),
+        tuple((i.speed_rpm, float(stop.force(stop.preload, i.speed_rpm).min()), i.index,
+               i.lift, i.duration_s) for i in stop.releases),
     )  # fmt: skip
 
 
-def step_table(study: PaperStudy) -> Table:
+def step_table(data: FixedStep) -> Table:
     """Errors of the fixed-step scheme."""
     error = lambda v: f"{v:+.1e}"  # noqa: E731
     return Table(
@@ -274,7 +281,7 @@ def step_table(study: PaperStudy) -> Table:
             Column("transition_time_error", "transition", error),
         ),
         tuple((rule.name, float(step), *errors.tolist())
-              for rule in study.fixed_step.rules
+              for rule in data.rules
               for step, errors in zip(rule.steps_s, rule.errors, strict=True)),
     )  # fmt: skip
 
