@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -57,6 +58,11 @@ class ConstraintSet:
     moving: FloatArray
 
 
+# Constraint sets know neither speed nor time, so all runs of a mechanism share them.
+_SETS: WeakKeyDictionary[Mechanism, dict[tuple[DriveMode, frozenset[str]], ConstraintSet]]
+_SETS = WeakKeyDictionary()
+
+
 class System:
     """What the solver sees: accelerations, multipliers and impulses of one mechanism at one speed.
 
@@ -96,14 +102,15 @@ class System:
             self._damping[damper.index] += damper.damping
         self.body = multibody(mechanism)
         self.elements = elements(mechanism, self.body)
-        self._sets: dict[frozenset[str], ConstraintSet] = {}
+        self._sets = _SETS.setdefault(mechanism, {})
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._inverse = np.empty((0, 0))
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
-        if closed not in self._sets:
+        key = self.drive, closed
+        if key not in self._sets:
             shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
             stops = tuple(stop.index for stop in shut)
             given = (*(drive.index for drive in self.mechanism.drives), *stops)
@@ -120,7 +127,7 @@ class System:
             prescribed = len(given) if self.held else len(stops)
             freedom = self.body.nv - self.body.closure_rows - prescribed
             others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
-            self._sets[closed] = ConstraintSet(
+            self._sets[key] = ConstraintSet(
                 closed=closed,
                 shut=shut,
                 stops=stops,
@@ -134,7 +141,7 @@ class System:
                 freedom=freedom,
                 moving=moving,
             )
-        return self._sets[closed]
+        return self._sets[key]
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

@@ -139,7 +139,7 @@ def one_state_at(system: System, rows: ConstraintSet, panel: Panel, t: float) ->
         t: Time within it [s].
     """
     q, v = panel.interpolate_at(t)
-    motion = system.shaft.driven(np.array([t]))
+    motion = system.shaft.driven_at(t)
     guess = q[None]
     system.prescribe(motion, guess, v[None], rows)
     closed, jacobians = close_positions(system.body, guess, panel.split)

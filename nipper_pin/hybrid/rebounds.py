@@ -76,7 +76,7 @@ class Rebounds:
         """Rebound that a run leaves out because rest is known already."""
         system = self._system
         rows = system.constraint_set(event.closed_after - {stop.name})
-        motion = system.shaft.driven(np.array([event.t]))
+        motion = system.shaft.driven_at(event.t)
         q, v = event.q, event.v_after
         a = system.accelerations(motion, q[None], v[None], rows)[0]
         _, jacobian = system.body.closures(q[None])

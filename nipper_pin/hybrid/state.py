@@ -59,7 +59,7 @@ def initial_state(system: System, start_index: float) -> State:
     # In the touch configuration all coordinates are zero: there is nothing to assemble.
     away = travel != 0.0 or any(stop.at for stop in shut)
     times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
-    angles, rates, accelerations = shaft.driven(times)
+    angles, rates, accelerations = shaft.driven(times) if away else shaft.driven_at(0.0)
     driven = shaft.indices
     given = [*driven, *[stop.index for stop in shut]]
     path = np.zeros((len(times) - 1, len(given)))

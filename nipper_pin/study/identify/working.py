@@ -179,7 +179,7 @@ class _Walk:
     def _near(self, t: float, q: FloatArray, t_known: float) -> FloatArray:
         """Configuration at a time, from one nearby: a step along the tangent, then Newton."""
         system = self.system
-        motion = system.shaft.driven(np.array([t]))
+        motion = system.shaft.driven_at(t)
         step = np.zeros((1, system.body.nv))
         step[0, system.driven] = motion[0][0] - q[system.driven]
         _, jacobian = system.body.closures(q[None])
