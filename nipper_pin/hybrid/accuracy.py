@@ -11,10 +11,10 @@ followed more closely: the fundamental matrix of their variational equation (``p
 carries an error of the rate, and a start that is late by dt, to their end. Elsewhere a stop that
 arrives slower than it moved before is taken to arrive later by as much more.
 
-eps and eta come from the Chebyshev coefficients that are missing (the last ones, times their rate
-of decay), from what one more sweep would change and from what the round-off of a state does to its
-acceleration, which is more than round-off where masses differ much. In a phase without freedom the
-past is forgotten: only the round-off of its closures and of time is left.
+eps and eta come from what the dynamics say between the nodes, where the interpolant is wrong by the
+Chebyshev coefficients that it lacks, from what one more sweep would change and from what the
+round-off of a state does to its acceleration, more than round-off where masses differ much. In a
+phase without freedom the past is forgotten: only the round-off of its closures and of time is left.
 """
 
 from __future__ import annotations
@@ -135,8 +135,9 @@ def _carried(
         shift = float(round_off(system, last, q)[index]) / rate + clock
         return EventError(shift, 16.0 * _EPS + a * shift / rate)
     eta = fastest = 0.0
-    # Round-off of a coordinate that is not near zero where its gap is; none if it started there.
-    eps = 0.0 if segment.panels[0].q[0, index] == stop.at else _EPS * abs(stop.at)
+    # Where a gap has not just opened its start has the round-off of the closures.
+    start = segment.panels[0]
+    eps = 0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q)[index])
     for panel in segment.panels:
         key = (id(panel.q), index)
         if key not in left_over:
@@ -242,6 +243,21 @@ def _lever(system: System, panel: Panel, index: int) -> FloatArray:
     return np.asarray(inverse[panel.split.dependent.index(index)] @ jacobian[0])
 
 
+def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
+    """Largest difference of the dynamics from the interpolant between the nodes, (nv,).
+
+    The last coefficients may be small by chance; what is wrong between the nodes is not.
+    """
+    gaps = panel.order - 1
+    sigma = 0.5 * (1.0 - np.cos(np.pi * (np.arange(gaps) + 0.5) / gaps))
+    t = panel.t + panel.h * sigma
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
+    there = system.accelerations(motion, q, v, rows)
+    return np.asarray(np.abs(there - evaluate(panel.a, sigma, 0)).max(axis=0))
+
+
 def _left_over_alone(
     system: System, rows: ConstraintSet, panel: Panel
 ) -> tuple[FloatArray, FloatArray]:
@@ -253,12 +269,11 @@ def _left_over_alone(
     signs = (-1.0) ** np.arange(panel.q.shape[1])
     nearby = panel.q * (1.0 + _NEARBY * _EPS * signs)
     rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
-    coefficients = np.abs(grid.integrals[0] @ a)
-    known, last = coefficients[-4:-2].max(axis=0), coefficients[-2:].max(axis=0)
-    missing = last.copy()
-    if not system.mechanism.tabulated_springs:
+    missing = _between(system, rows, panel)
+    if system.mechanism.tabulated_springs:
         # Across a row of a table coefficients decay by powers: the next is as large as the last.
-        missing *= np.divide(last, known, where=known > last, out=np.ones_like(last))
+        last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)
+        missing = np.maximum(missing, last)
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

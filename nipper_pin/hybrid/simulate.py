@@ -278,8 +278,11 @@ class _Run:
             return unknown
         remaining, period = 2.0 * rate / (deceleration * (1.0 - e_N)), self.system.shaft.period
         if remaining <= tolerance * period:
-            # The deceleration changes in some tenths of a turn.
-            return t + remaining, 10.0 * remaining**2 / period
+            # Accelerations change at the rate of the turning; a deceleration that is small beside
+            # them does so faster.
+            largest = float(np.abs(self._acceleration(self.state)).max())
+            changes = math.tau * max(2.0, largest / deceleration) / period
+            return t + remaining, changes * remaining**2
         # What is left of the motion is dropped. It leaves an error of the motion afterwards of
         # order w^3, found to be at most 2e-3 w^3 in relative rates of inertial shafts.
         if rate**3 > _DROPPED * tolerance * series.fastest**3:
