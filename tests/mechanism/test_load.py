@@ -163,7 +163,11 @@ def test_overrides_of_a_link() -> None:
         ("stops.jaw.restitution", "much", "e62.toml: stops.jaw.restitution = 'much' .* a number"),
         ("stops.jaw.restitution", "2", "at least 0 and at most 1"),
         ("stops.jaw.restitution", "nan", "a finite number"),
-        ("stops.jaw.bounce", 1, "no key named 'bounce'; known: contact, joint, restitution"),
+        (
+            "stops.jaw.bounce",
+            1,
+            "no key named 'bounce'; known: at_deg, at_mm, contact, joint",
+        ),
         ("stops.lip.restitution", 1, "no key named 'lip'; known: jaw, steeve"),
         ("stops.jaw", 1, "known: stops.jaw.contact, stops.jaw.joint"),
         ("stop", 1, "no key named 'stop'; known: closures, cylinder"),
