@@ -203,8 +203,9 @@ def _release(system: System, segment: Segment, index: int) -> float:
     nearby = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
     moving = v[1] + np.vstack([np.zeros((nv, nv)), np.diag(velocity)])
     _, jacobian = system.body.closures(nearby)
-    a = system.accelerations(system.shaft.driven(np.full(2 * nv, t)), nearby, moving, rows)
-    there = multipliers(system, nearby, moving, a, jacobian, rows, panel.split)
+    motion = system.shaft.driven(np.full(2 * nv, t))
+    a = system.accelerations(motion, nearby, moving, rows)
+    there = multipliers(system, motion, nearby, moving, a, jacobian, rows, panel.split)
     wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
     length = t - segment.t_start
     return min(wrong / abs(slope), length) if slope else length

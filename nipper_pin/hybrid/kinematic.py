@@ -65,7 +65,7 @@ def kinematic_panel(
     _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
-    forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)

@@ -109,7 +109,7 @@ def test_overrides_of_the_document() -> None:
             "stops.jaw.restitution": "0.05",
             "springs.steeve.stiffness_N_per_m": 11000,
             "drives.pendulum.crank_axis_mm[0]": "0.5",
-            "drives.pendulum.guide_axis_mm": "[-190.0, -21.0]",
+            "drives.pendulum.guide_axis_mm": "[-190, -20.0]",
             "title": "another",
             "initial_phase": "2",
         }
@@ -120,7 +120,7 @@ def test_overrides_of_the_document() -> None:
     assert mechanism.initial_phase == 2
     drive = mechanism.description["drives"]["pendulum"]  # type: ignore[index]
     assert drive["crank_axis_mm"] == [0.5, 0.0]
-    assert drive["guide_axis_mm"] == [-190.0, -21.0]
+    assert drive["guide_axis_mm"] == [-190, -20.0]
     assert load().stop("jaw").restitution == 0.2
 
 
