@@ -82,6 +82,10 @@ def kinematic_panel(
     # of the positions.
     changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
     rough_a = h**2 * tail(a_nodes) / (np.sqrt(resolution.tolerance) * changed)
+    if not moving.any():
+        # Stops may lock a machine altogether while its drive trains wind up: what it has of
+        # accelerations is round-off.
+        rough_a = np.zeros_like(moving)
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 
