@@ -79,6 +79,9 @@ def rest_of_nested(
     """
     if case.rest_rate is not None:
         return (state.t if fastest < case.rest_rate else inf), 0.0
+    if any(system.mechanism.stop(name).restitution >= 1.0 for name in names):
+        # One that loses nothing comes to rest by what the others lose, if at all.
+        return _UNKNOWN
     tolerance = case.resolution.tolerance
     if series.rates[-1] ** 3 > _DROPPED * tolerance * series.fastest**3:
         return _UNKNOWN

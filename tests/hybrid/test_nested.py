@@ -167,6 +167,13 @@ def test_forces_at_rest_and_energy() -> None:
     assert solution.checks.energy_balance < 1e-12
 
 
+def test_a_stop_that_loses_nothing_comes_to_no_rest() -> None:
+    """With restitution 1 at the floor the lid alone loses energy, and no limit is taken."""
+    solution = run((1.0, 1.0, 1.0, 0.3, 30.0), max_collisions=300)
+    assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
+    assert not any("floor" in event.closed_after for event in solution.events)
+
+
 def test_rest_by_a_rate() -> None:
     """With a threshold all stops rest as soon as none opens faster, and the time is short by that.
 

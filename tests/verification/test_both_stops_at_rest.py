@@ -24,6 +24,7 @@ from nipper_pin import (
     load,
     simulate,
 )
+from nipper_pin.study.stress.invariants import violations
 
 BOTH = frozenset({"jaw", "steeve"})
 DRIVES = ("pendulum", "tension")
@@ -130,6 +131,12 @@ def test_energy_balances(run: Solution) -> None:
     assert abs(run.energy.residual) < 1e-9 * run.energy.impact_losses
     assert run.energy.impact_losses > 0.1 * run.energy.kinetic_peak
     assert run.checks.closure_m < 1e-12
+
+
+def test_nothing_is_violated(run: Solution) -> None:
+    """What the stress campaign demands of every run: phase logic, impact law, motion, energy."""
+    assert violations(run) == []
+    assert violations(press()) == []
 
 
 def test_rest_by_a_rate_comes_to_the_same(run: Solution) -> None:
