@@ -253,13 +253,11 @@ class _Run:
     def _bounced(self, stop: Stop, series: BounceSeries | None) -> None:
         """Go on with a series of bounces, or end it at its limit or the threshold of the case."""
         state = self.state
-        rate = stop.rate(state.v)
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
-        deceleration = -stop.rate(self._acceleration(state))
-        series = series.bounced(state.t, rate, deceleration)
-        state = self.state = state._replace(series=series)
         a = self._acceleration(state)
+        series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
+        state = self.state = state._replace(series=series)
         t_rest, error = rest_of_series(self.system, self.case, state, a, stop, series)
         if not math.isfinite(t_rest):
             return
