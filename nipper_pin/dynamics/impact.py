@@ -99,31 +99,32 @@ def arrest(
     q: FloatArray,
     v: FloatArray,
     jacobian: FloatArray,
-    stop: Stop,
-    closed: Sequence[Stop] = (),
+    stops: Sequence[Stop],
 ) -> Impact:
-    """Take away the last rate of a stop: what a series of bounces does at its limit.
+    """Take away the last rates of stops: what a series of bounces does at its limit.
 
     Args:
         system: The system.
         q: Configuration, shape (nv,).
         v: Velocity after the last collision that was computed, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
-        stop: The stop that comes to rest.
-        closed: Stops that are closed all the while: the bounces left out do not open them.
+        stops: The stops that come to rest, and those that are closed all the while: the bounces
+            left out do not open them.
 
     Returns:
         The change as an impact whose impulse, a negative one, is not a contact impulse: the
-        bounces that it stands for push the stop by e w / (1 - e) against gravity and springs.
+        bounces that it stands for push a stop by e w / (1 - e) against gravity and springs.
+
+    Raises:
+        ImpactError: They cannot come to rest together.
     """
-    jump = -stop.rate(v)
-    stops = [stop, *closed]
-    zeros = [0.0] * len(closed)
-    solved = _impulses(system, q, jacobian, stops, [jump, *zeros])
+    jumps = [-stop.rate(v) for stop in stops]
+    solved = _impulses(system, q, jacobian, stops, jumps)
     if solved is None:
-        message = f"stop {stop.name!r} cannot come to rest: the mechanism is in a dead centre"
-        raise ImpactError(message, stops=stop.name, rates_before=[-jump])
-    return _outcome(v, stops, range(len(stops)), [0.0, *zeros], solved)
+        names = ", ".join(stop.name for stop in stops)
+        message = f"stop {names} cannot come to rest: the mechanism is in a dead centre"
+        raise ImpactError(message, stops=names, rates_before=[-jump for jump in jumps])
+    return _outcome(v, stops, range(len(stops)), [0.0] * len(stops), solved)
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .assembly import Partition
+from .shaft import Driven
 from .system import ConstraintSet, System
 
 
@@ -20,8 +21,8 @@ class Multipliers:
             shape (N, m) [N].
         la_N: Forces of the closed stops along their gaps, positive when they push,
             shape (N, closed) [N m or N], in the order of ``ConstraintSet.stops``.
-        drive: Torques on the driven joints, shape (N, drives) [N m]. A shaft that is free to
-            change its speed has its own inertia beside that of the links.
+        drive: Torques on the driven joints, shape (N, drives) [N m]; those of the elastic trains
+            where the shafts may change their speed.
     """
 
     la_g: FloatArray
@@ -31,6 +32,7 @@ class Multipliers:
 
 def multipliers(
     system: System,
+    motion: Driven,
     q: FloatArray,
     v: FloatArray,
     a: FloatArray,
@@ -40,11 +42,13 @@ def multipliers(
 ) -> Multipliers:
     """Solve M a + h = tau + G' la_g + W' la_N for the forces of constraint.
 
-    The rows of the dependent coordinates, on which only springs and dampers act, determine la_g;
-    the rows of stops and drives then give their forces.
+    The rows of the dependent coordinates, on which only known forces act, determine la_g; the rows
+    of stops and held drives then give their forces. The torque of an elastic drive train is known,
+    and the inertia of its shaft stands beside that of the links.
 
     Args:
         system: The system.
+        motion: Driven coordinates, rates and accelerations of these states.
         q: Configurations, shape (N, nv).
         v: Velocities, shape (N, nv).
         a: Accelerations, shape (N, nv).
@@ -53,13 +57,14 @@ def multipliers(
         split: Dependent and independent coordinates; no given one may be dependent.
     """
     missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
+    trains = 0.0 if system.held else system.train_torques(motion, q, v)
+    if not system.held:
+        missing[:, system.driven] += system.inertia * a[:, system.driven] - trains
     dependent = list(split.dependent)
     transposed = np.swapaxes(jacobian[:, :, dependent], 1, 2)
     la_g: FloatArray = np.asarray(
         np.linalg.solve(transposed, missing[:, dependent, None])[:, :, 0], dtype=np.float64
     )
     rest = missing - np.einsum("nij,ni->nj", jacobian, la_g)
-    drive = rest[:, system.driven]
-    if not system.held:
-        drive = drive + system.inertia * a[:, system.driven]
+    drive = rest[:, system.driven] + trains
     return Multipliers(la_g, rest[:, list(rows.stops)] * rows.senses, drive)

@@ -36,7 +36,8 @@ class ConstraintSet:
         places: Where they hold these coordinates, shape (closed,) [rad or m].
         senses: Direction in which each pushes, 1 or -1, shape (closed,).
         open: The other stops.
-        given: Driven coordinates and closed stops: never dependent through the closures.
+        given: Held drives and closed stops: never dependent through the closures.
+        yielding: Driven coordinates that forces move; independent as far as closures allow it.
         armature: Inertia added to each joint in flight, shape (nv,).
         stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
         damping: Of dampers and drive trains, likewise; None where there is none.
@@ -51,6 +52,7 @@ class ConstraintSet:
     senses: FloatArray
     open: tuple[Stop, ...]
     given: tuple[int, ...]
+    yielding: tuple[int, ...]
     armature: FloatArray
     stiffness: FloatArray
     damping: FloatArray | None
@@ -113,7 +115,10 @@ class System:
         if key not in self._sets:
             shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
             stops = tuple(stop.index for stop in shut)
-            given = (*(drive.index for drive in self.mechanism.drives), *stops)
+            drives = tuple(drive.index for drive in self.mechanism.drives)
+            # Shafts that give way are prescribed nothing: with all stops closed they may have to
+            # follow from one another.
+            given, yielding = ((*drives, *stops), ()) if self.held else (stops, drives)
             armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
             moving, damping = self.free.copy(), self._damping.copy()
             if not self.held:
@@ -124,8 +129,7 @@ class System:
             moving[held_stops] = 0.0
             stiffness *= moving
             damping *= moving
-            prescribed = len(given) if self.held else len(stops)
-            freedom = self.body.nv - self.body.closure_rows - prescribed
+            freedom = self.body.nv - self.body.closure_rows - len(given)
             others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
             self._sets[key] = ConstraintSet(
                 closed=closed,
@@ -135,6 +139,7 @@ class System:
                 senses=np.array([stop.sense for stop in shut]),
                 open=others,
                 given=given,
+                yielding=yielding,
                 armature=armature,
                 stiffness=stiffness,
                 damping=damping if damping.any() else None,
@@ -227,6 +232,25 @@ class System:
         if self.elements is not None:
             forces += self.elements.forces(q, v)
         return forces
+
+    def train_torques(self, motion: Driven, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Torques of elastic drive trains, I a_law + k (q_law - q) + c (v_law - v).
+
+        Args:
+            motion: Driven coordinates, rates and accelerations of these states.
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+
+        Returns:
+            Shape (N, drives) [N m or N].
+        """
+        q_law, v_law, a_law = motion
+        torques: FloatArray = (
+            self.inertia * a_law
+            + self._shaft_stiffness * (q_law - q[:, self.driven])
+            + self._shaft_damping * (v_law - v[:, self.driven])
+        )
+        return torques
 
     def spring_energy(self, q: FloatArray) -> FloatArray:
         """Energy stored in the springs [J], shape (N,)."""

@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -117,24 +118,58 @@ def _carried(
     known: _Known,
 ) -> EventError:
     """Errors at the end of a segment, at a stop, from those at its start, where one was struck."""
-    length, index = segment.t_end - segment.t_start, stop.index
-    if length <= 0.0:
+    index = stop.index
+    if segment.t_end - segment.t_start <= 0.0:
         return before
-    rows = system.constraint_set(segment.closed)
     last = segment.panels[-1]
     q, v = last.interpolate(np.array([segment.t_end]))
-    rate = abs(float(v[0, index]))
-    if rate == 0.0:
+    velocity = float(v[0, index])
+    if velocity == 0.0:
         return before
     end = np.array([(segment.t_end - last.t) / last.h])
     braking = float(evaluate(last.a[:, index], end, 0)[0])
-    a = abs(braking)
-    left_over = known.left_over
     clock = 2.0 * _EPS * segment.t_end
     if segment.kinematic:
+        rate = abs(velocity)
         shift = float(round_off(system, last, q)[index]) / rate + clock
-        return EventError(shift, 16.0 * _EPS + a * shift / rate)
-    eta = fastest = 0.0
+        return EventError(shift, 16.0 * _EPS + abs(braking) * shift / rate)
+    rows = system.constraint_set(segment.closed)
+    own = _own_errors(system, rows, segment, stop, known)
+    arrival = _Arrival(velocity, braking, clock, *own)
+    key = (id(segment.panels[0].q), index)
+    if key not in known.matrices:
+        known.matrices[key] = fundamental_matrix(system, rows, segment, index)
+    propagation = known.matrices[key]
+    if propagation is None:
+        return _after_ballistic_flight(segment, stop, arrival, before)
+    origin = index if struck is None else struck.index
+    return _after_propagation(segment, origin, propagation, arrival, before)
+
+
+class _Arrival(NamedTuple):
+    """How a flight comes to a stop, and what it is wrong by of its own.
+
+    Attributes:
+        velocity: Of the stop's coordinate at the end [rad/s or m/s].
+        braking: Its acceleration there [rad/s^2 or m/s^2].
+        clock: Round-off of the time [s].
+        eps: Error of the gap [rad or m].
+        eta: Error of its rate [rad/s or m/s].
+    """
+
+    velocity: float
+    braking: float
+    clock: float
+    eps: float
+    eta: float
+
+
+def _own_errors(
+    system: System, rows: ConstraintSet, segment: Segment, stop: Stop, known: _Known
+) -> tuple[float, float]:
+    """What a flight leaves unresolved in the gap of a stop and in its rate."""
+    index, left_over = stop.index, known.left_over
+    eta = 0.0
     # Where a gap has not just opened its start has the round-off of the closures.
     start = segment.panels[0]
     eps = 0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q)[index])
@@ -145,34 +180,64 @@ def _carried(
         gap, slope = left_over[key]
         eps += gap + panel.h * eta
         eta += slope
-        fastest = max(fastest, float(np.abs(panel.v[:, index]).max()))
     if rows.freedom > 1:
-        eps, eta = _COUPLED * eps, _COUPLED * eta
-    first = segment.panels[0]
-    key = (id(first.q), index)
-    if key not in known.matrices:
-        known.matrices[key] = fundamental_matrix(system, rows, segment, index)
-    if (propagation := known.matrices[key]) is not None:
-        matrix, direction = propagation
-        # An error of the rate of the stop that was struck, and a start that is late.
-        origin = index if struck is None else struck.index
-        w, slowing = float(first.v[0, origin]), float(first.a[0, origin])
-        errors = np.array([[0.0, before.time * w], [before.impulse * w, before.time * slowing]])
-        ends = matrix @ errors / max(abs(float(direction[origin])), _EPS)
-        lates = ends[0] / -float(v[0, index])
-        late = float(np.abs(lates).sum())
-        slower = float(np.abs(ends[1] + braking * lates).sum()) / rate
-        grown = max(1.0, abs(float(matrix[1, 1])))
-        shift = grown * eps / rate + clock
-        relative = slower + (grown * eta + a * shift) / rate
-        return EventError(min(late, before.time + length) + shift, min(relative, 1.0))
-    shift = eps / rate + clock
+        return _COUPLED * eps, _COUPLED * eta
+    return eps, eta
+
+
+def _after_propagation(
+    segment: Segment,
+    origin: int,
+    propagation: tuple[FloatArray, FloatArray],
+    arrival: _Arrival,
+    before: EventError,
+) -> EventError:
+    """Errors after a flight with one freedom, whose variational equation carries those before.
+
+    Args:
+        segment: The flight.
+        origin: Coordinate of the stop that was struck at its start.
+        propagation: Its fundamental matrix, and the direction of its one freedom.
+        arrival: Its end.
+        before: Errors at its start.
+    """
+    matrix, direction = propagation
+    first, rate = segment.panels[0], abs(arrival.velocity)
+    # An error of the rate of the stop that was struck, and a start that is late.
+    w, slowing = float(first.v[0, origin]), float(first.a[0, origin])
+    errors = np.array([[0.0, before.time * w], [before.impulse * w, before.time * slowing]])
+    ends = matrix @ errors / max(abs(float(direction[origin])), _EPS)
+    lates = ends[0] / -arrival.velocity
+    late = float(np.abs(lates).sum())
+    slower = float(np.abs(ends[1] + arrival.braking * lates).sum()) / rate
+    grown = max(1.0, abs(float(matrix[1, 1])))
+    shift = grown * arrival.eps / rate + arrival.clock
+    relative = slower + (grown * arrival.eta + abs(arrival.braking) * shift) / rate
+    length = segment.t_end - segment.t_start
+    return EventError(min(late, before.time + length) + shift, min(relative, 1.0))
+
+
+def _after_ballistic_flight(
+    segment: Segment, stop: Stop, arrival: _Arrival, before: EventError
+) -> EventError:
+    """Errors after a flight whose length and final rate are taken to go with its first rate.
+
+    Args:
+        segment: The flight.
+        stop: The stop that it ends at.
+        arrival: Its end.
+        before: Errors at its start.
+    """
+    rate, length = abs(arrival.velocity), segment.t_end - segment.t_start
+    fastest = max(float(np.abs(panel.v[:, stop.index]).max()) for panel in segment.panels)
+    shift = arrival.eps / rate + arrival.clock
     # 1 in a ballistic flight.
     slower = max(fastest / rate, 1.0)
     late = min(length * before.impulse * slower, length)
-    relative = before.impulse * slower + (eta + a * (shift + late * (1.0 - 1.0 / slower))) / rate
+    wrong = arrival.eta + abs(arrival.braking) * (shift + late * (1.0 - 1.0 / slower))
     # At 1 nothing is known any more.
-    return EventError(before.time + late + shift, min(relative, 1.0))
+    relative = min(before.impulse * slower + wrong / rate, 1.0)
+    return EventError(before.time + late + shift, relative)
 
 
 def _impact(system: System, event: Event, known: _Known) -> float:
@@ -204,8 +269,9 @@ def _release(system: System, segment: Segment, index: int) -> float:
     nearby = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
     moving = v[1] + np.vstack([np.zeros((nv, nv)), np.diag(velocity)])
     _, jacobian = system.body.closures(nearby)
-    a = system.accelerations(system.shaft.driven(np.full(2 * nv, t)), nearby, moving, rows)
-    there = multipliers(system, nearby, moving, a, jacobian, rows, panel.split)
+    motion = system.shaft.driven(np.full(2 * nv, t))
+    a = system.accelerations(motion, nearby, moving, rows)
+    there = multipliers(system, motion, nearby, moving, a, jacobian, rows, panel.split)
     wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
     length = t - segment.t_start
     return min(wrong / abs(slope), length) if slope else length

@@ -65,7 +65,7 @@ def kinematic_panel(
     _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
-    forces = multipliers(system, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
@@ -82,6 +82,10 @@ def kinematic_panel(
     # of the positions.
     changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
     rough_a = h**2 * tail(a_nodes) / (np.sqrt(resolution.tolerance) * changed)
+    if not moving.any():
+        # Stops may lock a machine altogether while its drive trains wind up: what it has of
+        # accelerations is round-off.
+        rough_a = np.zeros_like(moving)
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 

@@ -160,7 +160,7 @@ def forces_at(
     """
     q, v, jacobian, motion = state_at(system, rows, panel, t)
     a = system.accelerations(motion, q, v, rows)
-    return q, v, a, multipliers(system, q, v, a, jacobian, rows, panel.split)
+    return q, v, a, multipliers(system, motion, q, v, a, jacobian, rows, panel.split)
 
 
 def judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attempt:

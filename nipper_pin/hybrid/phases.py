@@ -124,11 +124,11 @@ def _held(
     if rows.freedom < 0:
         return None
     try:
-        split = system.split(jacobian, rows.given, ())
+        split = system.split(jacobian, rows.given, rows.yielding)
     except SingularConfigurationError:
         return None
     a = system.accelerations(motion, q[None], v[None], rows)
-    la_N = multipliers(system, q[None], v[None], a, jacobian[None], rows, split).la_N[0]
+    la_N = multipliers(system, motion, q[None], v[None], a, jacobian[None], rows, split).la_N[0]
     held = np.array([stop.name in names for stop in stops], dtype=bool)
     forces = np.zeros(len(stops))
     forces[held] = la_N

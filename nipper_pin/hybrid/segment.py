@@ -112,7 +112,7 @@ def advance(
     # A stop that has just been left is independent, so that its gap keeps its relative precision,
     # and stays so: a coordinate that the others determine has their errors, multiplied.
     leaving = sorted(rows.open, key=lambda stop: stop.gap(q) != 0.0)
-    preferred = tuple(stop.index for stop in leaving)
+    preferred = (*rows.yielding, *(stop.index for stop in leaving))
     panels: list[Panel] = []
     while True:
         left = t_limit - t
@@ -177,7 +177,7 @@ def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop])
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.
     columns = tuple(stop.index for stop in hit)
-    split = system.split(end.jacobian, rows.given, columns)
+    split = system.split(end.jacobian, rows.given, (*columns, *rows.yielding))
     if not set(columns).isdisjoint(split.dependent):
         return end
     q, jacobians = close_positions(system.body, met[None], split)

@@ -78,8 +78,8 @@ class BounceSeries:
             return inf, inf
         last = self.times[-1]
         # Times are taken from the last collision, where the digits matter.
-        lines = _extrapolated(w, [t - last for t in self.times])
-        pressing = _extrapolated(w, self.decelerations)
+        lines = extrapolated(w, [t - last for t in self.times])
+        pressing = extrapolated(w, self.decelerations)
         best = (inf, inf)
         previous, change, inverse_rates = inf, 0.0, 0.0
         points = zip(reversed(w), reversed(self.decelerations), lines, pressing, strict=True)
@@ -99,7 +99,7 @@ class BounceSeries:
         return best
 
 
-def _extrapolated(w: Sequence[float], y: Sequence[float]) -> list[tuple[float, float]]:
+def extrapolated(w: Sequence[float], y: Sequence[float]) -> list[tuple[float, float]]:
     """Value and slope at w = 0 of the polynomials through the last 1, 2, ... points."""
     values, slopes = list(y), [0.0] * len(y)
     found = [(values[-1], 0.0)]

@@ -15,6 +15,7 @@ from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..errors import (
     ConvergenceError,
+    ImpactError,
     InputError,
     SimulationError,
     SingularConfigurationError,
@@ -25,14 +26,14 @@ from .case import Case, Window
 from .cycles import repeats
 from .event import Event, EventKind
 from .locate import located
+from .nested import NestedSeries
 from .phases import Closed, after_collision, after_release, pressed
+from .rests import rest_of_nested, rest_of_series
 from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 from .state import State, initial_state
 from .triggers import TriggerKind
-
-_DROPPED = 100.0
 
 
 def simulate(
@@ -89,6 +90,7 @@ class _Run:
         self.events: list[Event] = []
         self.segments: list[Segment] = []
         self._collisions = 0
+        self._nested: dict[tuple[str, Closed], NestedSeries] = {}
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
         try:
             self.state = initial_state(system, case.start_index)
@@ -242,6 +244,8 @@ class _Run:
             still = no_impact(self.system, after.v)
             self._record(EventKind.REST, after, state.t, sorted(newly), still, closed)
         self.state = after
+        if self._rested_together(state, hit, rates):
+            return
         bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
         if len(bouncing) == 1:
             self._bounced(bouncing[0], state.series)
@@ -249,61 +253,55 @@ class _Run:
     def _bounced(self, stop: Stop, series: BounceSeries | None) -> None:
         """Go on with a series of bounces, or end it at its limit or the threshold of the case."""
         state = self.state
-        rate = stop.rate(state.v)
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
-        deceleration = -stop.rate(self._acceleration(state))
-        series = series.bounced(state.t, rate, deceleration)
+        a = self._acceleration(state)
+        series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
         state = self.state = state._replace(series=series)
-        if self.case.rest_rate is not None:
-            t_rest, error = (state.t if rate < self.case.rest_rate else np.inf), 0.0
-        else:
-            t_rest, error = self._limit(stop, series)
+        t_rest, error = rest_of_series(self.system, self.case, state, a, stop, series)
         if not math.isfinite(t_rest):
             return
         shut = self.system.constraint_set(state.closed).shut
-        impact = arrest(self.system, state.q, state.v, state.jacobian, stop, shut)
+        impact = arrest(self.system, state.q, state.v, state.jacobian, [stop, *shut])
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
             return
         self._record(EventKind.REST, state, t_rest, [stop.name], impact, closed, error)
         self.state = state._replace(v=impact.v_after, closed=closed, series=None)
 
-    def _limit(self, stop: Stop, series: BounceSeries) -> tuple[float, float]:
-        """Time at which a series comes to rest, and its error [s]; infinite while not known yet."""
-        t, tolerance = self.state.t, self.case.resolution.tolerance
-        e_N, rate, deceleration = stop.restitution, series.rates[-1], series.decelerations[-1]
-        unknown = np.inf, np.inf
-        if deceleration <= 0.0 or e_N >= 1.0:
-            return unknown
-        remaining, period = 2.0 * rate / (deceleration * (1.0 - e_N)), self.system.shaft.period
-        if remaining <= tolerance * period:
-            # Accelerations change at the rate of the turning; a deceleration that is small beside
-            # them does so faster.
-            largest = float(np.abs(self._acceleration(self.state)).max())
-            changes = math.tau * max(2.0, largest / deceleration) / period
-            return t + remaining, changes * remaining**2
-        # What is left of the motion is dropped. It leaves an error of the motion afterwards of
-        # order w^3, found to be at most 2e-3 w^3 in relative rates of inertial shafts.
-        if rate**3 > _DROPPED * tolerance * series.fastest**3:
-            return unknown
-        t_rest, error = series.limit(e_N)
-        if error > tolerance * (t - series.start + remaining) or self._met(stop, t_rest):
-            return unknown
-        return t_rest, error
+    def _rested_together(self, before: State, hit: set[str], rates: dict[str, float]) -> bool:
+        """End a series whose collisions throw stops open that were at rest; False while it lasts.
 
-    def _met(self, bouncing: Stop, t_rest: float) -> bool:
-        """True if another stop may close while the bounces that are left out go on.
-
-        It would meet a stop that still bounces, not one at rest.
+        Args:
+            before: State just before a collision.
+            hit: Stops that have just closed.
+            rates: Rate of every stop in contact after it, by name.
         """
-        state, a = self.state, self._acceleration(self.state)
-        left = t_rest - state.t
-        return any(
-            stop.gap(state.q) <= -left * (min(stop.rate(state.v), 0.0) + left * stop.rate(a))
-            for stop in self.mechanism.stops
-            if stop.name not in state.closed and stop.name != bouncing.name
-        )
+        state, names = self.state, before.closed | hit
+        rows = self.system.constraint_set(names)
+        thrown = any(rates[name] > 0.0 for name in before.closed)
+        if len(hit) != 1 or not thrown or rows.freedom < 0:
+            return False
+        (name,) = hit
+        key = name, before.closed
+        series = self._nested.get(key, NestedSeries())
+        series = series.struck(state.t, -self.mechanism.stop(name).rate(before.v))
+        self._nested[key] = series
+        a, fastest = self._acceleration(state), max(rates.values())
+        t_rest, error = rest_of_nested(self.system, self.case, state, a, names, fastest, series)
+        if not math.isfinite(t_rest):
+            return False
+        try:
+            impact = arrest(self.system, state.q, state.v, state.jacobian, rows.shut)
+        except (ImpactError, SingularConfigurationError):
+            # Stops that depend on one another through the closures do not rest together.
+            return False
+        if self._pressed(state, impact.v_after, names) != names:
+            return False
+        opened = sorted(names - state.closed)
+        self._record(EventKind.REST, state, t_rest, opened, impact, names, error)
+        self.state = state._replace(v=impact.v_after, closed=names, series=None)
+        return True
 
     def _acceleration(self, state: State) -> FloatArray:
         """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
@@ -317,6 +315,8 @@ class _Run:
     def _release(self, state: State, released: set[str]) -> State:
         """Open the stops whose force has fallen to zero."""
         closed = after_release(state.closed, released)
+        # Stops that are not pressed shut are no series any more.
+        self._nested.clear()
         still = no_impact(self.system, state.v)
         self._record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=None)

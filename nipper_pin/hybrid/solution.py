@@ -37,8 +37,9 @@ class Outcome(StrEnum):
         "the time in which it is pressed shut; lower the speed or the restitution."
     )
     TOO_MANY_COLLISIONS = (
-        "The run was stopped at its largest number of collisions; raise max_collisions, or end the "
-        "series by a rate (rest_rate)."
+        "The run was stopped at its largest number of collisions: the bounces are long, or stops "
+        "keep throwing one another open; raise max_collisions, or let bounces slower than a rate "
+        "end (rest_rate)."
     )
 
 

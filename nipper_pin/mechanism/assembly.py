@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from ..arrays import FloatArray
 from ..errors import AssemblyError, ModelError
+from .drives import OscillatingGuide
 from .mechanism import Closure, Drive, Joint, Phase, Stop
 from .tree import supports
 from .urdf import Urdf
@@ -124,7 +125,8 @@ def check_assembly(
 
     Raises:
         AssemblyError: A closure has a gap or redundant rows.
-        ModelError: The mobility is not the stated one, or drives or stops contradict the closures.
+        ModelError: The mobility is not the stated one, a guide does not stand on its joint, or
+            drives or stops contradict the closures.
     """
     _check_gaps(closures, closure_gaps(closures, model, placements), file)
     jacobian = closure_jacobian(closures, joints, urdf, model, placements)
@@ -139,6 +141,7 @@ def check_assembly(
             "depend on one another (a pin closed twice, or a dead centre)",
         )
     _check_mobility(joints, closures, degrees_of_freedom, file)
+    _check_guides(drives, joints, model, placements, file)
     _check_drives(jacobian, names, drives, joints, file)
     _check_phases(jacobian, names, drives, stops, phases, file)
 
@@ -195,6 +198,32 @@ def _check_mobility(
         allowed=f"the model has {found}: {len(joints)} tree joints{blocks} less two rows for each "
         f"of {len(closures)} closures ({names}); correct the number, or add or remove a closure",
     )
+
+
+def _check_guides(
+    drives: Sequence[Drive],
+    joints: Sequence[Joint],
+    model: pin.Model,
+    placements: list[pin.SE3],
+    file: str,
+) -> None:
+    """A guide bar is fixed to the link that it turns, so its axis is that of the joint."""
+    for drive in drives:
+        if not isinstance(drive.law, OscillatingGuide):
+            continue
+        joint = joints[drive.index]
+        stands = placements[model.getJointId(joint.name)].translation[list(_PLANE)]
+        apart = float(np.hypot(*(np.array(drive.law.guide_axis) - stands)))
+        if apart > ASSEMBLY_TOLERANCE_M:
+            x, z = 1e3 * stands
+            raise ModelError(
+                file=file,
+                key=f"drives.{drive.name}.guide_axis_mm",
+                value=[round(1e3 * place, 9) for place in drive.law.guide_axis],
+                allowed=f"the place of the joint {joint.name} that the guide turns, "
+                f"[{x:.9g}, {z:.9g}], within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm; it stands "
+                f"{1e3 * apart:.6g} mm away; points.{joint.name}.x_mm and z_mm move both",
+            )
 
 
 def _unit(indices: Sequence[int], size: int) -> FloatArray:

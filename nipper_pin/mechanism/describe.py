@@ -61,6 +61,29 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     return _convert(data, Description, "", file)
 
 
+def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
+    """Numbers that an entry may have and does not, and what they are then.
+
+    Args:
+        section: Name of a table of entries, such as ``drives``.
+        entry: One of them.
+
+    Returns:
+        Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
+    """
+    kind = _choose(_SECTIONS[section], entry)
+    if not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+        return {}
+    hints = typing.get_type_hints(kind)
+    return {
+        field.name: field.default or 0.0
+        for field in msgspec.structs.fields(kind)
+        if field.name not in entry
+        and not field.required
+        and hints[field.name] in (float, float | None)
+    }
+
+
 def _refuse_unusable(value: object, path: str, file: str) -> None:
     """Raise for the first NaN or infinity inside the value, and for names no message can show."""
     if isinstance(value, Mapping):

@@ -48,10 +48,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
         ) from error
     if overrides:
-        from .overrides import apply_overrides
+        from .overrides import apply_overrides, with_tables
 
-        data, urdf = apply_overrides(data, urdf, overrides, toml_file, urdf_file)
-    data = inline_tables(data, folder, toml_file)
+        data, others = with_tables(data, overrides, folder, toml_file)
+        data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
+    else:
+        data = inline_tables(data, folder, toml_file)
     try:
         return build_mechanism(name, urdf, data, folder)
     except AssemblyError as error:

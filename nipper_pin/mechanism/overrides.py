@@ -3,19 +3,46 @@
 from __future__ import annotations
 
 import copy
-import numbers
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 from xml.etree import ElementTree
 
-from ..errors import ModelError, UnknownNameError
+from ..errors import ModelError
+from .csv_tables import inline_tables
 from .describe import describe
 from .dimensions import HEADS, change_dimensions
+from .toml_paths import number_at, number_from, replace_value
 from .urdf import parse_xml
 from .urdf_paths import steps_of
 
 # Squares and products of what is larger leave the range of a float before anything can be checked.
 _LARGEST = 1e12
+_TURN_DEG = 360.0
+
+
+def with_tables(
+    data: Mapping[str, object], overrides: Mapping[str, object], folder: Path, file: str
+) -> tuple[dict[str, object], dict[str, object]]:
+    """Write the tables of a document out, so that overrides reach their rows.
+
+    Args:
+        data: The TOML document, as written.
+        overrides: New values by path. Those that name another CSV file count before it is read.
+        folder: Model folder that the CSV files must lie in.
+        file: Name of the TOML file, for messages.
+
+    Returns:
+        The document with its tables, and the overrides that are left.
+
+    Raises:
+        UnknownNameError: The path of a file leads nowhere.
+        ModelError: A file is missing, lies outside the folder or is not such a table.
+    """
+    named, left = copy.deepcopy(dict(data)), dict(overrides)
+    for path in overrides:
+        if steps_of(path)[2:] == ["file"]:
+            replace_value(named, path, left.pop(path), file)
+    return inline_tables(named, folder, file), left
 
 
 def apply_overrides(
@@ -28,11 +55,12 @@ def apply_overrides(
     """Apply overrides to a model's two texts.
 
     Args:
-        data: The TOML document.
+        data: The TOML document, its tables written out.
         urdf: The URDF text.
         overrides: New values by path: a path into the TOML document such as
-            ``stops.jaw.restitution``, or one of ``points.``, ``links.`` and ``urdf.`` into the URDF
-            (:mod:`.dimensions`). Strings are converted to the type of the value that they replace.
+            ``stops.jaw.restitution`` (:mod:`.toml_paths`), or one of ``points.``, ``links.`` and
+            ``urdf.`` into the URDF (:mod:`.dimensions`). Strings are converted to the type of the
+            value that they replace.
         file: Name of the TOML file, for messages.
         urdf_file: Name of the URDF file, for messages.
 
@@ -45,16 +73,19 @@ def apply_overrides(
     """
     changed = copy.deepcopy(dict(data))
     dimensions: dict[str, float] = {}
+    written: list[str] = []
     for path, value in overrides.items():
         steps = steps_of(path)
         if steps[:1] and steps[0] in HEADS:
-            dimensions[path] = number = _number(value, path, urdf_file)
+            dimensions[path] = number = number_from(value, path, urdf_file)
             # Also false for NaN.
             if not abs(number) <= _LARGEST:
                 allowed = f"a finite number of the size of a machine's, at most {_LARGEST:g}"
                 raise ModelError(file=urdf_file, key=path, value=value, allowed=allowed)
         else:
-            _replace(changed, steps, path, value, file)
+            replace_value(changed, path, value, file)
+            written.append(path)
+    _close_turns(changed, written, file)
     if dimensions:
         # Points follow closures, guides and contacts, which have to be what they should be.
         describe(changed, file)
@@ -64,66 +95,30 @@ def apply_overrides(
     return changed, urdf
 
 
-def _replace(
-    data: dict[str, object], steps: list[str], path: str, value: object, file: str
-) -> None:
-    """Replace one value of the document in place."""
-    where = f"override {path}"
-    holder: object = data
-    for step in steps[:-1]:
-        holder = _item(holder, step, where)
-    if not steps:
-        raise UnknownNameError(kind="key", name=path, known=data, where=where)
-    old = _item(holder, steps[-1], where)
-    if isinstance(old, dict):
-        raise UnknownNameError(
-            kind="value", name=path, known=(f"{path}.{key}" for key in old), where=where
-        )
-    new = _convert(value, old, path, file)
-    if isinstance(holder, dict):
-        holder[steps[-1]] = new
-    elif isinstance(holder, list):
-        holder[int(steps[-1][1:-1])] = new
+def _close_turns(document: dict[str, object], written: Iterable[str], file: str) -> None:
+    """Let the other end of a drive table follow: its first and last row are one, a turn apart."""
+    ends = {tuple(steps_of(path)): path for path in written}
+    for steps, path in ends.items():
+        if len(steps) != 4 or steps[0] != "drives":
+            continue
+        _, drive, column, place = steps
+        rows = _rows_of_table(document, drive, column)
+        sign = {"[0]": 1.0, f"[{rows - 1}]": -1.0}.get(place) if rows > 1 else None
+        if sign is None:
+            continue
+        other = f"[{rows - 1}]" if sign > 0.0 else "[0]"
+        if ("drives", drive, column, other) in ends:
+            continue
+        apart = sign * _TURN_DEG if column == "cylinder_angle_deg" else 0.0
+        value = number_at(document, path, file) + apart
+        replace_value(document, f"drives.{drive}.{column}{other}", value, file)
 
 
-def _item(holder: object, step: str, where: str) -> object:
-    """One step down a path."""
-    if isinstance(holder, dict) and step in holder:
-        return holder[step]
-    if isinstance(holder, list):
-        places = {f"[{place}]": item for place, item in enumerate(holder)}
-        if step in places:
-            return places[step]
-        raise UnknownNameError(kind="place", name=step, known=places, where=where)
-    raise UnknownNameError(
-        kind="key", name=step, known=holder if isinstance(holder, dict) else (), where=where
-    )
-
-
-def _number(value: object, path: str, file: str) -> float:
-    """Convert an override to a number."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
-        raise ModelError(file=file, key=path, value=value, allowed="a number")
-    try:
-        return float(value)
-    except ValueError:
-        raise ModelError(file=file, key=path, value=value, allowed="a number") from None
-
-
-def _convert(value: object, old: object, path: str, file: str) -> object:
-    """Convert a string to the type of the value that it replaces, a foreign number to Python's."""
-    # What is validated and saved is plain Python, not a number of numpy or the like.
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-        value = int(value)
-    elif isinstance(value, numbers.Real) and not isinstance(value, bool):
-        value = float(value)
-    if not isinstance(value, str) or isinstance(old, str):
-        return list(value) if isinstance(value, tuple) else value
-    if isinstance(old, int | float) and not isinstance(old, bool):
-        number = _number(value, path, file)
-        return int(number) if isinstance(old, int) and number.is_integer() else number
-    try:
-        return tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        allowed = f"a value like {old!r}"
-        raise ModelError(file=file, key=path, value=value, allowed=allowed) from None
+def _rows_of_table(document: Mapping[str, object], drive: str, column: str) -> int:
+    """Rows of a drive table; 0 for other laws and other lists."""
+    drives = document.get("drives")
+    entry = drives.get(drive) if isinstance(drives, Mapping) else None
+    if not isinstance(entry, Mapping) or entry.get("law") != "table":
+        return 0
+    rows = entry.get(column)
+    return len(rows) if isinstance(rows, list | tuple) else 0

@@ -9,8 +9,8 @@ a place in brackets::
     urdf.link.rocker.collision.rocker_hub_left.geometry.cylinder.radius
     urdf.link.rocker.collision.rocker_arm_left.geometry.box.size[2]
 
-A shape without a name goes by its place among its kind, ``collision[0]``. Units are those of a
-URDF: m, rad, kg, kg m2.
+A shape without a name goes by its place among its kind, ``collision[0]``. A placement that is not
+written is one of zeros. Units are those of a URDF: m, rad, kg, kg m2.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from ..errors import ModelError, UnknownNameError
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ANGLES = {"r": 0, "p": 1, "y": 2}
+_PLACED = ("joint", "inertial", "visual", "collision")
 _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 
 
@@ -96,7 +97,10 @@ def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
     """
     where = f"path {path}"
     element, rest = root, steps_of(path)[1:]
-    while rest and rest[0] not in element.attrib:
+    while rest:
+        _write_out(element, rest[0])
+        if rest[0] in element.attrib:
+            break
         element, rest = _child(element, rest, where)
     if not rest:
         known = [*_inside(element), *element.attrib]
@@ -114,6 +118,14 @@ def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
             kind="place", name=name, known=places if count > 1 else (), where=where
         )
     return UrdfValue(element, attribute, places[rest[0]])
+
+
+def _write_out(element: ElementTree.Element, step: str) -> None:
+    """Write a placement that the file leaves out, and means."""
+    if step == "origin" and element.tag in _PLACED and element.find(step) is None:
+        ElementTree.SubElement(element, step)
+    elif element.tag == "origin" and step in ("xyz", "rpy") and step not in element.attrib:
+        element.set(step, "0 0 0")
 
 
 def _child(

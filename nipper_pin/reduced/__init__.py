@@ -1,5 +1,6 @@
 """The one degree of freedom that held drives leave, sampled from Pinocchio and solved compiled."""
 
+from .kept import reduced_model
 from .model import ReducedModel
 from .results import ReducedTransition, Status, TransitionBatch
 from .sampling import build, unfit
@@ -11,6 +12,7 @@ __all__ = [
     "Status",
     "TransitionBatch",
     "build",
+    "reduced_model",
     "transition",
     "transitions",
     "unfit",

@@ -228,6 +228,7 @@ def node_forces(system: System, segment: Segment) -> list[Multipliers]:
     return [
         multipliers(
             system,
+            system.shaft.driven(panel.times),
             panel.q,
             panel.v,
             panel.a,

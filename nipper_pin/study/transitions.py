@@ -22,7 +22,7 @@ from ..hybrid.event import EventKind
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
-from ..reduced import ReducedModel, Status, build, transitions, unfit
+from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
 from ..reduced.inputs import check_run, column, spring_rows
 from ..reduced.results import CollisionRows
@@ -189,7 +189,7 @@ def _chosen(
     if engine == "direct":
         return None, "direct: asked for"
     if engine == "reduced":
-        return build(mechanism, drive=drive), "reduced: asked for"
+        return reduced_model(mechanism, drive), "reduced: asked for"
     reason = unfit(mechanism, drive)
     if reason is not None:
         return None, f"direct: {reason}"
@@ -198,7 +198,7 @@ def _chosen(
     if find_spec("numba") is None:
         return None, "direct: the reduced engine needs numba, which is not installed"
     try:
-        return build(mechanism), f"reduced: {count} cases of one mechanism"
+        return reduced_model(mechanism), f"reduced: {count} cases of one mechanism"
     except NipperError as error:
         return None, f"direct: {error.message}"
 

@@ -103,7 +103,16 @@ def test_forces_of_constraint_equal_an_independent_solution(
         q, v = state.q[None], state.v[None]
         a = system.accelerations(state.motion, q, v, rows)
         _, jacobian = system.body.closures(q)
-        found = multipliers(system, q, v, a, jacobian, rows, partition(jacobian[0], rows.given, []))
+        found = multipliers(
+            system,
+            state.motion,
+            q,
+            v,
+            a,
+            jacobian,
+            rows,
+            partition(jacobian[0], rows.given, rows.yielding),
+        )
         _, y, torques = kkt(mechanism, tree, state, system.held)
         stops = len(rows.stops)
         m = system.body.closure_rows

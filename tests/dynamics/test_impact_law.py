@@ -264,7 +264,7 @@ def test_a_rest_takes_away_the_last_rate(tree: PlanarTree, make_system: MakeSyst
         q, G = meeting.q, meeting.G
         leaving = _velocity(G, {stop.index: 1e-6}, rng)
         closing = _velocity(G, {stop.index: -1e-6}, rng)
-        rest = arrest(system, q, leaving, G, stop)
+        rest = arrest(system, q, leaving, G, [stop])
         plastic = collide(system, q, closing, G, [stop], [0.0])
         assert rest.v_after[stop.index] == 0.0
         assert rest.P_N["jaw"] < 0.0

@@ -136,6 +136,32 @@ def test_guide_that_cannot_work(values: dict[str, float], words: str) -> None:
         OscillatingGuide(**{**good, **values})  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"drives.pendulum.guide_axis_mm[0]": -190.5}, r"\[-190\.5, -20\.0\] .* 0\.5 mm away"),
+        ({"drives.pendulum.guide_axis_mm": "[-187, -16]"}, r"\[-187\.0, -16\.0\] .* 5 mm away"),
+        ({"drives.pendulum.guide_axis_mm[1]": -20.000002}, r" 2e-06 mm away"),
+    ],
+)
+def test_guide_beside_its_joint(changes: dict[str, object], words: str) -> None:
+    """The bar is fixed to the link that it turns; the distance is in the message, 3-4-5 as well."""
+    with pytest.raises(ModelError, match=words) as caught:
+        load("e62", changes)
+    assert caught.value.evidence["key"] == "drives.pendulum.guide_axis_mm"
+    assert "joint pendulum_shaft" in caught.value.message
+    assert "[-190, -20]" in caught.value.message
+    assert "points.pendulum_shaft.x_mm" in caught.value.message
+
+
+def test_guide_moves_with_its_joint() -> None:
+    """What the message advises: the pin moves, the law's axis with it, and the machine loads."""
+    moved = load("e62", {"points.pendulum_shaft.x_mm": -190.5, "points.pendulum_shaft.z_mm": -19.0})
+    law = moved.drives[0].law
+    assert isinstance(law, OscillatingGuide)
+    assert law.guide_axis == pytest.approx((-0.1905, -0.019), abs=1e-15)
+
+
 def write_table(folder: Path, rows: list[tuple[object, object]], header: str) -> None:
     lines = [header, *(f"{angle},{value}" for angle, value in rows)]
     (folder / "pendulum.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")

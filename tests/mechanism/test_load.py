@@ -109,7 +109,7 @@ def test_overrides_of_the_document() -> None:
             "stops.jaw.restitution": "0.05",
             "springs.steeve.stiffness_N_per_m": 11000,
             "drives.pendulum.crank_axis_mm[0]": "0.5",
-            "drives.pendulum.guide_axis_mm": "[-190.0, -21.0]",
+            "drives.pendulum.guide_axis_mm": "[-190, -20.0]",
             "title": "another",
             "initial_phase": "2",
         }
@@ -120,7 +120,7 @@ def test_overrides_of_the_document() -> None:
     assert mechanism.initial_phase == 2
     drive = mechanism.description["drives"]["pendulum"]  # type: ignore[index]
     assert drive["crank_axis_mm"] == [0.5, 0.0]
-    assert drive["guide_axis_mm"] == [-190.0, -21.0]
+    assert drive["guide_axis_mm"] == [-190, -20.0]
     assert load().stop("jaw").restitution == 0.2
 
 
@@ -163,7 +163,11 @@ def test_overrides_of_a_link() -> None:
         ("stops.jaw.restitution", "much", "e62.toml: stops.jaw.restitution = 'much' .* a number"),
         ("stops.jaw.restitution", "2", "at least 0 and at most 1"),
         ("stops.jaw.restitution", "nan", "a finite number"),
-        ("stops.jaw.bounce", 1, "no key named 'bounce'; known: contact, joint, restitution"),
+        (
+            "stops.jaw.bounce",
+            1,
+            "no key named 'bounce'; known: at_deg, at_mm, contact, joint",
+        ),
         ("stops.lip.restitution", 1, "no key named 'lip'; known: jaw, steeve"),
         ("stops.jaw", 1, "known: stops.jaw.contact, stops.jaw.joint"),
         ("stop", 1, "no key named 'stop'; known: closures, cylinder"),

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
+import numpy as np
+
+from nipper_pin import load
+from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 
 TABLE = """
@@ -46,3 +51,33 @@ def study(folder: Path, text: str, name: str = "study") -> str:
 
 def plan(folder: Path, text: str) -> Plan:
     return read_plan(study(folder, text))
+
+
+def tabulated_e62(folder: Path, rows: int = 73) -> Path:
+    """The E62 with its guide law and its steeve spring as CSV files."""
+    home = folder / "tabulated"
+    shutil.copytree(find_model("e62"), home)
+    (home / "e62.urdf").rename(home / "tabulated.urdf")
+    text = (home / "e62.toml").read_text(encoding="utf-8").partition("[shortcuts]")[0]
+    (home / "e62.toml").unlink()
+    for old, new in (
+        ('law = "oscillating_guide"', 'law = "table"\nfile = "pendulum.csv"'),
+        ("crank_radius_mm", "# crank_radius_mm"),
+        ("crank_axis_mm", "# crank_axis_mm"),
+        ("guide_axis_mm", "# guide_axis_mm"),
+        ("guide_offset_mm", "# guide_offset_mm"),
+        ("stiffness_N_per_m = 9000.0", 'file = "steeve.csv"'),
+        ("preload_length_mm", "# preload_length_mm"),
+    ):
+        text = text.replace(old, new, 1)
+    (home / "tabulated.toml").write_text(text, encoding="utf-8")
+    angles = np.linspace(0.0, 360.0, rows)
+    swing = load("e62").drives[0].law.evaluate(np.radians(angles))[0]
+    swing[-1] = swing[0]
+    for name, head, x, y in (
+        ("pendulum", "cylinder_angle_deg,coordinate_rad", angles, swing),
+        ("steeve", "coordinate_mm,force_N", [-10.0, 0.0, 10.0, 40.0], [9.0, 99.0, 189.0, 459.0]),
+    ):
+        lines = [head, *(f"{float(a)!r},{float(b)!r}" for a, b in zip(x, y, strict=True))]
+        (home / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return home

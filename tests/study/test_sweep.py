@@ -16,9 +16,9 @@ import distributed
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from sweep_studies import GEOMETRY, TABLE, plan, study
+from sweep_studies import GEOMETRY, TABLE, plan, study, tabulated_e62
 
-from nipper_pin import Case, load, simulate
+from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
 from nipper_pin.study.sweep.chunks import NO_MODEL, run_chunk
@@ -99,6 +99,47 @@ def test_a_point_moves_with_what_meets_in_it(tmp_path: Path) -> None:
     assert [row["outcome"] for row in rows] == ["at_rest", "at_rest"]
     assert rows[0]["duration_s"] == pytest.approx(own, rel=1e-8)
     assert abs(rows[1]["duration_s"] / own - 1.0) > 1e-3
+
+
+def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
+    """A row of a CSV table is a parameter like any other, alone and with a fixed change of another.
+
+    The single runs take the same paths from the files. Each row changed moves the transition by
+    more than 1e-5, so one that did not reach the machine, or another one, would show; and a table
+    that says something else makes another plan, whose results are not taken for this one's.
+    """
+    home = tabulated_e62(tmp_path)
+    text = """
+    model = "tabulated"
+    [case]
+    speed_rpm = 650.0
+    [set]
+    "springs.steeve.force_N[3]" = 470.0
+    [parameters."springs.steeve.force_N[1]"]
+    values = [99.0, 105.0]
+    [parameters."drives.pendulum.coordinate_rad[34]"]
+    values = [%r, %r]
+    """
+    law: Any = load(home).drives[0].law
+    own = law.coordinate_rad[34]
+    text = text % (own, own + 1e-4)
+    run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    durations = [row["duration_s"] for row in rows]
+    assert len(rows) == 4
+    for row in rows:
+        mechanism = load(home, {
+            "springs.steeve.force_N[3]": 470.0,
+            "springs.steeve.force_N[1]": row["springs.steeve.force_N[1]"],
+            "drives.pendulum.coordinate_rad[34]": row["drives.pendulum.coordinate_rad[34]"],
+        })  # fmt: skip
+        single = simulate(mechanism, Case(speed_rpm=650.0)).transitions[0].duration
+        assert row["duration_s"] == pytest.approx(single, rel=1e-8)
+    assert np.diff(sorted(durations)).min() > 1e-5 * durations[0]
+    table = home / "steeve.csv"
+    table.write_text(table.read_text(encoding="utf-8").replace("189.0", "190.0"), encoding="utf-8")
+    with pytest.raises(InputError, match="another sweep"):
+        run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
 
 
 def test_impossible_machines_are_marked_rows(tmp_path: Path) -> None:

@@ -6,7 +6,9 @@ the other evaluates tables in compiled code. Where both state their errors, each
 
 from __future__ import annotations
 
+import gc
 import json
+import weakref
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ import pytest
 
 from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
 from nipper_pin.mechanism import Mechanism, from_sources
-from nipper_pin.reduced import build, transitions
+from nipper_pin.reduced import ReducedModel, build, kept, reduced_model, transitions
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TransitionTable, transition_table
 
 TESTS = Path(__file__).parents[1]
@@ -100,6 +102,43 @@ def test_certified_reference(e62: Mechanism) -> None:
             assert (off <= 2.0 * getattr(table, error)[0, :count]).all(), (engine, key)
         rest = float(case["rest_time_s"])
         assert abs(table.duration[0] - rest) <= 2.0 * table.duration_error[0]
+
+
+def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other speeds, springs and restitutions cost no tables; another machine gets its own.
+
+    Builds are counted where they happen. What is kept gives the bits of what is built anew, and
+    goes with its mechanism.
+    """
+    built: list[int] = []
+
+    def counted(mechanism: Mechanism, **options: Any) -> ReducedModel:
+        # Its number is enough: the mechanism itself would not be let go.
+        built.append(id(mechanism))
+        return build(mechanism, **options)
+
+    monkeypatch.setattr(kept, "build", counted)
+    first, second = load(), load("e62", {"drives.tension.ratio": 2.25})
+    slow = transition_table(first, speed_rpm=np.full(2, 450.0), engine="reduced")
+    assert len(built) == 1
+    softer = {"speed_rpm": 500.0, "stiffness": 8000.0}
+    for cases in ({"speed_rpm": 650.0}, softer, random_cases(70, 3)):
+        table = transition_table(first, **cases, engine="reduced")  # type: ignore[arg-type]
+        assert (table.outcome == "at_rest").all()
+    automatic = transition_table(first, speed_rpm=np.full(REDUCED_PAYS_FROM, 450.0))
+    assert len(built) == 1
+    other = transition_table(second, speed_rpm=450.0, engine="reduced")
+    assert len(built) == 2
+    assert abs(other.duration[0] / slow.duration[0] - 1.0) > 1e-3
+    anew = transition_table(load(), speed_rpm=450.0, engine="reduced")
+    assert len(built) == 3
+    assert set([*automatic.duration, *slow.duration]) == {anew.duration[0]}
+    with pytest.raises(InputError, match="held drives"):
+        transition_table(first, speed_rpm=450.0, engine="reduced", drive=DriveMode.INERTIAL)
+    gone = weakref.ref(reduced_model(first))
+    del first
+    gc.collect()
+    assert gone() is None
 
 
 def test_automatic_choice(e62: Mechanism) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from ...mechanism.dimensions import HEADS, read_dimension
 from ...mechanism.layout import Layout
 from ...mechanism.overrides import apply_overrides
-from ..sweep.axes import number_at
+from ...mechanism.toml_paths import number_at
 from .geometry import Sources, layout
 
 

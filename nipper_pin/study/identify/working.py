@@ -230,7 +230,7 @@ class _Walk:
         q, jacobian = close_positions(system.body, guess, self.split)
         v = close_velocities(v, jacobian, self.split)
         a = system.accelerations(motion, q, v, self.rows)
-        forces = multipliers(system, q, v, a, jacobian, self.rows, self.split).la_N[:, 0]
+        forces = multipliers(system, motion, q, v, a, jacobian, self.rows, self.split).la_N[:, 0]
         cylinder = system.mechanism.cylinder
         first = cylinder.index_from_angle(float(system.shaft.angle(0.0)))
         index = first + 40.0 * times / system.shaft.period

@@ -71,7 +71,7 @@ def branch(
     q, jacobian = close_positions(system.body, q, split)
     v = close_velocities(v, jacobian, split)
     a = system.accelerations(motion, q, v, rows)
-    forces = multipliers(system, q, v, a, jacobian, rows, split).la_N
+    forces = multipliers(system, motion, q, v, a, jacobian, rows, split).la_N
     return Branch(closed, index, q, v, a, forces)
 
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...errors import ModelError, UnknownNameError
+from ...errors import UnknownNameError
 from ...mechanism import Mechanism
-from ...mechanism.urdf_paths import steps_of
 
 SPEED = "speed_rpm"
 # Number of a coordinate's unit in SI units, and the keys of a spring on it.
@@ -102,34 +100,3 @@ def find_target(name: str, mechanism: Mechanism) -> Target:
         if path == f"springs.{spring.name}.{preload}":
             return Target(kind="preload", path=path, spring=place, scale=scale)
     return Target(kind="model", path=path)
-
-
-def number_at(document: Mapping[str, object], path: str, file: str) -> float:
-    """Number at a path of a model's TOML document.
-
-    Args:
-        document: The document.
-        path: Path such as ``drives.tension.ratio`` or ``drives.pendulum.guide_axis_mm[0]``.
-        file: Name of the file, for messages.
-
-    Raises:
-        UnknownNameError: The path leads nowhere.
-        ModelError: There is no number.
-    """
-    value: object = document
-    for step in steps_of(path):
-        value = _inside(value, step, path)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ModelError(file=file, key=path, value=value, allowed="the path of one number")
-    return float(value)
-
-
-def _inside(value: object, step: str, path: str) -> object:
-    items: Mapping[str, object] = {}
-    if isinstance(value, Mapping):
-        items = value
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        items = {f"[{place}]": item for place, item in enumerate(value)}
-    if step not in items:
-        raise UnknownNameError(kind="key", name=step, known=items, where=f"path {path}")
-    return items[step]

@@ -10,8 +10,8 @@ from ...mechanism import Mechanism, from_sources, known_models
 from ...mechanism.dimensions import HEADS, read_dimension
 from ...mechanism.layout import read_layout
 from ...mechanism.overrides import apply_overrides
+from ...mechanism.toml_paths import number_at
 from ...mechanism.urdf import parse_xml
-from .axes import number_at
 from .job import Job
 
 

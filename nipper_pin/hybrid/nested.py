@@ -1,0 +1,93 @@
+"""The end of a series of bounces that holds series itself.
+
+Two stops at rest can throw each other open: a collision at one opens the other, which bounces,
+comes to rest at the limit of its own series, and the first one, falling back, throws it open again.
+Each such collision finds all the other stops at rest, so the rate w at which it comes is all there
+is to say about the state, and a smaller one only makes what follows slower and shorter: the time of
+such a collision is a smooth function of its rate, t = t_rest + c_1 w + c_2 w^2 + ..., as in a
+single series (:mod:`.series`). t_rest is the value of the polynomial through the last collisions at
+w = 0. The slope is not known beforehand here, as it holds the inner series.
+
+The rates fall by a factor of their own, not by a restitution, and slowly where the stops hardly
+yield to one another. That the rests of the inner series are themselves limits costs nothing but
+their errors. Nesting may go deeper: what comes to rest together is one inner series of a third.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+
+from .series import extrapolated
+
+_MOST_POINTS = 8
+# As for a single series: the difference of two orders shows the error of the higher one up to a
+# factor, unless it changes its sign just there.
+_SAFETY, _PART = 4.0, 0.015
+_EPS = float(np.finfo(float).eps)
+# A limit this far, relatively, from that of a series with the last two times and rates, were it
+# geometric, belongs to collisions that are not of one series yet.
+_GEOMETRIC = 0.5
+
+
+@dataclass(frozen=True)
+class NestedSeries:
+    """Collisions of one stop that find the same stops at rest and throw some of them open.
+
+    Attributes:
+        start: Time of the first collision [s].
+        fastest: Its approach rate [rad/s or m/s].
+        times: Times of the last collisions [s].
+        rates: Approach rates, positive and falling [rad/s or m/s].
+    """
+
+    start: float = 0.0
+    fastest: float = 0.0
+    times: tuple[float, ...] = field(default=())
+    rates: tuple[float, ...] = field(default=())
+
+    def struck(self, t: float, rate: float) -> NestedSeries:
+        """Return the series with one more collision; a faster one starts it anew."""
+        if not self.rates or rate >= self.rates[-1]:
+            return NestedSeries(t, rate, (t,), (rate,))
+        times, rates = (*self.times, t), (*self.rates, rate)
+        return NestedSeries(self.start, self.fastest, times[-_MOST_POINTS:], rates[-_MOST_POINTS:])
+
+    def limit(self) -> tuple[float, float]:
+        """Extrapolate to rest.
+
+        Returns:
+            Time of rest [s] and an estimate of its error [s]; both infinite while the collisions
+            do not show it.
+        """
+        if len(self.rates) < 4:
+            return inf, inf
+        last = self.times[-1]
+        values = [value for value, _ in extrapolated(self.rates, [t - last for t in self.times])]
+        best = (inf, inf)
+        change = inf
+        for count, (lower, higher) in enumerate(pairwise(values), start=2):
+            before, change = change, abs(higher - lower)
+            noise = _EPS * abs(last) * _amplified(self.rates[-count:])
+            error = _SAFETY * max(change, _PART * before) + noise
+            if error < best[1]:
+                best = (higher, error)
+        far, near = self.rates[-2:]
+        geometric = (last - self.times[-2]) * near / (far - near)
+        if not abs(best[0] - geometric) <= _GEOMETRIC * geometric:
+            return inf, inf
+        return last + best[0], best[1]
+
+
+def _amplified(rates: Sequence[float]) -> float:
+    """Largest factor by which an extrapolation to rate zero multiplies errors of the times."""
+    points = np.array(rates)
+    apart = points[:, None] - points
+    np.fill_diagonal(apart, 1.0)
+    factors = np.repeat(points[None], len(points), axis=0)
+    np.fill_diagonal(factors, 1.0)
+    return float(np.abs((factors / apart).prod(axis=1)).sum())

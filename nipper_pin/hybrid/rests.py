@@ -1,0 +1,110 @@
+"""When stops that bounce come to rest: the limit of a series, or the threshold of the case."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from math import inf, tau
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import System
+from ..mechanism import Stop
+from .case import Case
+from .nested import NestedSeries
+from .series import BounceSeries
+from .state import State
+
+# What is left of the motion is dropped. It leaves an error of the motion afterwards of order w^3,
+# found to be at most 2e-3 w^3 in relative rates of inertial shafts.
+_DROPPED = 100.0
+_UNKNOWN = inf, inf
+
+
+def rest_of_series(
+    system: System, case: Case, state: State, a: FloatArray, stop: Stop, series: BounceSeries
+) -> tuple[float, float]:
+    """Time at which a stop that bounces alone comes to rest, and its error.
+
+    Args:
+        system: The system.
+        case: The case.
+        state: State just after a bounce.
+        a: Acceleration there, shape (nv,).
+        stop: The stop.
+        series: Its bounces.
+
+    Returns:
+        Both in [s]; infinite while not known yet.
+    """
+    e_N, rate, deceleration = stop.restitution, series.rates[-1], series.decelerations[-1]
+    if case.rest_rate is not None:
+        return (state.t if rate < case.rest_rate else inf), 0.0
+    if deceleration <= 0.0 or e_N >= 1.0:
+        return _UNKNOWN
+    t, tolerance, period = state.t, case.resolution.tolerance, system.shaft.period
+    remaining = 2.0 * rate / (deceleration * (1.0 - e_N))
+    if remaining <= tolerance * period:
+        # Accelerations change at the rate of the turning; a deceleration that is small beside them
+        # does so faster.
+        changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period
+        return t + remaining, changes * remaining**2
+    if rate**3 > _DROPPED * tolerance * series.fastest**3:
+        return _UNKNOWN
+    t_rest, error = series.limit(e_N)
+    known = error <= tolerance * (t - series.start + remaining)
+    if not known or _met(system, state, a, {stop.name}, t_rest):
+        return _UNKNOWN
+    return t_rest, error
+
+
+def rest_of_nested(
+    system: System,
+    case: Case,
+    state: State,
+    a: FloatArray,
+    names: Collection[str],
+    fastest: float,
+    series: NestedSeries,
+) -> tuple[float, float]:
+    """Time at which stops that throw one another open come to rest together, and its error.
+
+    Args:
+        system: The system.
+        case: The case.
+        state: State just after a collision at one of them, the others having been at rest.
+        a: Acceleration there, shape (nv,).
+        names: Names of all of them.
+        fastest: Largest rate at which one of them opens [rad/s or m/s].
+        series: The collisions of that one.
+
+    Returns:
+        Both in [s]; infinite while not known yet.
+    """
+    if case.rest_rate is not None:
+        return (state.t if fastest < case.rest_rate else inf), 0.0
+    if any(system.mechanism.stop(name).restitution >= 1.0 for name in names):
+        # One that loses nothing comes to rest by what the others lose, if at all.
+        return _UNKNOWN
+    tolerance = case.resolution.tolerance
+    if series.rates[-1] ** 3 > _DROPPED * tolerance * series.fastest**3:
+        return _UNKNOWN
+    t_rest, error = series.limit()
+    if not error <= tolerance * (t_rest - series.start) or _met(system, state, a, names, t_rest):
+        return _UNKNOWN
+    return t_rest, error
+
+
+def _met(
+    system: System, state: State, a: FloatArray, bouncing: Collection[str], t_rest: float
+) -> bool:
+    """True if another stop may close while the bounces that are left out go on.
+
+    It would meet a stop that still bounces, not one at rest.
+    """
+    left = t_rest - state.t
+    return any(
+        stop.gap(state.q) <= -left * (min(stop.rate(state.v), 0.0) + left * stop.rate(a))
+        for stop in system.mechanism.stops
+        if stop.name not in state.closed and stop.name not in bouncing
+    )

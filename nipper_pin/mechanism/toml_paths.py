@@ -1,0 +1,140 @@
+"""Single values of a model's TOML document by the paths of their keys.
+
+``stops.jaw.restitution``, ``drives.pendulum.crank_axis_mm[0]``, ``springs.steeve.force_N[12]``: a
+place in a list or a column of a table is counted from 0, whether the table was written out or came
+from a CSV file. Numbers of a drive or a stop that need not be written have their paths, too.
+"""
+
+from __future__ import annotations
+
+import numbers
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..errors import ModelError, UnknownNameError
+from .describe import optional_numbers
+from .urdf_paths import steps_of
+
+_OPTIONAL = ("drives", "stops")
+
+
+def number_at(document: Mapping[str, object], path: str, file: str) -> float:
+    """Number at a path.
+
+    Args:
+        document: The TOML document, its tables written out.
+        path: The path.
+        file: Name of the file, for messages.
+
+    Raises:
+        UnknownNameError: The path leads nowhere.
+        ModelError: There is no number.
+    """
+    steps, where = steps_of(path), f"path {path}"
+    holder = _holder(document, steps, path, where)
+    value = _unwritten(holder, steps).get(steps[-1])
+    if value is None:
+        found = _item(holder, steps, where)
+        if isinstance(found, bool) or not isinstance(found, int | float):
+            raise ModelError(file=file, key=path, value=found, allowed="the path of one number")
+        value = float(found)
+    return value
+
+
+def replace_value(document: dict[str, object], path: str, value: object, file: str) -> None:
+    """Replace a value in place.
+
+    Args:
+        document: The TOML document, its tables written out.
+        path: The path.
+        value: The new value; a string is converted to the type of the value that it replaces.
+        file: Name of the file, for messages.
+
+    Raises:
+        UnknownNameError: The path leads nowhere, or to a whole table.
+        ModelError: The string cannot be converted.
+    """
+    steps, where = steps_of(path), f"override {path}"
+    holder: Any = _holder(document, steps, path, where)
+    old: object = _unwritten(holder, steps).get(steps[-1])
+    if old is None:
+        old = _item(holder, steps, where)
+    if isinstance(old, dict):
+        known = (f"{path}.{key}" for key in old)
+        raise UnknownNameError(kind="value", name=path, known=known, where=where)
+    key = int(steps[-1][1:-1]) if isinstance(holder, list) else steps[-1]
+    holder[key] = _convert(value, old, path, file)
+
+
+def number_from(value: object, path: str, file: str) -> float:
+    """Convert a new value to a number.
+
+    Args:
+        value: A number, or a string that holds one.
+        path: The path that it is for, for messages.
+        file: Name of the file, for messages.
+
+    Raises:
+        ModelError: It is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
+        raise ModelError(file=file, key=path, value=value, allowed="a number")
+    try:
+        return float(value)
+    except ValueError:
+        raise ModelError(file=file, key=path, value=value, allowed="a number") from None
+
+
+def _holder(document: object, steps: Sequence[str], path: str, where: str) -> object:
+    """What holds the last step of a path."""
+    if not steps:
+        known = document if isinstance(document, Mapping) else ()
+        raise UnknownNameError(kind="key", name=path, known=known, where=where)
+    for depth in range(1, len(steps)):
+        document = _item(document, steps[:depth], where)
+    return document
+
+
+def _item(holder: object, steps: Sequence[str], where: str) -> object:
+    """The last step of a path, from what holds it."""
+    step = steps[-1]
+    if isinstance(holder, Mapping):
+        if step in holder:
+            return holder[step]
+        known = [*holder, *_unwritten(holder, steps)]
+        raise UnknownNameError(kind="key", name=step, known=known, where=where)
+    if isinstance(holder, list | tuple):
+        # A path writes its places in one way: [3], not [03].
+        place = int(step[1:-1]) if step.startswith("[") else -1
+        if 0 <= place < len(holder) and step == f"[{place}]":
+            return holder[place]
+        known = [f"[0] to [{len(holder) - 1}]"] if holder else []
+        raise UnknownNameError(kind="place", name=step, known=known, where=where)
+    raise UnknownNameError(kind="key", name=step, known=(), where=where)
+
+
+def _unwritten(holder: object, steps: Sequence[str]) -> dict[str, float]:
+    """Numbers that the holder of the last step may have and does not, as they are then."""
+    if len(steps) == 3 and steps[0] in _OPTIONAL and isinstance(holder, Mapping):
+        return optional_numbers(steps[0], holder)
+    return {}
+
+
+def _convert(value: object, old: object, path: str, file: str) -> object:
+    """Convert a string to the type of the value that it replaces, a foreign number to Python's."""
+    # What is validated and saved is plain Python, not a number of numpy or the like.
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        value = int(value)
+    elif isinstance(value, numbers.Real) and not isinstance(value, bool):
+        value = float(value)
+    if not isinstance(value, str) or isinstance(old, str):
+        return list(value) if isinstance(value, tuple) else value
+    if isinstance(old, int | float) and not isinstance(old, bool):
+        number = number_from(value, path, file)
+        return int(number) if isinstance(old, int) and number.is_integer() else number
+    try:
+        return tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        allowed = f"a value like {old!r}"
+        raise ModelError(file=file, key=path, value=value, allowed=allowed) from None

@@ -1,0 +1,302 @@
+"""Every number of every model that comes along has a path, and a path leads to one number alone."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import msgspec
+import numpy as np
+import pytest
+
+from nipper_pin.errors import InputError, ModelError, UnknownNameError
+from nipper_pin.mechanism import Mechanism, known_models, load
+from nipper_pin.mechanism.describe import describe
+from nipper_pin.mechanism.dimensions import read_dimension
+from nipper_pin.mechanism.layout import read_layout
+from nipper_pin.mechanism.overrides import apply_overrides, with_tables
+from nipper_pin.mechanism.toml_paths import number_at
+from nipper_pin.mechanism.urdf import parse_xml
+
+MODELS = {
+    **known_models(),
+    **{
+        folder.name: folder
+        for folder in sorted((Path(__file__).parents[2] / "models" / "benchmarks").iterdir())
+    },
+}
+PLACES = ("xyz", "rpy")
+DRIVE_COLUMNS = "cylinder_angle_deg", "coordinate_rad"
+
+
+def with_csv_tables(folder: Path) -> Path:
+    """A model folder whose drive and both kinds of springs come from CSV files."""
+    home = folder / "tabulated"
+    home.mkdir()
+    source = known_models()["hanging_pendulum"]
+    urdf = (source / "hanging_pendulum.urdf").read_text(encoding="utf-8")
+    (home / "tabulated.urdf").write_text(urdf, encoding="utf-8")
+    text = (
+        (source / "hanging_pendulum.toml").read_text(encoding="utf-8").partition("[shortcuts]")[0]
+    )
+    for old, new in (
+        ('law = "constant_speed"\nratio = 1.0', 'law = "table"\nfile = "cylinder.csv"'),
+        ("stiffness_N_m_per_rad = 6.0\npreload_deg = 45.0 ", 'file = "jaw.csv" #'),
+        ("[stops.rod]", '[springs.rod]\njoint = "slack"\nfile = "rod.csv"\n\n[stops.rod]'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    (home / "tabulated.toml").write_text(text, encoding="utf-8")
+    angles = np.arange(0.0, 361.0, 30.0)
+    swing = 0.3 * np.sin(np.radians(angles))
+    swing[-1] = swing[0]
+    for name, head, columns in (
+        ("cylinder", DRIVE_COLUMNS, (angles, swing)),
+        ("jaw", ("coordinate_deg", "torque_N_m"), ([-10, 0, 20, 60], [4.0, 4.7, 7.0, 11.0])),
+        ("rod", ("coordinate_mm", "force_N"), ([-5, 0, 40], [1.0, 2.0, 9.0])),
+    ):
+        lines = [",".join(head), *(f"{x},{y}" for x, y in zip(*columns, strict=True))]
+        (home / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return home
+
+
+@pytest.fixture(params=[*MODELS, "tabulated"])
+def texts(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[dict[str, Any], str]:
+    """The two texts of a model as they stand in its files, tables written out."""
+    name: str = request.param
+    folder = with_csv_tables(tmp_path) if name == "tabulated" else MODELS[name]
+    data = tomllib.loads((folder / f"{name}.toml").read_text(encoding="utf-8"))
+    document, left = with_tables(data, {}, folder, "model.toml")
+    assert left == {}
+    return document, (folder / f"{name}.urdf").read_text(encoding="utf-8")
+
+
+def document_numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:
+    """Numbers of a TOML document, found without the paths' own code."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from document_numbers(item, f"{path}.{key}".lstrip("."))
+    elif isinstance(value, list | tuple):
+        for place, item in enumerate(value):
+            yield from document_numbers(item, f"{path}[{place}]")
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path, value
+
+
+def urdf_numbers(element: ElementTree.Element, path: str = "urdf") -> Iterator[tuple[str, float]]:
+    """Numbers of a URDF, found without the paths' own code."""
+    for key, text in element.attrib.items():
+        parts = text.split()
+        try:
+            values = [float(part) for part in parts]
+        except ValueError:
+            continue
+        for place, value in enumerate(values):
+            end = f".{key[place]}" if key in PLACES else f"[{place}]"
+            yield f"{path}.{key}{end if len(values) > 1 else ''}", value
+    kinds = [item.tag for item in element]
+    for place, item in enumerate(element):
+        name = item.get("name")
+        same = kinds[:place].count(item.tag)
+        step = f".{name}" if name is not None else f"[{same}]"
+        several = name is not None or kinds.count(item.tag) > 1
+        yield from urdf_numbers(item, f"{path}.{item.tag}{step if several else ''}")
+
+
+def unwritten_numbers(document: dict[str, Any]) -> set[str]:
+    """Numbers of drives and stops that the description has and the file leaves out."""
+    typed = describe(document, "model.toml")
+    found = set()
+    for section in ("drives", "stops"):
+        for name, entry in getattr(typed, section).items():
+            for field in msgspec.structs.fields(entry):
+                number = "float" in str(field.type) and "tuple" not in str(field.type)
+                if number and field.name not in document[section][name]:
+                    found.add(f"{section}.{name}.{field.name}")
+    return found
+
+
+def test_every_number_of_the_document(texts: tuple[dict[str, Any], str]) -> None:
+    """Each gets a value of its own, all at once: no path leads nowhere, and none to another's.
+
+    Two paths that led to one number, or one that led to its neighbour, would leave a value in the
+    wrong place; the walk that finds the numbers again shares no code with the paths.
+    """
+    document, urdf = texts
+    found = dict(document_numbers(document))
+    wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
+    assert all(number_at(document, path, "model.toml") == found[path] for path in found)
+    changed, same = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    assert dict(document_numbers(changed)) == wanted
+    assert same == urdf
+    assert dict(document_numbers(document)) == found
+
+
+def test_every_number_that_need_not_be_written(texts: tuple[dict[str, Any], str]) -> None:
+    """Offsets, means and places of stops that a file leaves out are zero until a path says more."""
+    document, urdf = texts
+    paths = unwritten_numbers(document)
+    assert all(number_at(document, path, "model.toml") == 0.0 for path in paths)
+    wanted = {path: 0.5 + place for place, path in enumerate(sorted(paths))}
+    changed, _ = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    before = dict(document_numbers(document))
+    assert dict(document_numbers(changed)) == {**before, **wanted}
+    # They are what the description reads, not keys that it would refuse.
+    describe(changed, "model.toml")
+
+
+def test_every_number_of_the_urdf(texts: tuple[dict[str, Any], str]) -> None:
+    """As for the document: values of their own, all at once, through the text and back."""
+    document, urdf = texts
+    root = ElementTree.fromstring(urdf)
+    found = dict(urdf_numbers(root))
+    assert len(found) > 10
+    wanted = {path: value + 0.25 + place for place, (path, value) in enumerate(found.items())}
+    same, changed = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+    assert dict(urdf_numbers(ElementTree.fromstring(changed))) == wanted
+    assert same == document
+
+
+def test_placements_that_need_not_be_written(texts: tuple[dict[str, Any], str]) -> None:
+    """What has no origin stands at zero, and can be moved from there."""
+    document, urdf = texts
+    root = ElementTree.fromstring(urdf)
+    for parent in list(root.iter()):
+        for origin in parent.findall("origin"):
+            parent.remove(origin)
+    bare = ElementTree.tostring(root, encoding="unicode")
+    joint = root.findall("joint")[0].get("name")
+    for key, axis in (("xyz", "z"), ("rpy", "p")):
+        path = f"urdf.joint.{joint}.origin.{key}.{axis}"
+        layout = read_layout(parse_xml(bare, "model.urdf"), document, "model.urdf")
+        assert read_dimension(layout, path, "model.urdf") == 0.0
+        _, changed = apply_overrides(document, bare, {path: 0.3}, "model.toml", "model.urdf")
+        added = set(urdf_numbers(ElementTree.fromstring(changed))) - set(urdf_numbers(root))
+        assert (path, 0.3) in added
+        assert all(value == 0.0 for other, value in added if other != path)
+
+
+def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
+    """Masses, inertias, centres and pins: what is written is read back, and the rest stays.
+
+    The values are those of the machine a little changed, so every one of them is possible.
+    """
+    document, urdf = texts
+    layout = read_layout(parse_xml(urdf, "model.urdf"), document, "model.urdf")
+    links = [item.get("name") for item in layout.root.findall("link") if item.find("inertial")]
+    paths = [
+        f"links.{name}.{key}"
+        for name in links
+        for key in ("mass_kg", "inertia_kg_m2", "com_x_mm", "com_z_mm")
+    ]
+    pins = {frozenset(meeting): min(meeting) for meeting in layout.meeting.values()}
+    paths += [f"points.{name}.{key}" for name in pins.values() for key in ("x_mm", "z_mm")]
+    assert paths
+    # Pins carry centres of mass along, so links are changed by themselves.
+    for head in ("links", "points"):
+        chosen = [path for path in paths if path.startswith(head)]
+        own = {path: read_dimension(layout, path, "model.urdf") for path in chosen}
+        wanted = {
+            path: 1.01 * value + 1e-3 * (1.0 + i) for i, (path, value) in enumerate(own.items())
+        }
+        new, changed = apply_overrides(document, urdf, wanted, "model.toml", "model.urdf")
+        after = read_layout(parse_xml(changed, "model.urdf"), new, "model.urdf")
+        for path, value in wanted.items():
+            assert read_dimension(after, path, "model.urdf") == pytest.approx(value, rel=1e-12)
+
+
+# --- rows of CSV tables -------------------------------------------------------------------------
+
+
+def drive_table(mechanism: Mechanism) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    law = mechanism.drives[0].law
+    return law.cylinder_angle_rad, law.coordinate_rad  # type: ignore[attr-defined]
+
+
+def test_rows_of_csv_tables_reach_the_machine(tmp_path: Path) -> None:
+    """A row that a CSV file holds changes the law and the force at that row, and nothing else."""
+    folder = with_csv_tables(tmp_path)
+    own = load(folder)
+    new = load(
+        folder,
+        {
+            "drives.cylinder.coordinate_rad[3]": "0.25",
+            "drives.cylinder.cylinder_angle_deg[4]": 121.0,
+            "springs.jaw.torque_N_m[2]": np.float64(8.0),
+            "springs.rod.force_N[0]": 1,
+            "springs.rod.coordinate_mm[2]": 41.0,
+        },
+    )
+    angles, values = map(list, drive_table(own))
+    angles[4], values[3] = math.radians(121.0), 0.25
+    assert drive_table(new) == (tuple(angles), tuple(values))
+    psi = np.array([math.radians(90.0)])
+    # The spline passes through its rows, to the round-off of its solution.
+    assert new.drives[0].law.evaluate(psi)[0][0] == pytest.approx(0.25, abs=1e-14)
+    jaw, rod = (item.characteristic for item in new.tabulated_springs)
+    assert jaw.force == (4.0, 4.7, 8.0, 11.0)
+    assert jaw.coordinate == own.tabulated_springs[0].characteristic.coordinate
+    assert rod.force == own.tabulated_springs[1].characteristic.force
+    assert rod.coordinate == pytest.approx((-5e-3, 0.0, 41e-3))
+
+
+@pytest.mark.parametrize("place", [0, 12])
+def test_a_drive_table_stays_a_turn(tmp_path: Path, place: int) -> None:
+    """Its first and last row are one: whichever is changed, the other one follows.
+
+    Left behind, it would make a table that the loader refuses, so no end could be varied alone.
+    """
+    folder = with_csv_tables(tmp_path)
+    angle = 2.0 + 360.0 * (place > 0)
+    new = load(
+        folder,
+        {
+            f"drives.cylinder.coordinate_rad[{place}]": 0.05,
+            f"drives.cylinder.cylinder_angle_deg[{place}]": angle,
+        },
+    )
+    angles, values = drive_table(new)
+    assert (values[0], values[-1]) == (0.05, 0.05)
+    assert np.degrees([angles[0], angles[-1]]) == pytest.approx([2.0, 362.0], abs=1e-12)
+    # Where both are given, both count.
+    with pytest.raises(ModelError, match="need the same coordinate"):
+        load(
+            folder,
+            {"drives.cylinder.coordinate_rad[0]": 0.1, "drives.cylinder.coordinate_rad[12]": 0.2},
+        )
+
+
+def test_another_csv_file_counts_before_its_rows(tmp_path: Path) -> None:
+    folder = with_csv_tables(tmp_path)
+    text = (folder / "rod.csv").read_text(encoding="utf-8").replace("9.0", "12.0")
+    (folder / "stiff.csv").write_text(text, encoding="utf-8")
+    changes = {"springs.rod.force_N[1]": 3.0, "springs.rod.file": "stiff.csv"}
+    assert load(folder, changes).tabulated_springs[1].characteristic.force == (1.0, 3.0, 12.0)
+    # Where a table is written out, or a spring has none, there is no file to change.
+    with pytest.raises(UnknownNameError, match=r"no key named 'file'; known: .*stiffness"):
+        load("e62", {"springs.steeve.file": "stiff.csv"})
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("springs.rod.force_N[3]", 1.0, r"no place named '\[3\]'; known: \[0\] to \[2\]$"),
+        ("springs.rod.force_N[-1]", 1.0, r"no place named '-1'"),
+        ("springs.rod.force_N[02]", 1.0, r"no place named '\[02\]'"),
+        ("springs.rod.force", 1.0, "no key named 'force'; known: coordinate_mm, force_N, joint"),
+        ("drives.cylinder.coordinate_rad[13]", 1.0, r"known: \[0\] to \[12\]$"),
+        ("drives.cylinder.ratio", 1.0, "known: .*coordinate_rad, cylinder_angle_deg"),
+        ("springs.rod.force_N[1]", "much", r"springs.rod.force_N\[1\] = 'much' .* a number"),
+        ("springs.rod.force_N[1]", "nan", r"springs.rod.force_N\[1\] = nan .* a finite number"),
+        ("springs.rod.coordinate_mm[1]", 50.0, "the coordinate must rise from row to row"),
+        ("drives.cylinder.cylinder_angle_deg[4]", 80.0, "after 90 deg"),
+        ("stops.jaw.at_mm", 1.0, "the place of a stop on the revolute joint jaw is at_deg"),
+    ],
+)
+def test_mistakes_in_paths_of_rows(tmp_path: Path, path: str, value: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        load(with_csv_tables(tmp_path), {path: value})
