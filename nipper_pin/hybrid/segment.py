@@ -159,6 +159,13 @@ def advance(
         h = min(longest, advised)
 
 
+def _shows_dampers(system: System, panel: Panel, resolution: Resolution) -> bool:
+    """True if the nodes see what the dampers between points do on a panel."""
+    if system.elements is None or not resolution.adaptive:
+        return True
+    return system.elements.resolved(panel.q)
+
+
 def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
     """Refuse a panel that leaves a table before the end of the segment; no node may show it."""
     times = panel.t + panel.h * nodes(panel.order).samples
@@ -224,9 +231,10 @@ def _panel(
             if h <= 2.0 * shortest:
                 raise
         else:
-            if attempt.panel is not None:
-                return attempt.panel, attempt.forces, h * attempt.factor
-            factor = attempt.factor
+            panel = attempt.panel
+            if panel is not None and _shows_dampers(system, panel, resolution):
+                return panel, attempt.forces, h * attempt.factor
+            factor = min(attempt.factor, 0.5) if panel is not None else attempt.factor
         if h <= shortest:
             break
         h *= factor

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..errors import (
     ConvergenceError,
+    ImpactError,
     InputError,
     SimulationError,
     SingularConfigurationError,
@@ -30,9 +32,12 @@ from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 from .state import State, initial_state
-from .triggers import TriggerKind
+from .triggers import SIMULTANEOUS, TriggerKind
 
 _DROPPED = 100.0
+# As many collisions in one instant, the later half of them no slower than the earlier one but for
+# this share, are a jam.
+_JAM, _NO_SLOWER = 20, 1e-3
 
 
 def simulate(
@@ -89,6 +94,7 @@ class _Run:
         self.events: list[Event] = []
         self.segments: list[Segment] = []
         self._collisions = 0
+        self._latest: deque[tuple[float, frozenset[str], float]] = deque(maxlen=_JAM)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
         try:
             self.state = initial_state(system, case.start_index)
@@ -226,6 +232,7 @@ class _Run:
         self._collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
+        self._check_jam(state, hit)
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
@@ -245,6 +252,29 @@ class _Run:
         bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
         if len(bouncing) == 1:
             self._bounced(bouncing[0], state.series)
+
+    def _check_jam(self, state: State, hit: set[str]) -> None:
+        """Refuse to go on where drives press a link against two stops at once.
+
+        It flies from one stop to the other in ever shorter times, whose sum is finite, and is no
+        slower in the end: no motion goes on from there.
+        """
+        fastest = max(abs(self.mechanism.stop(name).rate(state.v)) for name in hit)
+        latest = self._latest
+        latest.append((state.t, frozenset(hit), fastest))
+        instant = SIMULTANEOUS * self.system.shaft.period
+        if len(latest) < _JAM or state.t - latest[0][0] > instant:
+            return
+        rates = [rate for *_, rate in latest]
+        stops = sorted(frozenset().union(*(names for _, names, _ in latest)))
+        late, early = sum(rates[_JAM // 2 :]), sum(rates[: _JAM // 2])
+        if len(stops) > 1 and late > 0.0 and late >= (1.0 - _NO_SLOWER) * early:
+            message = (
+                f"the stops {', '.join(stops)} are struck {_JAM} times within {instant:.1g} s and "
+                "nothing gets slower: they jam what moves between them against its drives; give it "
+                "room, or let the drives be inertial"
+            )
+            raise ImpactError(message, stops=stops, rates_before=rates)
 
     def _bounced(self, stop: Stop, series: BounceSeries | None) -> None:
         """Go on with a series of bounces, or end it at its limit or the threshold of the case."""

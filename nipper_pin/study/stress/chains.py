@@ -160,7 +160,8 @@ class Chain:
         both = rng.random() < 0.5
         order = rng.permutation(len(places)).tolist()
         if both:
-            order.sort(key=lambda place: places[place][0] != places[order[0]][0])
+            joint = places[order[0]][0]
+            order.sort(key=lambda place: places[place][0] != joint)
         for place in order[:count]:
             joint, side = places[place]
             outwards = -1.0 if side == "lower" else 1.0
@@ -259,7 +260,7 @@ def spring_table(rng: Generator, reach: float, force: float) -> tuple[list[float
     """
     count = int(rng.integers(2, 9))
     x = np.sort(rng.uniform(-1.0, 1.0, count)) * reach
-    x[0], x[-1] = -reach * float(rng.uniform(0.2, 1.0)), reach * float(rng.uniform(0.2, 1.0))
+    x[0], x[-1] = -reach * float(rng.uniform(1.0, 2.0)), reach * float(rng.uniform(1.0, 2.0))
     kind = int(rng.integers(5))
     if kind == 0:
         # Rising with kinks: slopes over many decades.

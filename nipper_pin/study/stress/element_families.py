@@ -107,6 +107,7 @@ def _spring_tables(rng: Generator) -> Draft:
         stiffness = log(rng, 3.0, 30.0)
         bend, wall = float(rng.uniform(0.5, 25.0)), log(rng, 1.0, 1e4)
         preload = stiffness * float(rng.uniform(2.0, 20.0))
+        source.description.pop("shortcuts")
         source.description["springs"]["steeve"] = {
             "joint": "steeve",
             "coordinate_mm": [-10.0, 0.0, bend, bend + log(rng, 1e-3, 1.0), 90.0],
@@ -198,7 +199,7 @@ def _nipper(rng: Generator) -> Draft:
     if rng.random() < 0.7:
         stops["wide"] = {
             "joint": "jaw", "restitution": restitution(rng), "side": "upper",
-            "at_deg": log(rng, 1e-3, 60.0),
+            "at_deg": log(rng, 30.0, 90.0) if rng.random() < 0.8 else log(rng, 1e-3, 30.0),
         }  # fmt: skip
     if rng.random() < 0.7:
         stops["bottom"] = {

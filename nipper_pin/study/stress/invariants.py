@@ -128,7 +128,7 @@ def _phases(solution: Solution) -> Iterator[str]:
             yield f"{where}: {sorted(closed)} closed without a contact"
         # Several stops may meet one after the other in one instant, and the last event counts.
         following = solution.events[event.number : event.number + 1]
-        goes_on = any(np.array_equal(item.q, event.q) for item in following)
+        goes_on = any(item.t == event.t for item in following)
         for stop in mechanism.stops:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
@@ -272,6 +272,8 @@ def _forces(
     inverse, spring = system.body.inverse_dynamics(*state), system.applied_forces(*state[:2])
     left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
     size = np.abs(inverse) + np.abs(spring)
+    # In free fall inertia and weight are all there is, and make up for one another.
+    size += np.abs(system.body.inverse_dynamics(*state[:2], np.zeros_like(state[2])))
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
     left[:, list(rows.stops)] -= rows.senses * forces.la_N
     left[:, system.driven] -= forces.drive
@@ -330,9 +332,10 @@ def _energy(solution: Solution) -> Iterator[str]:
     scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
     # Forces lose the digits that the impact matrix loses.
     lost = min(32.0 * EPS * condition, 1e-5)
-    # Every panel may leave an error of the order of the tolerance.
-    panels = sum(len(segment.panels) for segment in solution.segments)
-    unresolved = (100.0 + 10.0 * panels) * solution.case.resolution.tolerance
+    # Every panel may leave an error of the order of the tolerance in positions, and in rates one
+    # that is larger by twice the number of its nodes.
+    panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
+    unresolved = (100.0 + panels) * solution.case.resolution.tolerance
     most = (1e-8 + lost + unresolved) * scale
     yield from _beyond("energy that is left over [J]", abs(energy.residual), most)
 
