@@ -344,6 +344,11 @@ class _Run:
     def _release(self, state: State, released: set[str]) -> State:
         """Open the stops whose force has fallen to zero."""
         closed = after_release(state.closed, released)
+        if len(released) > 1:
+            # Those that pull at the start of a phase may push once another one is open.
+            held = self._pressed(state, state.v, state.closed)
+            if held != state.closed:
+                closed, released = held, set(state.closed - held)
         still = no_impact(self.system, state.v)
         self._record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=None)

@@ -20,6 +20,8 @@ SIMULTANEOUS = 1e-13
 """Triggers nearer than this fraction of a turn are one event."""
 # Round-off of a gap that the closures determine [rad or m].
 _ROUND_OFF = 1e-13
+# A gap starts to close from zero if it does so with this share of its largest acceleration.
+_CLOSING = 1e-3
 
 
 class TriggerKind(StrEnum):
@@ -139,7 +141,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
-    if (values < 0.0).all():
+    if power > 0 and values[0] < -_CLOSING * float(np.abs(values).max()) or (values < 0.0).all():
         if -_ROUND_OFF <= gap < 0.0 < rate:
             # It opens, and the panel is so short that it does not get out of the round-off.
             return None

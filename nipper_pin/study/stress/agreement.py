@@ -9,7 +9,8 @@ import numpy as np
 from ...errors import InputError
 from ...hybrid.event import Event, EventKind
 from ...hybrid.solution import Solution
-from .invariants import EPS, Violation
+from .invariants import Violation
+from .looking import EPS
 
 # Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
 _AGREED = 2.0
