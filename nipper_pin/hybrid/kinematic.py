@@ -83,6 +83,11 @@ def kinematic_panel(
     changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
     rough_a = h**2 * tail(a_nodes) / (np.sqrt(resolution.tolerance) * changed)
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
+    if system.mechanism.struts:
+        # Where points of a strut pass one another closely, its force is rougher than all motion.
+        pulls = system.point_forces(q_nodes, v_nodes).reshape(len(q_nodes), -1)
+        rough_pull = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
+        excess = max(excess, float(rough_pull.max()))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -180,13 +180,17 @@ class _Run:
             self.collide(state, hit)
             return
         still = frozenset(name for name, rate in rates.items() if rate == 0.0)
-        if still:
-            closed = self._pressed(state, state.v, state.closed | still) | state.closed
-            newly = sorted(closed - state.closed)
-            if newly:
-                none = no_impact(self.system, state.v)
-                self._record(EventKind.REST, state, state.t, newly, none, closed)
-                self.state = state._replace(closed=closed)
+        if not still:
+            return
+        closed = self._pressed(state, state.v, state.closed | still)
+        opened = state.closed - closed
+        if opened:
+            state = self._open(state, opened)
+        newly = closed - state.closed
+        if newly:
+            none = no_impact(self.system, state.v)
+            self._record(EventKind.REST, state, state.t, sorted(newly), none, closed)
+            self.state = state._replace(closed=closed)
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit."""
@@ -224,7 +228,11 @@ class _Run:
         if released:
             state = self._release(state, released)
         if hit:
-            self.collide(state, hit)
+            rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
+            # Of stops that touch within round-off of one time some may be on their way out.
+            self.collide(
+                state, {name for name in hit if rates[name] <= max(min(rates.values()), 0)}
+            )
         return True
 
     def collide(self, state: State, hit: set[str]) -> None:
@@ -343,12 +351,15 @@ class _Run:
 
     def _release(self, state: State, released: set[str]) -> State:
         """Open the stops whose force has fallen to zero."""
-        closed = after_release(state.closed, released)
         if len(released) > 1:
             # Those that pull at the start of a phase may push once another one is open.
             held = self._pressed(state, state.v, state.closed)
-            if held != state.closed:
-                closed, released = held, set(state.closed - held)
+            return self._open(state, (state.closed - held) or released)
+        return self._open(state, released)
+
+    def _open(self, state: State, released: Iterable[str]) -> State:
+        """Open stops that do not push."""
+        closed = after_release(state.closed, released)
         still = no_impact(self.system, state.v)
         self._record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=None)

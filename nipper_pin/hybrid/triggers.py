@@ -141,10 +141,16 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
-    if power > 0 and values[0] < -_CLOSING * float(np.abs(values).max()) or (values < 0.0).all():
+    if power == 2 and values[0] < -_CLOSING * float(np.abs(values).max()):
+        # It was opened where its force only just touched zero, and is pressed shut again.
+        return panel.t
+    if (values < 0.0).all():
         if -_ROUND_OFF <= gap < 0.0 < rate:
             # It opens, and the panel is so short that it does not get out of the round-off.
             return None
+        if rate < 0.0 < gap <= _ROUND_OFF:
+            # It closes within the round-off of its integral.
+            return panel.t + min(-gap / rate, h)
         message = (
             f"stop {stop.name!r} is open but its gap starts to close from zero: the accelerations "
             "contradict the closed stops; this is an error of the package, please report the case"

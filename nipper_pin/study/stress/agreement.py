@@ -34,15 +34,16 @@ def bits(solution: Solution) -> bytes:
     return b"\n".join(parts)
 
 
-def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
-    """The events of two solutions of different tolerance agree within their stated errors.
+def within_errors(coarse: Solution, fine: Solution, kind: str = "tolerance") -> list[Violation]:
+    """The events of two solutions of one motion agree within their stated errors.
 
     Series that one run extrapolates earlier are compared as far as both have them, and then at
     their rest.
 
     Args:
         coarse: The solution.
-        fine: The same case at a smaller tolerance.
+        fine: The same case at a smaller tolerance, or of the mirrored machine.
+        kind: Name of the invariant that they violate otherwise.
     """
     found = []
     for one, other in _matched(coarse, fine):
@@ -53,14 +54,14 @@ def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
         allowed = _AGREED * (first.time + second.time) + 16.0 * EPS * max(one.t, other.t)
         if not abs(one.t - other.t) <= allowed:
             text = f"event {one.number}: times differ by {abs(one.t - other.t):.3g} s"
-            found.append(Violation("tolerance", f"{text}, stated {allowed:.3g} s"))
+            found.append(Violation(kind, f"{text}, stated {allowed:.3g} s"))
         for name, impulse in one.P_N.items():
             against = other.P_N.get(name, 0.0)
             size = max(abs(impulse), abs(against))
             relative = _AGREED * (first.impulse + second.impulse) + 64.0 * EPS
             if one.kind is EventKind.COLLISION and not abs(impulse - against) <= relative * size:
                 text = f"event {one.number}: impulses {impulse:.6g} and {against:.6g}"
-                found.append(Violation("tolerance", f"{text}, stated {relative:.3g} of them"))
+                found.append(Violation(kind, f"{text}, stated {relative:.3g} of them"))
     return found
 
 

@@ -98,7 +98,7 @@ def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
 
 
 def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
-    """Simulate a trial twice as it is and once finer, and check all."""
+    """Simulate a trial twice as it is, once finer and once mirrored, and check all."""
     values = dict(item.case)
     resolution = Resolution(**values.pop("resolution"))
     case = Case(**values, resolution=resolution)
@@ -117,6 +117,14 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
             fine = None
         if fine is not None:
             found += within_errors(solution, fine)
+    if (image := item.mirror_image()) is not None:
+        try:
+            seen = simulate(image, case)
+        except SimulationError:
+            # What is at the limit of the possible may be refused from one side only.
+            seen = None
+        if seen is not None:
+            found += within_errors(solution, seen, "mirror")
     if case.window is Window.TRANSITION and solution.outcome is Outcome.AT_REST:
         found += engines_agree(solution, resolution.tolerance) or []
     return solution.outcome.name, bits(solution), found

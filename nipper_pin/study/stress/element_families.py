@@ -85,8 +85,11 @@ def _hard_elements(rng: Generator) -> Draft:
     for _ in range(int(rng.integers(1, 3))):
         machine.add_link(rng, bool(rng.random() < 0.5), log(rng, 0.1, 10.0))
     closed = machine.add_stops(rng, int(rng.integers(1, 4)), (1e-6, 0.3))
+    slowest = 60.0
     for joint in machine.joints:
         k = log(rng, 1e-3, 1e9)
+        # No more than some hundred swings in a turn.
+        slowest = max(slowest, 0.02 * sqrt(k / machine.mass))
         # Deflections that this spring can bear without more energy than a kilojoule.
         most = min(0.3, sqrt(2e3 / k))
         preload = one_of(rng, 0.0, -0.3 * most, most, rng.uniform(-most, most))
@@ -97,7 +100,7 @@ def _hard_elements(rng: Generator) -> Draft:
             machine.damper(f"d {joint}", joint, damping)
         else:
             machine.strut(rng, f"strut {joint}".replace(" ", "_"), k, damping, log(rng, 1e-2, 1.0))
-    return machine.source("hard_elements", _gravity(rng), closed), _turns(rng, 60.0, 1e4)
+    return machine.source("hard_elements", _gravity(rng), closed), _turns(rng, slowest, 1e4)
 
 
 def _spring_tables(rng: Generator) -> Draft:

@@ -122,7 +122,8 @@ def _phases(solution: Solution) -> Iterator[str]:
             yield f"{where}: {sorted(closed)} closed without a contact"
         # Several stops may meet one after the other in one instant, and the last event counts.
         following = solution.events[event.number : event.number + 1]
-        goes_on = any(item.t == event.t for item in following)
+        cut_off = solution.outcome is Outcome.TOO_MANY_COLLISIONS and not following
+        goes_on = cut_off or any(item.t == event.t for item in following)
         for stop in mechanism.stops:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
@@ -331,6 +332,10 @@ def _energy(solution: Solution) -> Iterator[str]:
     panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
     unresolved = (100.0 + panels) * solution.case.resolution.tolerance
     most = (1e-8 + lost + unresolved) * scale
+    # A strut's deflection is a difference of lengths, and has their round-off.
+    most += (
+        1e4 * EPS**2 * system.body.reach_m**2 * sum(s.stiffness for s in system.mechanism.struts)
+    )
     yield from beyond("energy that is left over [J]", abs(energy.residual), most)
 
 

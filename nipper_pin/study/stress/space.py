@@ -32,6 +32,7 @@ from .draws import (
 )
 from .element_families import ELEMENT_FAMILIES
 from .machines import bouncing_mass, e62, flaps, four_bar
+from .mirror import mirrored
 from .parts import Source
 
 _LINKS = (
@@ -59,8 +60,16 @@ class Trial:
 
     def mechanism(self) -> Mechanism:
         """Build and validate the mechanism."""
-        source = self.source
-        return from_sources(source.name, source.urdf, source.description, source.folder)
+        return _built(self.source)
+
+    def mirror_image(self) -> Mechanism | None:
+        """Build the mirrored mechanism; None if its model cannot be mirrored."""
+        source = mirrored(self.source)
+        return None if source is None else _built(source)
+
+
+def _built(source: Source) -> Mechanism:
+    return from_sources(source.name, source.urdf, source.description, source.folder)
 
 
 def trial(seed: int, number: int) -> Trial:
