@@ -46,7 +46,7 @@ def elements(solution: Solution) -> Iterator[str]:
                 tension = strut.stiffness * (length - strut.free_length) + strut.damping * rate
                 terms.append(-(tension - strut.damping * rate) * rate)
                 lost.append(strut.damping * rate**2)
-                unsure += (abs(tension) + strut.damping * abs(rate)) * error
+                unsure += (abs(tension) + strut.damping * (abs(rate) + error)) * error
                 unsure += 64.0 * EPS * system.body.reach_m * strut.stiffness * abs(rate)
             power = float(system.applied_forces(q[None], v[None])[0] @ v)
             heat = float(system.dissipation(q[None], v[None])[0])
