@@ -45,6 +45,8 @@ _SAFETY = 8.0
 _COUPLED = 4.0
 # Round-off of a polynomial, in units of that of its largest term.
 _OPERATIONS = 4.0
+# As many coefficients are too few to take their decay from the last ones alone.
+_FEW = range(6, 9)
 # A state that differs by round-off, in units of it.
 _NEARBY = 4.0
 # Part of a panel over which the slope of a stop force is taken.
@@ -251,14 +253,22 @@ def _left_over_alone(
     again = system.accelerations(motion, panel.q, panel.v, rows)
     swept = again - a
     signs = (-1.0) ** np.arange(panel.q.shape[1])
-    nearby = panel.q * (1.0 + _NEARBY * _EPS * signs)
+    # The length of a strut is a difference of places.
+    size = np.abs(panel.q) + (system.body.reach_m if system.mechanism.struts else 0.0)
+    nearby = panel.q + _NEARBY * _EPS * signs * size
     rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
     coefficients = np.abs(grid.integrals[0] @ a)
     known, last = coefficients[-4:-2].max(axis=0), coefficients[-2:].max(axis=0)
     missing = last.copy()
     if not system.mechanism.tabulated_springs:
         # Across a row of a table coefficients decay by powers: the next is as large as the last.
-        missing *= np.divide(last, known, where=known > last, out=np.ones_like(last))
+        decay = np.divide(last, known, where=known > last, out=np.ones_like(last))
+        if len(coefficients) in _FEW:
+            # The last of few may be small by chance: the decay before them counts, too.
+            before = coefficients[-6:-4].max(axis=0)
+            slower = np.divide(known, before, where=before > known, out=np.ones_like(known))
+            decay = np.maximum(decay, slower)
+        missing *= decay
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

@@ -223,7 +223,7 @@ def _nipper(rng: Generator) -> Draft:
             "free_length_mm": float(rng.uniform(0.0, 300.0)),
         }  # fmt: skip
         dampers[f"strut{number}"] = {**points, "damping_N_s_per_m": log(rng, 1e-2, 1e3)}
-    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    case = window(rng, float(rng.uniform(100.0, 900.0))) | {"max_collisions": 80}
     case["drive"] = "inertial" if rng.random() < 0.25 else "held"
     if rng.random() < 0.5:
         case["resolution"] = {"tolerance": log(rng, 1e-12, 1e-3)}

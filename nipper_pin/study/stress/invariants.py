@@ -182,7 +182,8 @@ def _impulses(solution: Solution) -> Iterator[str]:
         speed = np.maximum(np.abs(event.v_after), np.abs(event.v_before))
         yield from beyond(f"{where}: v_after - v_before is not delta",
                            float((off - 1e-9 * np.abs(event.delta)).max()),
-                           16.0 * EPS * float(speed.max()))  # fmt: skip
+                           16.0 * EPS * float(speed.max())
+                           + 1e-12 * float(np.abs(event.delta).max()))  # fmt: skip
         if contact:
             yield from _restitution(solution, place)
 
