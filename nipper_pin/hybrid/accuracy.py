@@ -268,7 +268,8 @@ def _left_over_alone(
             before = coefficients[-6:-4].max(axis=0)
             slower = np.divide(known, before, where=before > known, out=np.ones_like(known))
             decay = np.maximum(decay, slower)
-        missing *= decay
+        # All that follow are missing, a geometric series.
+        missing *= decay / np.maximum(1.0 - decay, 1.0 / len(coefficients))
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

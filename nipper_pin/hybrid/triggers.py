@@ -186,8 +186,20 @@ def _force_root(
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
-    bracket = first_descent(grid.samples, values, interpolant)
-    return _polished(panel, bracket, rough, exact)
+    samples, start = grid.samples, 0
+    while (bracket := first_descent(samples[start:], values[start:], interpolant)) is not None:
+        left, right = bracket
+        # The interpolant is not resolved as far as the force itself: it may fall too soon.
+        while exact(panel.t + panel.h * right)[0] > 0.0:
+            start = int(np.searchsorted(samples, right, side="right"))
+            if start == len(samples):
+                return None
+            left, right = right, float(samples[start])
+            if values[start] > 0.0:
+                break
+        else:
+            return _polished(panel, (left, right), rough, exact)
+    return None
 
 
 def _polished(

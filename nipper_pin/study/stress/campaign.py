@@ -21,7 +21,7 @@ from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome
 from ..processes import fresh_processes
-from .agreement import bits, engines_agree, same_bits, within_errors
+from .agreement import bits, engines_agree, mirror_images, same_bits, within_errors
 from .invariants import Violation, violations
 from .space import Trial, trial
 
@@ -124,7 +124,7 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
             # What is at the limit of the possible may be refused from one side only.
             seen = None
         if seen is not None:
-            found += within_errors(solution, seen, "mirror")
+            found += mirror_images(solution, seen)
     if case.window is Window.TRANSITION and solution.outcome is Outcome.AT_REST:
         found += engines_agree(solution, resolution.tolerance) or []
     return solution.outcome.name, bits(solution), found
