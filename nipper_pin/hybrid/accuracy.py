@@ -45,8 +45,8 @@ _SAFETY = 8.0
 _COUPLED = 4.0
 # Round-off of a polynomial, in units of that of its largest term.
 _OPERATIONS = 4.0
-# As many coefficients are too few to take their decay from the last ones alone.
-_FEW = range(6, 9)
+# From as many coefficients on the decay of two pairs is known.
+_PAIRS = 6
 # A state that differs by round-off, in units of it.
 _NEARBY = 4.0
 # Part of a panel over which the slope of a stop force is taken.
@@ -263,8 +263,8 @@ def _left_over_alone(
     if not system.mechanism.tabulated_springs:
         # Across a row of a table coefficients decay by powers: the next is as large as the last.
         decay = np.divide(last, known, where=known > last, out=np.ones_like(last))
-        if len(coefficients) in _FEW:
-            # The last of few may be small by chance: the decay before them counts, too.
+        if len(coefficients) >= _PAIRS:
+            # The last ones may be small by chance: the decay before them counts, too.
             before = coefficients[-6:-4].max(axis=0)
             slower = np.divide(known, before, where=before > known, out=np.ones_like(known))
             decay = np.maximum(decay, slower)

@@ -278,7 +278,7 @@ def spring_table(rng: Generator, reach: float, force: float) -> tuple[list[float
         y = rng.uniform(-1.0, 1.0, count)
     else:
         # A step of force within a narrow row.
-        narrow = log(rng, 1e-9, 1e-2) * reach
+        narrow = log(rng, 1e-6, 1e-2) * reach
         x = np.array([x[0], -0.5 * narrow, 0.5 * narrow, x[-1]])
         y = np.array([-1.5, -1.0, 1.0, 1.5]) * sign(rng)
     return x.tolist(), (force * y).tolist()
