@@ -16,6 +16,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import nodes
+from .crossings import shows_rows
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -159,11 +160,15 @@ def advance(
         h = min(longest, advised)
 
 
-def _shows_dampers(system: System, panel: Panel, resolution: Resolution) -> bool:
-    """True if the nodes see what the dampers between points do on a panel."""
+def _shows_elements(
+    system: System, rows: ConstraintSet, panel: Panel, resolution: Resolution
+) -> bool:
+    """True if the nodes see what tables, and dampers between points, do on a panel."""
     if system.elements is None or not resolution.adaptive:
         return True
-    return system.elements.resolved(panel.q)
+    if not system.elements.resolved(panel.q):
+        return False
+    return not panel.integrated or shows_rows(system, rows, panel, resolution.tolerance)
 
 
 def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
@@ -232,7 +237,7 @@ def _panel(
                 raise
         else:
             panel = attempt.panel
-            if panel is not None and _shows_dampers(system, panel, resolution):
+            if panel is not None and _shows_elements(system, rows, panel, resolution):
                 return panel, attempt.forces, h * attempt.factor
             factor = min(attempt.factor, 0.5) if panel is not None else attempt.factor
         if h <= shortest:

@@ -194,7 +194,7 @@ def test_mirror_images_move_alike(run: Solution) -> None:
 
 
 def wrong_place(image: Source) -> None:
-    image.description["stops"]["j0 upper"]["at_deg"] *= 1.0 + 1e-9
+    image.description["stops"]["j0 upper"]["at_deg"] *= 1.0 + 1e-6
 
 
 def unturned_table(image: Source) -> None:
