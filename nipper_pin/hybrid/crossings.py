@@ -14,9 +14,6 @@ from ..dynamics.system import ConstraintSet, System
 from .collocation import evaluate, nodes
 from .panel import SMALLEST, Panel
 
-# The interpolant of a resolved panel misses the equations between its nodes by a few times its last
-# coefficients, which two integrations divide by (2 N)^2.
-_LEFT_OUT = 40.0
 _NEWTON_STEPS = 3
 
 
@@ -39,7 +36,8 @@ def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: flo
     off = np.abs(evaluate(panel.a, sigma, 0) - system.accelerations(motion, q, v, rows))
     moved = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0) + SMALLEST
     share = float((rows.moving * off * panel.h**2 / moved).max())
-    return share <= _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance
+    # Two integrations divide what the interpolant misses by about (2 N)^2.
+    return share <= (2.0 * panel.order) ** 2 * tolerance
 
 
 def _meetings(system: System, panel: Panel) -> FloatArray:
