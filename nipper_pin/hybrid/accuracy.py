@@ -259,9 +259,11 @@ def _left_over_alone(
     rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
     coefficients = np.abs(grid.integrals[0] @ a)
     known, last = coefficients[-4:-2].max(axis=0), coefficients[-2:].max(axis=0)
-    missing = last.copy()
-    if not system.mechanism.tabulated_springs:
-        # Across a row of a table coefficients decay by powers: the next is as large as the last.
+    if system.mechanism.tabulated_springs:
+        # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
+        # integrated, a quarter of their number times the last one is missing.
+        missing = 0.25 * len(coefficients) * last
+    else:
         decay = np.divide(last, known, where=known > last, out=np.ones_like(last))
         if len(coefficients) >= _PAIRS:
             # The last ones may be small by chance: the decay before them counts, too.
@@ -269,7 +271,7 @@ def _left_over_alone(
             slower = np.divide(known, before, where=before > known, out=np.ones_like(known))
             decay = np.maximum(decay, slower)
         # All that follow are missing, a geometric series.
-        missing *= decay / np.maximum(1.0 - decay, 1.0 / len(coefficients))
+        missing = last * decay / np.maximum(1.0 - decay, 1.0 / len(coefficients))
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

@@ -198,6 +198,11 @@ def _force_root(
             if values[start] > 0.0:
                 break
         else:
+            # Nor too late: then it has vanished at an earlier sample already.
+            before = int(np.searchsorted(samples, left))
+            while before > 0 and exact(panel.t + panel.h * left)[0] <= 0.0:
+                before -= 1
+                left, right = float(samples[before]), left
             return _polished(panel, (left, right), rough, exact)
     return None
 
