@@ -20,6 +20,8 @@ from .multibody import Multibody
 
 # A root of a gap at the end of a table may lie, by round-off, beyond it: in parts of its length.
 _ROUND_OFF = 1e-9
+# Cosine of the angle by which a damper may turn from one node to the next.
+_TURN = 0.5
 
 
 def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
@@ -83,6 +85,28 @@ class Elements:
             return np.zeros(len(q))
         _, _, rate = self._pulls(q, v)
         return np.asarray(rate**2 @ self._damping)
+
+    def resolved(self, q: FloatArray) -> bool:
+        """True if no damper turns by more from node to node than nodes can show.
+
+        Where its points pass one another closely the line between them turns by half a turn in no
+        time. The force of the damper falls to zero there and is afterwards what it was before, so
+        nodes on both sides know nothing of it.
+
+        Args:
+            q: Configurations at successive nodes, shape (N, nv).
+        """
+        if not self._damping.any():
+            return True
+        places, _ = self._body.points(q)
+        line = (places[:, :, 1] - places[:, :, 0])[:, self._damping > 0.0]
+        before, after = line[:-1], line[1:]
+        along = np.einsum("nsi,nsi->ns", before, after)
+        sizes = np.linalg.norm(before, axis=2) * np.linalg.norm(after, axis=2)
+        # Points that coincide have no direction, and a damper in line with them needs none.
+        across = before[:, :, 0] * after[:, :, 1] - before[:, :, 1] * after[:, :, 0]
+        apart = np.abs(across) > COINCIDENT_M * np.linalg.norm(after - before, axis=2)
+        return not bool((apart & (along < _TURN * sizes)).any())
 
     def point_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Forces (x, z) on the points a of the struts, world axes, shape (N, struts, 2) [N]."""

@@ -267,7 +267,8 @@ class Multibody:
                 # Nothing moves the frame of the machine.
                 if joint:
                     rows = pin.getFrameJacobian(model, data, joint, placement, axes)
-                    jacobian[number] = rows[[0, 2]]
+                    # Of one column the binding makes a vector.
+                    jacobian[number] = rows.reshape(-1, self.nv)[[0, 2]]
         return places.reshape(len(q), -1, 2, 2), jacobians.reshape(len(q), -1, 2, 2, self.nv)
 
     def joint_wrenches(

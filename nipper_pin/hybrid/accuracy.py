@@ -333,13 +333,16 @@ def _left_over_alone(
     again = system.accelerations(motion, panel.q, panel.v, rows)
     swept = again - a
     signs = (-1.0) ** np.arange(panel.q.shape[1])
-    nearby = panel.q * (1.0 + _NEARBY * _EPS * signs)
+    # The length of a strut is a difference of places.
+    size = np.abs(panel.q) + (system.body.reach_m if system.mechanism.struts else 0.0)
+    nearby = panel.q + _NEARBY * _EPS * signs * size
     rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
     missing = _between(system, rows, panel)
     if system.mechanism.tabulated_springs:
-        # Across a row of a table coefficients decay by powers: the next is as large as the last.
+        # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
+        # integrated, a quarter of their number times the last one is missing.
         last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)
-        missing = np.maximum(missing, last)
+        missing = np.maximum(missing, 0.25 * panel.order * last)
     round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)

@@ -24,6 +24,8 @@ _EASY_SWEEPS = 14
 # that gain less than this show a panel too long for the iteration.
 _FREE_SWEEPS = 4
 _WORST_CONTRACTION = 0.5
+# Growth of panels as long as they do not need the finest grid.
+_LONGER = 2.0
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
 
@@ -79,6 +81,9 @@ def flight_panel(
     attempt = judged(panel, forces, left_over / tolerance, len(a))
     if iteration.sweeps > _EASY_SWEEPS:
         return replace(attempt, factor=min(attempt.factor, 1.0))
+    if len(a) < finest and attempt.panel is not None:
+        # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
+        return replace(attempt, factor=_LONGER)
     return attempt
 
 

@@ -87,6 +87,11 @@ def kinematic_panel(
         # accelerations is round-off.
         rough_a = np.zeros_like(moving)
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
+    if system.mechanism.struts:
+        # Where points of a strut pass one another closely, its force is rougher than all motion.
+        pulls = system.point_forces(q_nodes, v_nodes).reshape(len(q_nodes), -1)
+        rough_pull = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
+        excess = max(excess, float(rough_pull.max()))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 
 

@@ -16,6 +16,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import nodes
+from .crossings import shows_rows
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -159,6 +160,17 @@ def advance(
         h = min(longest, advised)
 
 
+def _shows_elements(
+    system: System, rows: ConstraintSet, panel: Panel, resolution: Resolution
+) -> bool:
+    """True if the nodes see what tables, and dampers between points, do on a panel."""
+    if system.elements is None or not resolution.adaptive:
+        return True
+    if not system.elements.resolved(panel.q):
+        return False
+    return not panel.integrated or shows_rows(system, rows, panel, resolution.tolerance)
+
+
 def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
     """Refuse a panel that leaves a table before the end of the segment; no node may show it."""
     times = panel.t + panel.h * nodes(panel.order).samples
@@ -224,9 +236,10 @@ def _panel(
             if h <= 2.0 * shortest:
                 raise
         else:
-            if attempt.panel is not None:
-                return attempt.panel, attempt.forces, h * attempt.factor
-            factor = attempt.factor
+            panel = attempt.panel
+            if panel is not None and _shows_elements(system, rows, panel, resolution):
+                return panel, attempt.forces, h * attempt.factor
+            factor = min(attempt.factor, 0.5) if panel is not None else attempt.factor
         if h <= shortest:
             break
         h *= factor

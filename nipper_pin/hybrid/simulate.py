@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .cycles import repeats
 from .event import Event, EventKind
+from .jams import LatestCollisions
 from .locate import located
 from .nested import NestedSeries
 from .phases import Closed, after_collision, after_release, pressed
@@ -33,7 +34,7 @@ from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 from .state import State, initial_state
-from .triggers import TriggerKind
+from .triggers import SIMULTANEOUS, TriggerKind
 
 
 def simulate(
@@ -91,6 +92,7 @@ class _Run:
         self.segments: list[Segment] = []
         self._collisions = 0
         self._nested: dict[tuple[str, Closed], NestedSeries] = {}
+        self._latest = LatestCollisions()
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
         try:
             self.state = initial_state(system, case.start_index)
@@ -176,13 +178,17 @@ class _Run:
             self.collide(state, hit)
             return
         still = frozenset(name for name, rate in rates.items() if rate == 0.0)
-        if still:
-            closed = self._pressed(state, state.v, state.closed | still) | state.closed
-            newly = sorted(closed - state.closed)
-            if newly:
-                none = no_impact(self.system, state.v)
-                self._record(EventKind.REST, state, state.t, newly, none, closed)
-                self.state = state._replace(closed=closed)
+        if not still:
+            return
+        closed = self._pressed(state, state.v, state.closed | still)
+        opened = state.closed - closed
+        if opened:
+            state = self._open(state, opened)
+        newly = closed - state.closed
+        if newly:
+            none = no_impact(self.system, state.v)
+            self._record(EventKind.REST, state, state.t, sorted(newly), none, closed)
+            self.state = state._replace(closed=closed)
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit."""
@@ -220,7 +226,11 @@ class _Run:
         if released:
             state = self._release(state, released)
         if hit:
-            self.collide(state, hit)
+            rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
+            # Of stops that touch within round-off of one time some may be on their way out.
+            self.collide(
+                state, {name for name in hit if rates[name] <= max(min(rates.values()), 0)}
+            )
         return True
 
     def collide(self, state: State, hit: set[str]) -> None:
@@ -228,6 +238,9 @@ class _Run:
         self._collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
+        fastest = max(abs(self.mechanism.stop(name).rate(state.v)) for name in hit)
+        self._latest = self._latest.struck(state.t, frozenset(hit), fastest)
+        self._latest.check(SIMULTANEOUS * self.system.shaft.period)
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
@@ -314,6 +327,14 @@ class _Run:
 
     def _release(self, state: State, released: set[str]) -> State:
         """Open the stops whose force has fallen to zero."""
+        if len(released) > 1:
+            # Those that pull at the start of a phase may push once another one is open.
+            held = self._pressed(state, state.v, state.closed)
+            return self._open(state, (state.closed - held) or released)
+        return self._open(state, released)
+
+    def _open(self, state: State, released: Iterable[str]) -> State:
+        """Open stops that do not push."""
         closed = after_release(state.closed, released)
         # Stops that are not pressed shut are no series any more.
         self._nested.clear()

@@ -16,8 +16,12 @@ from .collocation import Series, evaluate, nodes
 from .panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish
 
-# Triggers nearer than this fraction of a turn are one event.
-_SIMULTANEOUS = 1e-13
+SIMULTANEOUS = 1e-13
+"""Triggers nearer than this fraction of a turn are one event."""
+# Round-off of a gap that the closures determine [rad or m].
+_ROUND_OFF = 1e-13
+# A gap starts to close from zero if it does so with this share of its largest acceleration.
+_CLOSING = 1e-3
 
 
 class TriggerKind(StrEnum):
@@ -68,7 +72,7 @@ def triggers(
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
-    limit = earliest + _SIMULTANEOUS * system.shaft.period
+    limit = earliest + SIMULTANEOUS * system.shaft.period
     return tuple(
         trigger if trigger.t == earliest else replace(trigger, t=earliest)
         for trigger in sorted(found, key=lambda item: item.stop)
@@ -137,7 +141,16 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
+    if power == 2 and values[0] < -_CLOSING * float(np.abs(values).max()):
+        # It was opened where its force only just touched zero, and is pressed shut again.
+        return panel.t
     if (values < 0.0).all():
+        if -_ROUND_OFF <= gap < 0.0 < rate:
+            # It opens, and the panel is so short that it does not get out of the round-off.
+            return None
+        if rate < 0.0 < gap <= _ROUND_OFF:
+            # It closes within the round-off of its integral.
+            return panel.t + min(-gap / rate, h)
         message = (
             f"stop {stop.name!r} is open but its gap starts to close from zero: the accelerations "
             "contradict the closed stops; this is an error of the package, please report the case"
@@ -173,8 +186,25 @@ def _force_root(
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
-    bracket = first_descent(grid.samples, values, interpolant)
-    return _polished(panel, bracket, rough, exact)
+    samples, start = grid.samples, 0
+    while (bracket := first_descent(samples[start:], values[start:], interpolant)) is not None:
+        left, right = bracket
+        # The interpolant is not resolved as far as the force itself: it may fall too soon.
+        while exact(panel.t + panel.h * right)[0] > 0.0:
+            start = int(np.searchsorted(samples, right, side="right"))
+            if start == len(samples):
+                return None
+            left, right = right, float(samples[start])
+            if values[start] > 0.0:
+                break
+        else:
+            # Nor too late: then it has vanished at an earlier sample already.
+            before = int(np.searchsorted(samples, left))
+            while before > 0 and exact(panel.t + panel.h * left)[0] <= 0.0:
+                before -= 1
+                left, right = float(samples[before]), left
+            return _polished(panel, (left, right), rough, exact)
+    return None
 
 
 def _polished(

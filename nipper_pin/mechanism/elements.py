@@ -76,13 +76,16 @@ class Characteristic:
         """Force against the coordinate [N or N m].
 
         Args:
-            x: Coordinates, shape (N,). Beyond the ends the last cubic goes on: an iteration may
-                try such a state, but no motion that contains one is accepted.
+            x: Coordinates, shape (N,). Beyond the ends the last cubic goes on for the length of the
+                table, and then its value: an iteration may try such a state and must not run away
+                to infinity there, but no motion that contains one is accepted.
 
         Returns:
             Shape (N,).
         """
-        return np.asarray(self._force(x))
+        low, high = self.ends
+        length = high - low
+        return np.asarray(self._force(np.clip(x, low - length, high + length)))
 
     def energies(self, x: FloatArray) -> FloatArray:
         """Energy stored since the first row [J], the exact integral of the force, shape (N,)."""

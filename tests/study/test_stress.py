@@ -191,6 +191,24 @@ def wrong_stop_closed(cycle: Solution) -> Solution:
     return replace(cycle, segments=tuple(segments))
 
 
+def beside_its_equations(cycle: Solution) -> Solution:
+    segments = [
+        segment if segment.kinematic
+        else replace(segment, panels=tuple(replace(p, a=1.000001 * p.a) for p in segment.panels))
+        for segment in cycle.segments
+    ]  # fmt: skip
+    return replace(cycle, segments=tuple(segments))
+
+
+def stiffer_spring(cycle: Solution) -> Solution:
+    (spring,) = cycle.mechanism.springs
+    stiffer = replace(spring, stiffness=spring.stiffness * (1.0 + 1e-6))
+    wrong = replace(cycle, mechanism=replace(cycle.mechanism, springs=(stiffer,)))
+    # The engine goes on with the spring that it had.
+    wrong.__dict__["system"] = cycle.system
+    return wrong
+
+
 def loses_more(cycle: Solution) -> Solution:
     place = first(cycle, EventKind.REST)
     lost = cycle.events[place].energy_lost
@@ -213,6 +231,8 @@ DOCTORED: list[tuple[str, Callable[[Solution], Solution]]] = [
     ("motion", penetrates),
     ("motion", wrong_acceleration),
     ("motion", wrong_stop_closed),
+    ("flights", beside_its_equations),
+    ("springs and dampers", stiffer_spring),
     ("continuity", jumps),
     ("energy", loses_more),
     ("tables", unknown_error),

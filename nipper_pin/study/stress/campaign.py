@@ -21,7 +21,7 @@ from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome
 from ..processes import fresh_processes
-from .agreement import bits, engines_agree, same_bits, within_errors
+from .agreement import bits, engines_agree, mirror_images, same_bits, within_errors
 from .invariants import Violation, violations
 from .space import Trial, trial
 
@@ -98,7 +98,7 @@ def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
 
 
 def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
-    """Simulate a trial twice as it is and once finer, and check all."""
+    """Simulate a trial twice as it is, once finer and once mirrored, and check all."""
     values = dict(item.case)
     resolution = Resolution(**values.pop("resolution"))
     case = Case(**values, resolution=resolution)
@@ -117,6 +117,14 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
             fine = None
         if fine is not None:
             found += within_errors(solution, fine)
+    if (image := item.mirror_image()) is not None:
+        try:
+            seen = simulate(image, case)
+        except SimulationError:
+            # What is at the limit of the possible may be refused from one side only.
+            seen = None
+        if seen is not None:
+            found += mirror_images(solution, seen)
     if case.window is Window.TRANSITION and solution.outcome is Outcome.AT_REST:
         found += engines_agree(solution, resolution.tolerance) or []
     return solution.outcome.name, bits(solution), found

@@ -15,7 +15,7 @@ from ...errors import InputError
 from ...hybrid.case import Case, Resolution
 from ...hybrid.storage import FORMAT, complete_file
 from .campaign import Verdict
-from .machines import Source
+from .parts import Source
 from .space import Trial
 
 

@@ -21,13 +21,13 @@ from ...hybrid.accuracy import round_off
 from ...hybrid.collocation import nodes
 from ...hybrid.energy import pieces
 from ...hybrid.event import EventKind
-from ...hybrid.panel import Panel, forces_at, state_at
-from ...hybrid.segment import Segment
+from ...hybrid.panel import forces_at, state_at
 from ...hybrid.solution import Outcome, Solution
+from .element_invariants import elements, flights
+from .looking import EPS, beyond, looked_at, some
 
-EPS = float(np.finfo(float).eps)
-# Of many segments, of their panels and of events that many are looked at, evenly chosen.
-_SEGMENTS, _PANELS, _EVENTS, _POINTS = 24, 3, 100, 5
+# Of many events and borders of panels that many are looked at, evenly chosen.
+_EVENTS = 100
 
 
 @dataclass(frozen=True)
@@ -55,28 +55,22 @@ def violations(solution: Solution) -> list[Violation]:
     return [Violation(kind, text) for kind, check in CHECKS.items() for text in check(solution)]
 
 
-def _beyond(what: str, found: float, most: float) -> Iterator[str]:
-    # A comparison with a number that is none is false: such a number is beyond every limit.
-    if not found <= most:
-        yield f"{what}: {found:.3g}, at most {most:.3g}"
-
-
 def _times(solution: Solution) -> Iterator[str]:
     """Events and segments in order of time, without gaps, within the window."""
     end = solution.segments[-1].t_end if solution.segments else 0.0
     clock = 16.0 * EPS * end
     for old, new in zip(solution.segments, solution.segments[1:], strict=False):
-        yield from _beyond("gap between segments [s]", abs(new.t_start - old.t_end), clock)
+        yield from beyond("gap between segments [s]", abs(new.t_start - old.t_end), clock)
     for segment in solution.segments:
-        yield from _beyond(f"segment at {segment.t_start:.9g} s runs backwards [s]",
+        yield from beyond(f"segment at {segment.t_start:.9g} s runs backwards [s]",
                            segment.t_start - segment.t_end, 0.0)  # fmt: skip
     for number, event in enumerate(solution.events, start=1):
         if event.number != number:
             yield f"event {number} has number {event.number}"
         if event.kind is not EventKind.REST:
-            yield from _beyond(f"event {number} beyond the end [s]", event.t - end, clock)
+            yield from beyond(f"event {number} beyond the end [s]", event.t - end, clock)
     for before, after in zip(solution.events, solution.events[1:], strict=False):
-        yield from _beyond(f"event {after.number} before its predecessor [s]",
+        yield from beyond(f"event {after.number} before its predecessor [s]",
                            before.t - after.t, clock)  # fmt: skip
 
 
@@ -91,10 +85,10 @@ def _outcome(solution: Solution) -> Iterator[str]:
         if last is None or last.kind is not EventKind.REST or name not in last.stops:
             yield "at rest, but the last event is no rest of the transition stop"
     elif solution.outcome is Outcome.TOO_MANY_COLLISIONS:
-        yield from _beyond("collisions wanted", case.max_collisions, collisions)
+        yield from beyond("collisions wanted", case.max_collisions, collisions)
     elif solution.outcome is not Outcome.NO_REST:
         window = case.cycles * solution.shaft.period
-        yield from _beyond("end away from that of the window [s]", abs(end - window),
+        yield from beyond("end away from that of the window [s]", abs(end - window),
                            16.0 * EPS * window)  # fmt: skip
     if case.rest_rate is None:
         for event in events:
@@ -128,7 +122,8 @@ def _phases(solution: Solution) -> Iterator[str]:
             yield f"{where}: {sorted(closed)} closed without a contact"
         # Several stops may meet one after the other in one instant, and the last event counts.
         following = solution.events[event.number : event.number + 1]
-        goes_on = any(np.array_equal(item.q, event.q) for item in following)
+        cut_off = solution.outcome is Outcome.TOO_MANY_COLLISIONS and not following
+        goes_on = cut_off or any(item.t == event.t for item in following)
         for stop in mechanism.stops:
             gap, rate = stop.gap(event.q), stop.rate(event.v_after)
             if stop.name in closed and (gap != 0.0 or rate != 0.0):
@@ -147,7 +142,7 @@ def _phases(solution: Solution) -> Iterator[str]:
 def _impulses(solution: Solution) -> Iterator[str]:
     """Momentum, closures, restitution, complementarity and energy of the impacts."""
     system = solution.system
-    for place in _some(len(solution.events), _EVENTS):
+    for place in some(len(solution.events), _EVENTS):
         event = solution.events[place]
         if event.kind is EventKind.RELEASE or not event.delta.any():
             continue
@@ -168,12 +163,12 @@ def _impulses(solution: Solution) -> Iterator[str]:
         if system.held:
             # What is left in the driven coordinates is the drives' impulse.
             left, size = np.delete(left, system.driven), np.delete(size, system.driven)
-            yield from _beyond(f"{where}: change of the drives' rates",
+            yield from beyond(f"{where}: change of the drives' rates",
                                float(np.abs(event.delta[system.driven]).max(initial=0.0)),
                                1e-20 * float(np.abs(event.delta).max()))  # fmt: skip
         inertias = np.diag(M)[~np.isin(np.arange(len(M)), system.held_coordinates)]
         share = max(1e-9, min(64.0 * EPS * float(inertias.max() / inertias.min()), 1e-4))
-        yield from _beyond(f"{where}: momentum", float(np.abs(left).max(initial=0.0)),
+        yield from beyond(f"{where}: momentum", float(np.abs(left).max(initial=0.0)),
                            share * float(np.max(size, initial=0.0)))  # fmt: skip
         for label, v in (("delta", event.delta), ("v_after", event.v_after)):
             rates = np.abs(G @ v).max(initial=0.0)
@@ -181,13 +176,14 @@ def _impulses(solution: Solution) -> Iterator[str]:
             # Closures that move by drives alone see round-off of the other rates, and nothing else.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
             least = 16.0 * EPS * float(np.abs(G).max(initial=0.0) * fastest)
-            yield from _beyond(f"{where}: closure rate of {label}", float(rates),
+            yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
         speed = np.maximum(np.abs(event.v_after), np.abs(event.v_before))
-        yield from _beyond(f"{where}: v_after - v_before is not delta",
+        yield from beyond(f"{where}: v_after - v_before is not delta",
                            float((off - 1e-9 * np.abs(event.delta)).max()),
-                           16.0 * EPS * float(speed.max()))  # fmt: skip
+                           16.0 * EPS * float(speed.max())
+                           + 1e-12 * float(np.abs(event.delta).max()))  # fmt: skip
         if contact:
             yield from _restitution(solution, place)
 
@@ -206,15 +202,15 @@ def _restitution(solution: Solution, place: int) -> Iterator[str]:
         lost -= 0.5 * impulse * (before + after)
     for name, impulse, before, xi in rates:
         where = f"event {event.number}, stop {name}"
-        yield from _beyond(f"{where}: impulse pulls", -impulse, 0.0)
-        yield from _beyond(f"{where}: below the law", -xi, 1e-11 * fastest)
+        yield from beyond(f"{where}: impulse pulls", -impulse, 0.0)
+        yield from beyond(f"{where}: below the law", -xi, 1e-11 * fastest)
         if impulse > 0.0:
-            yield from _beyond(f"{where}: impulse and excess rate", abs(xi), 1e-11 * fastest)
+            yield from beyond(f"{where}: impulse and excess rate", abs(xi), 1e-11 * fastest)
         if name in event.stops and name not in event.closed_before:
-            yield from _beyond(f"{where}: approach rate", before, 0.0)
-    yield from _beyond(f"event {event.number}: energy lost [J]", abs(event.energy_lost - lost),
+            yield from beyond(f"{where}: approach rate", before, 0.0)
+    yield from beyond(f"event {event.number}: energy lost [J]", abs(event.energy_lost - lost),
                        1e-9 * abs(lost))  # fmt: skip
-    yield from _beyond(f"event {event.number}: energy gained [J]", -event.energy_lost,
+    yield from beyond(f"event {event.number}: energy gained [J]", -event.energy_lost,
                        1e-9 * sum(abs(p) * fastest for _, p, _, _ in rates))  # fmt: skip
 
 
@@ -222,7 +218,7 @@ def _motion(solution: Solution) -> Iterator[str]:
     """Closures, gaps and forces between events; the product of gap and force is zero."""
     system, body = solution.system, solution.system.body
     tolerance = solution.case.resolution.tolerance
-    for segment, panel, t in _looked_at(solution):
+    for segment, panel, t in looked_at(solution):
         where = f"segment at {segment.t_start:.9g} s"
         rows = system.constraint_set(segment.closed)
         q, v, a, forces = forces_at(system, rows, panel, t)
@@ -230,10 +226,10 @@ def _motion(solution: Solution) -> Iterator[str]:
             yield f"{where}: not finite"
             continue
         g, G = body.closures(q)
-        yield from _beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * body.reach_m)
+        yield from beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * body.reach_m)
         size = np.einsum("nij,nj->ni", np.abs(G), np.abs(v))
         rate = np.einsum("nij,nj->ni", G, v)
-        yield from _beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
+        yield from beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
         for stop in solution.mechanism.stops:
             gap = stop.gaps(q)
             if stop.name in segment.closed:
@@ -243,7 +239,7 @@ def _motion(solution: Solution) -> Iterator[str]:
             ends = np.abs(stop.gaps(panel.q)).max()
             # Of a flight of height H a gap is right to the tolerance times H.
             clock = 16.0 * EPS * segment.t_end * float(np.abs(v[:, stop.index]).max())
-            yield from _beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
+            yield from beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
                                -float(gap.min()),
                                2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
         yield from _forces(solution, where, rows, (q, v, a), G, forces)
@@ -254,7 +250,7 @@ def _motion(solution: Solution) -> Iterator[str]:
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
-            yield from _beyond(f"{where}: rate of the velocity is not the acceleration [share]",
+            yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
 
@@ -272,25 +268,27 @@ def _forces(
     inverse, spring = system.body.inverse_dynamics(*state), system.applied_forces(*state[:2])
     left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
     size = np.abs(inverse) + np.abs(spring)
+    # In free fall inertia and weight are all there is, and make up for one another.
+    size += np.abs(system.body.inverse_dynamics(*state[:2], np.zeros_like(state[2])))
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
     left[:, list(rows.stops)] -= rows.senses * forces.la_N
     left[:, system.driven] -= forces.drive
     if not system.held:
         left[:, system.driven] += system.inertia * state[2][:, system.driven]
     share = np.abs(left).max(axis=1) / size.max(axis=1)
-    yield from _beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
+    yield from beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
     if rows.stops:
         pull = -(forces.la_N / size[:, list(rows.stops)].max(axis=0)).min()
         # Forces are second derivatives: they are resolved less far than positions.
         most = 10.0 * tolerance**0.5 + 1e-9
-        yield from _beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
+        yield from beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
 
 
 def _continuity(solution: Solution) -> Iterator[str]:
     """No link jumps from one panel to the next."""
     tolerance = solution.case.resolution.tolerance
     parts = [(s, *piece) for s in solution.segments[:_EVENTS] for piece in pieces(s)]
-    for place in _some(max(len(parts) - 1, 0), _EVENTS):
+    for place in some(max(len(parts) - 1, 0), _EVENTS):
         (old, before, _, end), (new, after, begin, _) = parts[place : place + 2]
         states = [
             state_at(solution.system, solution.system.constraint_set(s.closed), p, np.array([t])).q[
@@ -301,7 +299,7 @@ def _continuity(solution: Solution) -> Iterator[str]:
         moved = np.abs(before.q).max() + np.abs(after.q).max()
         # Near a dead centre closures leave positions open by more than round-off.
         open_by = float(round_off(solution.system, before, states[0][None]).max())
-        yield from _beyond(f"jump at {end:.9g} s [rad or m]", _most(states[1] - states[0]),
+        yield from beyond(f"jump at {end:.9g} s [rad or m]", _most(states[1] - states[0]),
                            10.0 * tolerance * float(moved) + 8.0 * open_by + 1e-11)  # fmt: skip
 
 
@@ -318,7 +316,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     # Near a dead centre panels are short. Copies of a turn share theirs.
     known = {id(s.panels[0].q): s for s in solution.segments}
     shortest = [(s, min(s.panels, key=lambda p: p.h)) for s in known.values()]
-    for segment, panel in (*shortest, *((s, p) for s, p, _ in _looked_at(solution))):
+    for segment, panel in (*shortest, *((s, p) for s, p, _ in looked_at(solution))):
         scale = max(scale, float(system.spring_energy(panel.q).max()))
         heights.append(system.body.gravity_energy(panel.q))
         stops = system.constraint_set(segment.closed).stops
@@ -330,11 +328,16 @@ def _energy(solution: Solution) -> Iterator[str]:
     scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
     # Forces lose the digits that the impact matrix loses.
     lost = min(32.0 * EPS * condition, 1e-5)
-    # Every panel may leave an error of the order of the tolerance.
-    panels = sum(len(segment.panels) for segment in solution.segments)
-    unresolved = (100.0 + 10.0 * panels) * solution.case.resolution.tolerance
+    # Every panel may leave an error of the order of the tolerance in positions, and in rates one
+    # that is larger by twice the number of its nodes.
+    panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
+    unresolved = (100.0 + panels) * solution.case.resolution.tolerance
     most = (1e-8 + lost + unresolved) * scale
-    yield from _beyond("energy that is left over [J]", abs(energy.residual), most)
+    # A strut's deflection is a difference of lengths, and has their round-off.
+    most += (
+        1e4 * EPS**2 * system.body.reach_m**2 * sum(s.stiffness for s in system.mechanism.struts)
+    )
+    yield from beyond("energy that is left over [J]", abs(energy.residual), most)
 
 
 def _tables(solution: Solution) -> Iterator[str]:
@@ -345,7 +348,7 @@ def _tables(solution: Solution) -> Iterator[str]:
             if value is not None and not 0.0 <= value < np.inf:
                 yield f"collision {hit.number}: rebound {name} {value!r}"
     for phase in solution.phases:
-        yield from _beyond("phase runs backwards [s]", phase.t_start - phase.t_end, 0.0)
+        yield from beyond("phase runs backwards [s]", phase.t_start - phase.t_end, 0.0)
     for number, error in enumerate(solution.errors, start=1):
         if not (0.0 <= error.time < np.inf and 0.0 <= error.impulse < np.inf):
             yield f"event {number}: stated errors {error}"
@@ -358,28 +361,13 @@ CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
     "phase logic": _phases,
     "impulse": _impulses,
     "motion": _motion,
+    "flights": flights,
+    "springs and dampers": elements,
     "continuity": _continuity,
     "energy": _energy,
     "tables": _tables,
 }
 """The invariants by name."""
-
-
-def _looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
-    """Panels and times that are looked at: evenly chosen segments, copies of a turn once."""
-    seen: set[int] = set()
-    for place in _some(len(solution.segments), _SEGMENTS):
-        segment = solution.segments[place]
-        parts = list(pieces(segment))
-        for panel, begin, end in (parts[i] for i in _some(len(parts), _PANELS)):
-            if id(panel.q) not in seen:
-                seen.add(id(panel.q))
-                yield segment, panel, np.linspace(begin, end, _POINTS)
-
-
-def _some(count: int, most: int) -> list[int]:
-    """Places, evenly chosen where there are many: the first and the last are among them."""
-    return sorted({round(x) for x in np.linspace(0, count - 1, min(count, most))})
 
 
 def _slope(values: FloatArray) -> FloatArray:

@@ -16,16 +16,28 @@ import numpy as np
 
 from ...mechanism import from_sources
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.overrides import apply_overrides
 from ...mechanism.urdf import edit
-from .machines import Source, bouncing_mass, e62, flaps, four_bar
+from .draws import (
+    JAW,
+    PRELOAD,
+    STEEVE,
+    STIFFNESS,
+    Draft,
+    Generator,
+    changed,
+    log,
+    one_of,
+    usual,
+    window,
+)
+from .element_families import ELEMENT_FAMILIES
+from .machines import bouncing_mass, e62, flaps, four_bar
+from .mirror import mirrored
+from .parts import Source
 
-Generator = np.random.Generator
 _LINKS = (
     "bottom_nipper", "rocker", "top_nipper", "steeve_lower", "steeve_upper", "eccentric",
 )  # fmt: skip
-_JAW, _STEEVE = "stops.jaw.restitution", "stops.steeve.restitution"
-_STIFFNESS, _PRELOAD = "springs.steeve.stiffness_N_per_m", "springs.steeve.preload_length_mm"
 
 
 @dataclass(frozen=True)
@@ -48,8 +60,16 @@ class Trial:
 
     def mechanism(self) -> Mechanism:
         """Build and validate the mechanism."""
-        source = self.source
-        return from_sources(source.name, source.urdf, source.description, source.folder)
+        return _built(self.source)
+
+    def mirror_image(self) -> Mechanism | None:
+        """Build the mirrored mechanism; None if its model cannot be mirrored."""
+        source = mirrored(self.source)
+        return None if source is None else _built(source)
+
+
+def _built(source: Source) -> Mechanism:
+    return from_sources(source.name, source.urdf, source.description, source.folder)
 
 
 def trial(seed: int, number: int) -> Trial:
@@ -62,63 +82,26 @@ def trial(seed: int, number: int) -> Trial:
     return Trial(number, seed, family, source, {**case, "resolution": resolution})
 
 
-def _log(rng: Generator, low: float, high: float) -> float:
-    """A number whose logarithm is uniform; the ends themselves one time in ten."""
-    if rng.random() < 0.1:
-        return float(rng.choice([low, high]))
-    return float(10.0 ** rng.uniform(np.log10(low), np.log10(high)))
-
-
-def _one_of(rng: Generator, *values: float) -> float:
-    return float(rng.choice(values))
-
-
-def _changed(values: Mapping[str, object], source: Source | None = None) -> Source:
-    base = source or e62()
-    data, urdf = apply_overrides(
-        base.description, base.urdf, values, f"{base.name}.toml", f"{base.name}.urdf"
-    )
-    return Source(base.name, urdf, data, base.folder)
-
-
-def _usual(rng: Generator) -> dict[str, object]:
-    """Values that a comber may have."""
-    return {
-        _JAW: float(rng.uniform(0.0, 0.6)),
-        _STEEVE: float(rng.uniform(0.0, 0.6)),
-        _STIFFNESS: _log(rng, 3e3, 3e4),
-        _PRELOAD: float(rng.uniform(2.0, 20.0)),
-    }
-
-
-def _window(rng: Generator, speed: float) -> dict[str, Any]:
-    """A transition, or one or two turns."""
-    case: dict[str, Any] = {"speed_rpm": speed, "max_collisions": 200}
-    if rng.random() < 0.5:
-        case |= {"window": "cycle", "cycles": int(rng.integers(1, 3))}
-    return case
-
-
-def _ordinary(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
+def _ordinary(rng: Generator) -> Draft:
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
     case["drive"] = "inertial" if rng.random() < 0.25 else "held"
-    return _changed(_usual(rng)), case
+    return changed(usual(rng)), case
 
 
-def _speed(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    return _changed(_usual(rng)), _window(rng, _log(rng, 1.0, 5000.0))
+def _speed(rng: Generator) -> Draft:
+    return changed(usual(rng)), window(rng, log(rng, 1.0, 5000.0))
 
 
-def _restitution(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    values = {**_usual(rng), _JAW: _one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform()),
-              _STEEVE: _one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform())}  # fmt: skip
-    return _changed(values), _window(rng, float(rng.uniform(100.0, 900.0)))
+def _restitution(rng: Generator) -> Draft:
+    values = {**usual(rng), JAW: one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform()),
+              STEEVE: one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform())}  # fmt: skip
+    return changed(values), window(rng, float(rng.uniform(100.0, 900.0)))
 
 
-def _spring(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    preload = _one_of(rng, 0.0, -5.0, rng.uniform(-50.0, 50.0), rng.uniform(0.0, 20.0))
-    values = {**_usual(rng), _STIFFNESS: _log(rng, 1e-3, 1e9), _PRELOAD: preload}
-    return _changed(values), _window(rng, float(rng.uniform(100.0, 900.0)))
+def _spring(rng: Generator) -> Draft:
+    preload = one_of(rng, 0.0, -5.0, rng.uniform(-50.0, 50.0), rng.uniform(0.0, 20.0))
+    values = {**usual(rng), STIFFNESS: log(rng, 1e-3, 1e9), PRELOAD: preload}
+    return changed(values), window(rng, float(rng.uniform(100.0, 900.0)))
 
 
 def _scaled(source: Source, factors: Mapping[str, tuple[float, float]]) -> Source:
@@ -137,48 +120,48 @@ def _scaled(source: Source, factors: Mapping[str, tuple[float, float]]) -> Sourc
     return Source(source.name, urdf, source.description, source.folder)
 
 
-def _masses(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _masses(rng: Generator) -> Draft:
     chosen = rng.permutation(_LINKS)[: int(rng.integers(1, len(_LINKS) + 1))]
-    factors = {name: (f, f) for name, f in ((str(n), _log(rng, 1e-4, 1e4)) for n in chosen)}
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _scaled(_changed(_usual(rng)), factors), case
+    factors = {name: (f, f) for name, f in ((str(n), log(rng, 1e-4, 1e4)) for n in chosen)}
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return _scaled(changed(usual(rng)), factors), case
 
 
-def _inertia(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _inertia(rng: Generator) -> Draft:
     chosen = rng.permutation(_LINKS)[: int(rng.integers(1, len(_LINKS) + 1))]
-    factors = {str(name): (1.0, _log(rng, 1e-14, 1e-2)) for name in chosen}
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _scaled(_changed(_usual(rng)), factors), case
+    factors = {str(name): (1.0, log(rng, 1e-14, 1e-2)) for name in chosen}
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return _scaled(changed(usual(rng)), factors), case
 
 
-def _reach(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _reach(rng: Generator) -> Draft:
     values = {
-        **_usual(rng),
+        **usual(rng),
         "drives.pendulum.crank_radius_mm": float(rng.uniform(5.0, 192.0)),
         "drives.tension.ratio": float(rng.uniform(-20.0, 20.0)),
         "cylinder.angle_at_touch_deg": float(rng.uniform(0.0, 360.0)),
     }
     keep = rng.permutation(list(values)[4:])[: int(rng.integers(0, 3))]
     values = {key: value for key, value in values.items() if key not in keep}
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _changed(values), {**case, "start_index": float(rng.uniform(0.0, 40.0))}
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return changed(values), {**case, "start_index": float(rng.uniform(0.0, 40.0))}
 
 
-def _dead_centre(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    distance = float(rng.choice([-1.0, 1.0])) * _log(rng, 1e-14, 1e-1)
+def _dead_centre(rng: Generator) -> Draft:
+    distance = float(rng.choice([-1.0, 1.0])) * log(rng, 1e-14, 1e-1)
     ground, crank = 0.10, float(rng.uniform(0.02, 0.045))
     if rng.random() < 0.1:
         distance = 0.0
     both = (ground + crank) * (1.0 + distance)
     coupler = 0.5 * both + float(rng.uniform(-0.2, 0.2)) * (ground - crank)
-    masses = (_log(rng, 1e-3, 1e3), _log(rng, 1e-3, 1e3), _log(rng, 1e-3, 1e3))
-    case = {"speed_rpm": _log(rng, 1.0, 5000.0), "window": "cycle", "start_index": 0.0}
+    masses = (log(rng, 1e-3, 1e3), log(rng, 1e-3, 1e3), log(rng, 1e-3, 1e3))
+    case = {"speed_rpm": log(rng, 1.0, 5000.0), "window": "cycle", "start_index": 0.0}
     case["drive"] = "inertial" if rng.random() < 0.3 else "held"
     case["cycles"] = int(rng.integers(1, 3))
     return four_bar(ground, crank, coupler, both - coupler, masses), case
 
 
-def _grazing(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _grazing(rng: Generator) -> Draft:
     kind = int(rng.integers(3))
     if kind == 0:
         # Near the rear turning point of the pendulum the lips approach as slowly as one likes.
@@ -188,16 +171,16 @@ def _grazing(rng: Generator) -> tuple[Source, dict[str, Any]]:
         away = np.arctan2(guide[1] - crank[1], guide[0] - crank[0])
         lean = np.arccos(drive["crank_radius_mm"] / np.hypot(guide[0] - crank[0],
                                                             guide[1] - crank[1]))  # fmt: skip
-        side, near = float(rng.choice([-1.0, 1.0])), _log(rng, 1e-12, 1e-1)
+        side, near = float(rng.choice([-1.0, 1.0])), log(rng, 1e-12, 1e-1)
         angle = away + side * lean + float(rng.choice([-1.0, 1.0])) * near
-        values = {**_usual(rng), "cylinder.angle_at_touch_deg": degrees(float(angle))}
-        return _changed(values), {"speed_rpm": float(rng.uniform(100.0, 900.0))}
+        values = {**usual(rng), "cylinder.angle_at_touch_deg": degrees(float(angle))}
+        return changed(values), {"speed_rpm": float(rng.uniform(100.0, 900.0))}
     if kind == 1:
-        mass = bouncing_mass(0.7, _log(rng, 1e-9, 10.0), float(rng.uniform(0.0, 0.9)), 9.81)
-        return mass, {"speed_rpm": _log(rng, 1.0, 1000.0), "max_collisions": 200}
+        mass = bouncing_mass(0.7, log(rng, 1e-9, 10.0), float(rng.uniform(0.0, 0.9)), 9.81)
+        return mass, {"speed_rpm": log(rng, 1.0, 1000.0), "max_collisions": 200}
     # An arm that swings just hard enough to throw the flap, or just not.
     speed = float(rng.uniform(60.0, 600.0))
-    swing = 0.3 * float(1.0 + rng.choice([-1.0, 1.0]) * _log(rng, 1e-12, 1e-1))
+    swing = 0.3 * float(1.0 + rng.choice([-1.0, 1.0]) * log(rng, 1e-12, 1e-1))
     case = {"speed_rpm": speed, "window": "cycle", "start_index": 0.0, "max_collisions": 200}
     # I q'' of the flap about its axis equals the moment of weight and spring at the top.
     moment = 0.3 * 0.04 * (0.1 + 0.04) + 2e-4
@@ -207,14 +190,14 @@ def _grazing(rng: Generator) -> tuple[Source, dict[str, Any]]:
                  degrees(float(spring) / stiffness), 9.81), case  # fmt: skip
 
 
-def _edges(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _edges(rng: Generator) -> Draft:
     # The first contact is at the start, at the end of a panel or at that of the cycle.
-    source = _changed(_usual(rng))
+    source = changed(usual(rng))
     mechanism = from_sources(source.name, source.urdf, source.description, source.folder)
     cylinder = mechanism.cylinder
     touch = cylinder.index_from_angle(cylinder.angle_at_touch_rad)
     before = 40.0 * float(rng.integers(0, 13)) / 12.0
-    off = float(rng.choice([0.0, 0.0, 1.0, -1.0])) * _log(rng, 1e-14, 1e-6)
+    off = float(rng.choice([0.0, 0.0, 1.0, -1.0])) * log(rng, 1e-14, 1e-6)
     case = {
         "window": "cycle",
         "cycles": int(rng.integers(1, 4)),
@@ -223,42 +206,42 @@ def _edges(rng: Generator) -> tuple[Source, dict[str, Any]]:
     return source, {"speed_rpm": float(rng.uniform(100.0, 900.0)), "max_collisions": 200, **case}
 
 
-def _together(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _together(rng: Generator) -> Draft:
     source = flaps(
         int(rng.integers(2, 4)),
         tuple(float(x) for x in rng.uniform(-0.4, 0.4, int(rng.integers(1, 4)))),
-        _one_of(rng, 0.0, 0.2, 0.5, 0.9),
-        _log(rng, 1e-2, 10.0),
+        one_of(rng, 0.0, 0.2, 0.5, 0.9),
+        log(rng, 1e-2, 10.0),
         float(rng.uniform(-5.0, 60.0)),
-        _one_of(rng, 9.81, 0.0),
+        one_of(rng, 9.81, 0.0),
     )
-    case = {"speed_rpm": _log(rng, 20.0, 600.0), "window": "cycle", "max_collisions": 100}
+    case = {"speed_rpm": log(rng, 20.0, 600.0), "window": "cycle", "max_collisions": 100}
     return source, {**case, "start_index": float(rng.uniform(0.0, 40.0))}
 
 
-def _no_gravity(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    source = _changed({**_usual(rng), "gravity_m_s2": _one_of(rng, 0.0, 1e-12, 274.0)})
-    return source, _window(rng, float(rng.uniform(100.0, 900.0)))
+def _no_gravity(rng: Generator) -> Draft:
+    source = changed({**usual(rng), "gravity_m_s2": one_of(rng, 0.0, 1e-12, 274.0)})
+    return source, window(rng, float(rng.uniform(100.0, 900.0)))
 
 
-def _overlap(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    values = {**_usual(rng), _JAW: float(rng.uniform(0.5, 0.98))}
+def _overlap(rng: Generator) -> Draft:
+    values = {**usual(rng), JAW: float(rng.uniform(0.5, 0.98))}
     case = {"window": "cycle", "cycles": int(rng.integers(2, 5)), "max_collisions": 150}
-    return _changed(values), {"speed_rpm": float(rng.uniform(500.0, 2000.0)), **case}
+    return changed(values), {"speed_rpm": float(rng.uniform(500.0, 2000.0)), **case}
 
 
-def _many_cycles(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _many_cycles(rng: Generator) -> Draft:
     reuse = bool(rng.random() < 0.7)
-    cycles = int(_log(rng, 10.0, 500.0)) if reuse else int(rng.integers(3, 8))
+    cycles = int(log(rng, 10.0, 500.0)) if reuse else int(rng.integers(3, 8))
     if rng.random() < 0.02:
         cycles, reuse = 10_000, True
     case = {"window": "cycle", "cycles": cycles, "reuse_cycles": reuse, "max_collisions": 100}
-    values = {**_usual(rng), _JAW: float(rng.uniform(0.0, 0.2))}
-    return _changed(values), {"speed_rpm": float(rng.uniform(200.0, 500.0)), **case}
+    values = {**usual(rng), JAW: float(rng.uniform(0.0, 0.2))}
+    return changed(values), {"speed_rpm": float(rng.uniform(200.0, 500.0)), **case}
 
 
-def _tolerance(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    resolution: dict[str, Any] = {"tolerance": _log(rng, 1e-14, 1e-3)}
+def _tolerance(rng: Generator) -> Draft:
+    resolution: dict[str, Any] = {"tolerance": log(rng, 1e-14, 1e-3)}
     if rng.random() < 0.3:
         # Few nodes pay for each digit with many panels.
         nodes = [int(rng.integers(3, 33)) for _ in range(2)]
@@ -269,16 +252,16 @@ def _tolerance(rng: Generator) -> tuple[Source, dict[str, Any]]:
             "panels_per_turn": int(rng.integers(1, 50)),
         }
         resolution["tolerance"] = min(resolution["tolerance"], 1e-3)
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _changed(_usual(rng)), {**case, "resolution": resolution}
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return changed(usual(rng)), {**case, "resolution": resolution}
 
 
-def _rough_table(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _rough_table(rng: Generator) -> Draft:
     # The pendulum's own motion in a few rows, with noise and kinks between them.
-    source = _changed(_usual(rng))
+    source = changed(usual(rng))
     description = source.description
     drive = description["drives"]["pendulum"]
-    count, noise = int(rng.integers(4, 73)), _log(rng, 1e-9, 1e-1)
+    count, noise = int(rng.integers(4, 73)), log(rng, 1e-9, 1e-1)
     angle = np.linspace(0.0, 360.0, count + 1)
     psi = np.radians(angle)
     crank, radius = np.array(drive["crank_axis_mm"]), drive["crank_radius_mm"]
@@ -290,37 +273,37 @@ def _rough_table(rng: Generator) -> tuple[Source, dict[str, Any]]:
                                         "shaft_damping_ratio")}  # fmt: skip
     table = {"cylinder_angle_deg": angle.tolist(), "coordinate_rad": rows.tolist()}
     description["drives"]["pendulum"] = {**kept, "law": "table", **table}
-    return source, _window(rng, float(rng.uniform(100.0, 900.0)))
+    return source, window(rng, float(rng.uniform(100.0, 900.0)))
 
 
-def _threshold(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _changed(_usual(rng)), {**case, "rest_rate": _log(rng, 1e-9, 10.0)}
+def _threshold(rng: Generator) -> Draft:
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return changed(usual(rng)), {**case, "rest_rate": log(rng, 1e-9, 10.0)}
 
 
-def _inertial(rng: Generator) -> tuple[Source, dict[str, Any]]:
-    values = dict(_usual(rng))
+def _inertial(rng: Generator) -> Draft:
+    values = dict(usual(rng))
     for name in ("pendulum", "tension"):
-        values[f"drives.{name}.reflected_inertia_kg_m2"] = _log(rng, 1e-6, 1e6)
-        values[f"drives.{name}.shaft_frequency_hz"] = _log(rng, 1e-1, 1e3)
-        values[f"drives.{name}.shaft_damping_ratio"] = _one_of(rng, 0.0, 0.7, 1.0, 10.0)
-    case = _window(rng, float(rng.uniform(100.0, 900.0)))
-    return _changed(values), {**case, "drive": "inertial"}
+        values[f"drives.{name}.reflected_inertia_kg_m2"] = log(rng, 1e-6, 1e6)
+        values[f"drives.{name}.shaft_frequency_hz"] = log(rng, 1e-1, 1e3)
+        values[f"drives.{name}.shaft_damping_ratio"] = one_of(rng, 0.0, 0.7, 1.0, 10.0)
+    case = window(rng, float(rng.uniform(100.0, 900.0)))
+    return changed(values), {**case, "drive": "inertial"}
 
 
-def _bounce(rng: Generator) -> tuple[Source, dict[str, Any]]:
+def _bounce(rng: Generator) -> Draft:
     source = bouncing_mass(
-        _log(rng, 1e-5, 1e5),
-        _log(rng, 1e-2, 1e4),
-        _one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform()),
-        _one_of(rng, 9.81, 0.0, 1e-6, rng.uniform(0.0, 100.0)),
+        log(rng, 1e-5, 1e5),
+        log(rng, 1e-2, 1e4),
+        one_of(rng, 0.0, 1e-12, 0.2, 0.999, 1.0, rng.uniform()),
+        one_of(rng, 9.81, 0.0, 1e-6, rng.uniform(0.0, 100.0)),
     )
-    case = _window(rng, _log(rng, 1.0, 5000.0))
+    case = window(rng, log(rng, 1.0, 5000.0))
     return source, {**case, "drive": "inertial" if rng.random() < 0.2 else "held",
-                    "start_index": _one_of(rng, 0.0, -1.0)}  # fmt: skip
+                    "start_index": one_of(rng, 0.0, -1.0)}  # fmt: skip
 
 
-FAMILIES: dict[str, Callable[[Generator], tuple[Source, dict[str, Any]]]] = {
+FAMILIES: dict[str, Callable[[Generator], Draft]] = {
     "ordinary": _ordinary,
     "speed": _speed,
     "restitution": _restitution,
@@ -340,5 +323,6 @@ FAMILIES: dict[str, Callable[[Generator], tuple[Source, dict[str, Any]]]] = {
     "threshold": _threshold,
     "inertial drive": _inertial,
     "bouncing mass": _bounce,
+    **ELEMENT_FAMILIES,
 }
 """The families by name; trial n belongs to number n modulo their count."""

@@ -1,0 +1,68 @@
+"""What nodes may miss of tables: rows that are crossed, and points of return, between them.
+
+A force that changes within a narrow step or spike, and changes back before the next node, leaves no
+trace in the nodes. So the equations of motion are asked for where a coordinate crosses a row of its
+table, and where it turns back.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import ConstraintSet, System
+from .collocation import evaluate, nodes
+from .panel import SMALLEST, Panel
+
+_NEWTON_STEPS = 3
+
+
+def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:
+    """True if a flight panel obeys its equations where it meets the rows of tables.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel, resolved by its nodes.
+        tolerance: Relative accuracy of its positions.
+    """
+    sigma = _meetings(system, panel)
+    if not sigma.size:
+        return True
+    t = panel.t + panel.h * sigma
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
+    off = np.abs(evaluate(panel.a, sigma, 0) - system.accelerations(motion, q, v, rows))
+    moved = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0) + SMALLEST
+    share = float((rows.moving * off * panel.h**2 / moved).max())
+    # Two integrations divide what the interpolant misses by about (2 N)^2.
+    return share <= (2.0 * panel.order) ** 2 * tolerance
+
+
+def _meetings(system: System, panel: Panel) -> FloatArray:
+    """Places sigma on a panel at which coordinates of tables cross a row or turn, shape (K,)."""
+    samples = nodes(panel.order).samples
+    q, v = panel.interpolate(panel.t + panel.h * samples)
+    found = []
+    for table in system.mechanism.tabulated_springs:
+        x, rate, index = q[:, table.index], v[:, table.index], table.index
+        found.append(_crossed(samples, rate))
+        for row in table.characteristic.coordinate:
+            sigma = _crossed(samples, x - row)
+            for _ in range(_NEWTON_STEPS if sigma.size else 0):
+                there, speed = panel.interpolate(panel.t + panel.h * sigma)
+                slope = panel.h * speed[:, index]
+                step = np.divide(there[:, index] - row, slope, where=slope != 0.0,
+                                 out=np.zeros_like(sigma))  # fmt: skip
+                sigma = np.clip(sigma - step, 0.0, 1.0)
+            found.append(sigma)
+    return np.concatenate(found) if found else np.empty(0)
+
+
+def _crossed(samples: FloatArray, values: FloatArray) -> FloatArray:
+    """Places at which sampled values change their sign, by the chord."""
+    left, right = values[:-1], values[1:]
+    place = np.flatnonzero(left * right < 0.0)
+    part = left[place] / (left[place] - right[place])
+    return np.asarray(samples[place] + part * (samples[place + 1] - samples[place]))

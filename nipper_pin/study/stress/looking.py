@@ -1,0 +1,41 @@
+"""What checks of a solution look at, and how they say what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.energy import pieces
+from ...hybrid.panel import Panel
+from ...hybrid.segment import Segment
+from ...hybrid.solution import Solution
+
+EPS = float(np.finfo(float).eps)
+# Of many segments and of their panels that many are looked at, evenly chosen.
+_SEGMENTS, _PANELS, _POINTS = 24, 3, 5
+
+
+def beyond(what: str, found: float, most: float) -> Iterator[str]:
+    """Say what is found if it exceeds the most that is allowed."""
+    # A comparison with a number that is none is false: such a number is beyond every limit.
+    if not found <= most:
+        yield f"{what}: {found:.3g}, at most {most:.3g}"
+
+
+def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
+    """Panels and times that are looked at: evenly chosen segments, copies of a turn once."""
+    seen: set[int] = set()
+    for place in some(len(solution.segments), _SEGMENTS):
+        segment = solution.segments[place]
+        parts = list(pieces(segment))
+        for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
+            if id(panel.q) not in seen:
+                seen.add(id(panel.q))
+                yield segment, panel, np.linspace(begin, end, _POINTS)
+
+
+def some(count: int, most: int) -> list[int]:
+    """Places, evenly chosen where there are many: the first and the last are among them."""
+    return sorted({round(x) for x in np.linspace(0, count - 1, min(count, most))})

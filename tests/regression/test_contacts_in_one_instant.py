@@ -1,0 +1,103 @@
+"""Found by the stress campaign: stops that open, close and strike one another in one instant.
+
+"stop 'j1 upper' penetrates: 1.03e-06, at most 1.55e-09" and "open but its gap starts to close from
+zero": at the start all stops that pull were opened at once, and one of them pushes once the others
+are open. "open stop 'bottom' enters its contact with -1.15" and "please report the case": a link
+that held drives press against two stops at once flew from one to the other for ever.
+"""
+
+from __future__ import annotations
+
+from math import acos, sqrt
+
+import numpy as np
+import pytest
+from small_machines import SLED, link, machine, slide
+
+from nipper_pin import Case, EventKind, ImpactError, Mechanism, Window, simulate
+from nipper_pin.study.stress.invariants import violations
+
+TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+
+
+@pytest.mark.parametrize("closed", [["a", "b"], ["a"]])
+def test_stops_that_pull_at_the_start_open_by_complementarity(closed: list[str]) -> None:
+    """A cart leaves its stop and carries a second one, which would pull if the first one stayed.
+
+    Springs push the first cart off with 10 N and the second one off the first with 1 N. With both
+    stops closed both pull. Together the two carts go as x = 0.1 (1 - cos W t), W^2 = k / 2 m, and
+    the force between them, m x'' - 1 N, is zero where 5 cos W t = 1: there the second stop opens.
+    """
+    parts = [
+        link("a", 1.0), slide("a_x", "frame", "a"),
+        link("b", 1.0), slide("b_x", "a", "b"),
+    ]  # fmt: skip
+    springs = {
+        "one": {"joint": "a_x", "stiffness_N_per_m": 100.0, "preload_length_mm": -100.0},
+        "two": {"joint": "b_x", "stiffness_N_per_m": 10.0, "preload_length_mm": -100.0},
+    }
+    stops = {
+        "a": {"joint": "a_x", "restitution": 0.5}, "b": {"joint": "b_x", "restitution": 0.5}
+    }  # fmt: skip
+    phases = [{"number": 1, "name": "start", "closed": closed}]
+    solution = simulate(machine(parts, 2, springs=springs, stops=stops, phases=phases), TURN)
+    first, *others = solution.events
+    assert (first.kind, first.stops, first.t) == (EventKind.RELEASE, ("a",), 0.0)
+    rest = [event for event in others if event.t == 0.0]
+    assert [event.stops for event in rest] == ([("b",)] if closed == ["a"] else [])
+    opens = next(event for event in others if event.kind is EventKind.RELEASE)
+    W = sqrt(50.0)
+    assert opens.stops == ("b",)
+    assert opens.t == pytest.approx(acos(0.2) / W, rel=1e-11)
+    t = np.linspace(0.0, opens.t, 20)[:-1]
+    q = solution.trajectory.evaluate(t).q
+    assert q[:, 0] == pytest.approx(0.1 * (1.0 - np.cos(W * t)), abs=1e-12)
+    assert not q[:, 1].any()
+    assert violations(solution) == []
+
+
+def press(restitution: float) -> Mechanism:
+    """A floor that a screw lifts by 0.1 m/s, 80 mm below a ceiling, and a mass between them."""
+    parts = [
+        link("floor"), slide("lift", "frame", "floor", (0.0, 1.0)),
+        link("mass", 0.5), slide("height", "floor", "mass", (0.0, 1.0)),
+        link("hanger", 1e-3), slide("hanger_z", "frame", "hanger", (0.0, 1.0)),
+        link("carriage", 1e-3), slide("hanger_x", "hanger", "carriage"),
+    ]  # fmt: skip
+    return machine(
+        parts, 2, gravity=0.0,
+        drives={"lift": {"joint": "lift", "law": "screw", "lead_mm_per_turn": 100.0, **SLED}},
+        stops={
+            "floor": {"joint": "height", "restitution": restitution, "at_mm": -30.0},
+            "ceiling": {
+                "joint": "hanger_z", "restitution": restitution, "side": "upper", "at_mm": 50.0
+            },
+        },
+        closures={"tie": {"frame_a": "carriage", "frame_b": "mass"}},
+        phases=[{"number": 1, "name": "start", "closed": []}],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.9])
+def test_a_mass_between_a_held_floor_and_a_ceiling_is_jammed(restitution: float) -> None:
+    """Floor and ceiling meet the mass at 0.08 m / (0.1 m/s), and nothing goes on from there.
+
+    Before that the mass flies between them in times that shrink like the gap; their sum is finite.
+    What is refused is the instant in which they meet, with the names of both stops.
+    """
+    with pytest.raises(ImpactError, match=r"ceiling.*floor|floor.*ceiling") as caught:
+        simulate(press(restitution), TURN)
+    assert caught.value.evidence["t"] == pytest.approx(0.8, abs=1e-12)
+    assert "please report" not in caught.value.message
+
+
+def test_lively_stops_that_only_come_near_are_no_jam() -> None:
+    """A mass that loses nothing rattles 40 times before the gap is gone, and nothing is wrong.
+
+    Twenty collisions in one instant are a jam, and these are none.
+    """
+    solution = simulate(press(1.0), Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0,
+                                         max_collisions=40))  # fmt: skip
+    assert len(solution.collisions) == 40
+    assert {hit.stop for hit in solution.collisions} == {"floor", "ceiling"}
+    assert violations(solution) == []
