@@ -12,8 +12,8 @@ from ..errors import ImpactError
 
 # As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
 _JAM, _NO_SLOWER = 20, 1e-3
-# Rates below this share of the fastest one are the end of a series of bounces, where round-off keeps
-# times and rates from falling.
+# Rates below this share of the fastest one are the end of a series of bounces, where round-off
+# keeps times and rates from falling.
 _OVER = 1e-9
 
 
