@@ -17,7 +17,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import known_models
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.colours import channels, phase_colour
+from nipper_pin.view.scene.colours import ARROW, channels, phase_colour
 from nipper_pin.view.scene.flat import Flat, flat, moved
 from nipper_pin.view.scene.gif import PER_SECOND, write_gif
 from nipper_pin.view.scene.solids import CYLINDER, Solid, cylinder_axis, solids
@@ -151,14 +151,19 @@ def test_exaggeration_and_slow_motion_are_those_of_the_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """By the command: twice as slow has about twice as many pictures, a larger gap others."""
-    sizes, openings = [], []
+    sizes, openings, machine = [], [], np.s_[60:465, 290:790]
     for slow, exaggerate in (("500", "1"), ("1000", "1"), ("500", "10")):
         path = tmp_path / f"{slow}_{exaggerate}.gif"
         arguments = ["--window", "transition", "--slow", slow, "--exaggerate", exaggerate]
         assert main(["view", *arguments, "--gif", str(path)]) == 0
         pictures = frames_of(path)
         sizes.append(len(pictures))
-        openings.append(pictures[len(pictures) // 3][60:465, 290:790])
+        openings.append(pictures[len(pictures) // 3][machine])
+        # The impulse of the first collision opens the film; those that close it have less than a
+        # tenth of it. The length of an arrow goes with the impulse, its width with the root.
+        largest = has(pictures[1], ARROW, machine)
+        assert largest > 500
+        assert has(pictures[-1], ARROW, machine) < 0.1**1.5 * largest
     assert capsys.readouterr().out == ""
     assert sizes[1] == pytest.approx(2 * sizes[0], abs=2)
     assert sizes[2] == sizes[0]

@@ -117,7 +117,7 @@ class _Painter:
         drawn = solids(mechanism)
         self._seen = flat(shown, drawn)
         self._phases = [phase_colour(mechanism, item.closed) for item in shown.solution.phases]
-        self.exact = ["#ffffff", *sorted(set(self._phases))]
+        self.exact = ["#ffffff", ARROW, *sorted(set(self._phases))]
         stop = bouncing_stop(mechanism)
         opening = [place for place, joint in enumerate(mechanism.joints)
                    if stop is not None and joint.index == stop.index]  # fmt: skip
