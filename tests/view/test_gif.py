@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from shapely.ops import unary_union
 from nipper_pin import Case, Solution, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
-from nipper_pin.mechanism import known_models
+from nipper_pin.mechanism import find_model, known_models
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import ARROW, channels, phase_colour
 from nipper_pin.view.scene.flat import Flat, flat, moved
@@ -198,6 +199,19 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(
     assert main(["view", "--window", "transition", *given]) == 2
     assert sentence in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_damaged_mesh_is_one_sentence_and_leaves_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, path = tmp_path / "e62", tmp_path / "film.gif"
+    shutil.copytree(find_model("e62"), model)
+    (model / "meshes" / "top_lip.stl").write_bytes(b"no mesh")
+    assert main(["view", str(model), "--window", "transition", "--gif", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert "top_lip.stl: the mesh cannot be read" in said
+    assert said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [model]
 
 
 def test_a_film_that_fails_leaves_the_file_that_was_there(

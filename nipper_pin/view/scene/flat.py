@@ -22,7 +22,7 @@ from .solids import CYLINDER, Colour, Solid, cylinder_axis
 _CORNERS = 32  # of a circle
 _RINGS = 9  # of a sphere, from pole to pole
 _DARKEST = 0.55  # of a face that is seen from its edge, by its colour
-_FLAT = 0.02  # a face that leans more than this sine towards the eye is seen from its edge
+_FLAT = 0.02  # share of its normal that a face turns to the eye; with less it is seen from its edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ def _mesh(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
         try:
             model = coal.MeshLoader().load(str(solid.path), np.ones(3))
         except (ValueError, RuntimeError) as error:
-            message = f"{solid.path.name}: the mesh cannot be read ({error}); use STL or OBJ"
+            message = f"{solid.path.name}: the mesh cannot be read; write it again, as STL or OBJ"
             raise InputError(message, file=str(solid.path)) from error
         triangles = [model.tri_indices(place) for place in range(model.num_tris)]
         # Files like STL hold a corner once for each face that has it.
