@@ -5,10 +5,13 @@ Run: python scripts/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
 
 Needs the `dev` extra and Chromium, which draws with the processor here. Of each key, all seen by
 the page itself while the film plays:
-sending  key -> message to the server
-server   that message -> the one that holds the new numbers: socket, run, plots, socket
-telling  that message -> the new numbers in the page
-drawing  the new numbers -> the next but one picture, which shows the new motion
+sending   key -> message to the server
+server    that message -> the one that holds the new numbers: socket, run, plots, socket
+telling   that message -> the new numbers in the page
+numbers   key -> the new numbers in the page
+moving    the message with the numbers -> the one that holds the new motion
+drawing   that message -> its picture is complete: a fence put behind the drawing has been passed
+picture   key -> that
 """
 
 from __future__ import annotations
@@ -26,23 +29,34 @@ from nipper_pin.view.live.answer import answer, as_html
 from nipper_pin.view.live.settings import SPEED, knobs
 
 STEP = 5  # r/min, of the slider
-ALONE, DRAGGED = (40, 300), (40, 60)  # keys, and milliseconds between them
+# Keys, and milliseconds between them; the film rests a moment after a key, and is to play before
+# the next one.
+ALONE, DRAGGED = (25, 1200), (40, 60)
 # The page's socket lives in a worker; what passes between the two is timed from here.
 WATCH = """() => {
     const marks = window.marks = [];
     const speed = text => +/speed ([0-9.]+)/.exec(text)[1];
     const reached = (mark, value) => (value - mark.wanted) * mark.sense >= 0;
+    const pictures = () => window.__viserTestpoints.rendererInfo.render.frame;
     const Plain = window.Worker;
     window.Worker = class extends Plain {
         constructor(...given) {
             super(...given);
             this.addEventListener('message', event => {
-                for (const part of (event.data && event.data.messages) || [])
+                const parts = (event.data && event.data.messages) || [], now = performance.now();
+                for (const part of parts)
                     if (part.type === 'GuiUpdateMessage'
                             && String(part.updates.content).includes('id="setting"'))
                         for (const mark of marks)
                             if (!mark.back && reached(mark, speed(part.updates.content)))
-                                mark.back = performance.now();
+                                mark.back = now;
+                if (!parts.some(part => part.type === 'SetPositionMessage')) return;
+                for (const mark of marks)
+                    if (mark.back && !mark.moved) {
+                        mark.moved = now;
+                        mark.before = pictures();
+                        requestAnimationFrame(() => look(mark));
+                    }
             });
         }
         postMessage(data, ...rest) {
@@ -53,6 +67,27 @@ WATCH = """() => {
                         mark.sent = performance.now();
         }
     };
+    const finish = (mark, gl, fence) => {
+        if (gl.getSyncParameter(fence, gl.SYNC_STATUS) === gl.SIGNALED)
+            mark.seen = performance.now();
+        else
+            setTimeout(finish, 2, mark, gl, fence);
+    };
+    const look = mark => {
+        // A task of its own comes after all that this frame still draws.
+        const { port1, port2 } = new MessageChannel();
+        port1.onmessage = () => {
+            if (pictures() === mark.before) {
+                requestAnimationFrame(() => look(mark));
+                return;
+            }
+            const gl = document.querySelector('canvas[data-engine]').getContext('webgl2');
+            const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+            gl.flush();
+            finish(mark, gl, fence);
+        };
+        port2.postMessage(0);
+    };
     addEventListener('keydown', event => {
         const sense = event.key === 'ArrowRight' ? 1 : -1;
         const value = +document.activeElement.getAttribute('aria-valuenow');
@@ -62,12 +97,8 @@ WATCH = """() => {
         const place = document.querySelector('#setting');
         if (!place) return;
         for (const mark of marks)
-            if (!mark.told && reached(mark, speed(place.textContent))) {
+            if (!mark.told && reached(mark, speed(place.textContent)))
                 mark.told = performance.now();
-                requestAnimationFrame(() => requestAnimationFrame(() => {
-                    mark.seen = performance.now();
-                }));
-            }
     }).observe(document, {subtree: true, childList: true, characterData: true});
 }""".replace("STEP", str(STEP))
 PARTS = (
@@ -75,7 +106,8 @@ PARTS = (
     ("  server", "sent", "back"),
     ("  telling", "back", "told"),
     ("  key to numbers", "began", "told"),
-    ("  drawing", "told", "seen"),
+    ("  moving", "back", "moved"),
+    ("  drawing", "moved", "seen"),
     ("  key to picture", "began", "seen"),
 )
 PLAYED = 5000  # ms, over which pictures are counted

@@ -9,6 +9,7 @@ from ..errors import InputError
 from .arguments import add_model, load_mechanism, speed
 
 _PORT = 7001
+_LIBRARIES = ("viser", "trimesh", "manifold3d")  # of the extra
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,12 +23,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    if find_spec("viser") is None:
+    missing = next((name for name in _LIBRARIES if find_spec(name) is None), None)
+    if missing is not None:
         message = (
-            "the live page needs viser, which is not installed; install the extra: "
+            f"the live page needs {missing}, which is not installed; install the extra: "
             "pip install 'nipper-pin[live]'"
         )
-        raise InputError(message, missing="viser")
+        raise InputError(message, missing=missing)
     from ..view.live.serve import serve_live
 
     mechanism = load_mechanism(options)

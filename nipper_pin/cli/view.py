@@ -48,6 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--html", metavar="FILE", help="write one self-contained page instead of serving it"
     )
     parser.add_argument(
+        "--gif", metavar="FILE", help="write the film in side view as a GIF instead of serving it"
+    )
+    parser.add_argument(
         "--port", type=int, default=_PORT, metavar="N", help=f"port to serve at (default {_PORT})"
     )
     parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
@@ -57,7 +60,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from ..view.scene import Look, film, scene_page, serve, write_page
 
-    if options.json == "-" and options.html is None:
+    served = options.html is None and options.gif is None
+    if options.json == "-" and served:
         message = "--json - needs stdout to itself, and so does the server; add --html FILE"
         raise InputError(message, argument="--json -")
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
@@ -68,7 +72,11 @@ def _run(options: argparse.Namespace) -> None:
         write_json(record(solution), options.json)
     if options.html is not None:
         write_page(solution, options.html, look)
-    else:
+    if options.gif is not None:
+        from ..view.scene.gif import write_gif
+
+        write_gif(solution, options.gif, look)
+    if served:
         serve(scene_page(film(solution, look)), options.port, browser=not options.no_browser)
 
 

@@ -21,8 +21,9 @@ from .settings import Knob
 from .stage import Stage
 
 _FRAME = 1.0 / 30.0  # seconds
-_AFTER = 0.01  # seconds from new numbers to the picture that belongs to them
-_HELD = 0.15  # seconds from that picture to the next one
+_AFTER = 0.004  # seconds from new numbers to the picture that belongs to them
+_HELD = 0.8  # seconds that the film stands after a slider moved
+_TOLD = 0.12  # seconds between two texts of the moment; a new one has the panel drawn again
 _PAUSE = 0.7  # seconds of playback at rest before the film starts again
 _SLOW = (100, 5000, 1000)  # ends and start of the slow motion
 _WIDTH, _HEIGHT = 400, 170  # pixels, of the panel and of a plot
@@ -55,6 +56,7 @@ class Page:
         self._wake = threading.Event()
         self._clock = 0.0
         self._drawn: tuple[Answer | None, float, float] = (None, 0.0, 0.0)
+        self._text, self._told = "", 0.0
         self._stage = Stage(server, mechanism)
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False)
@@ -85,25 +87,29 @@ class Page:
     def run(self) -> None:
         """Follow the sliders and move the picture, for ever."""
         last = due = time.perf_counter()
-        fresh = False
         while True:
-            if self._wake.wait(max(0.0, due - time.perf_counter())):
+            moved = self._wake.wait(max(0.0, due - time.perf_counter()))
+            if moved:
                 # Cleared first: what changes from here on is another change.
                 self._wake.clear()
                 with self._server.atomic():
                     self._answer = self._follow()
                 self._server.flush()
-                # The browser shows numbers and plots at once if they come alone, and only with
+                # The browser writes numbers and plots at once if they come alone, and only with
                 # its next picture if they come with anything of the scene.
-                due, fresh = time.perf_counter() + _AFTER, True
-                continue
+                time.sleep(_AFTER)
             now = time.perf_counter()
             if self._server.get_clients():
+                playing = self._play.value and not moved
                 with self._server.atomic():
-                    self._draw(now - last if self._play.value else 0.0)
+                    self._draw(max(0.0, now - last) if playing else 0.0)
+                    self._tell(now, at_once=moved)
                 self._server.flush()
-            # Pictures between two moves of a slider would only delay what it changes.
-            last, due, fresh = now, now + (_HELD if fresh else _FRAME), False
+            # A browser draws for a quarter of a second after each picture that it is sent, and
+            # pictures between two moves of a slider would only delay what the next one changes.
+            due = now + (_HELD if moved else _FRAME)
+            # The film goes on where it stood.
+            last = due if moved else now
 
     def _changed(self, _: object) -> None:
         """Note that a slider moved; of many moves only the last matters."""
@@ -128,7 +134,8 @@ class Page:
         solution, larger = self._answer.solution, self._larger.value
         end = 0.0 if solution is None else solution.segments[-1].t_end
         self._clock += passed / self._slow.value
-        if solution is None or self._clock > end + _PAUSE / self._slow.value:
+        # Where the film begins, all settings look alike: one that stands at its end stays there.
+        if passed > 0.0 and self._clock > end + _PAUSE / self._slow.value:
             self._clock = 0.0
         t = min(self._clock, end)
         # What stands still is not sent again: every message makes the browsers draw.
@@ -138,7 +145,7 @@ class Page:
         if solution is None:
             self._stage.rest()
             self._stage.impulses({})
-            self._tell("there is no motion to show: the touch configuration")
+            self._text = "there is no motion to show: the touch configuration"
             return
         motion = solution.trajectory.evaluate(t)
         drawn, remark = motion.q, ""
@@ -149,11 +156,13 @@ class Page:
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
         self._stage.phase(closed_at(solution, t))
         self._stage.impulses(impulses_at(solution, t, self._slow.value))
-        self._tell(f"{moment_text(solution, t, motion.q[0])}{remark}")
+        self._text = f"{moment_text(solution, t, motion.q[0])}{remark}"
 
-    def _tell(self, text: str) -> None:
-        """Say what the picture shows."""
-        self._now.content = boxed(f'Picture: <span id="now">{escape(text)}</span>')
+    def _tell(self, now: float, *, at_once: bool) -> None:
+        """Say what the picture shows, if it is time for that or if it has to be said at once."""
+        if at_once or now >= self._told + _TOLD:
+            self._told = now
+            self._now.content = boxed(f'Picture: <span id="now">{escape(self._text)}</span>')
 
     def _plots(self) -> tuple[viser.GuiUplotHandle, viser.GuiUplotHandle]:
         """Gap of the transition stop, and impulses of its collisions, against time."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray
-from ...mechanism import Stop
+from ...hybrid.collisions import Collision
+from ...mechanism import Mechanism, Stop
 from ..reading import case_text, digits, force_name, force_unit, gap_noun, phase_name, units_of
 from .colours import phase_colour
 from .film import Film, drawn_limit
@@ -33,12 +34,12 @@ def readings(film: Film) -> dict[str, object]:
     return {
         "title": mechanism.title or mechanism.name,
         "case": case_text(solution),
-        "note": _note(film),
+        "note": note(film),
         "playback": _numbers(pace.playback),
         "duration": float(pace.playback[-1]),
         "columns": [
             {"label": label, "unit": unit, "values": _numbers(values)}
-            for label, unit, values in _columns(film)
+            for label, unit, values in columns(film)
         ],
         "phase_of_frame": film.phase.tolist(),
         "phases": [
@@ -49,14 +50,19 @@ def readings(film: Film) -> dict[str, object]:
         ],
         "collisions": [
             {"at": float(pace.playback_at(item.t)),
-             "text": f"last: collision {item.number} ({item.stop}): impulse {digits(item.impulse)} "
-                     f"{force_unit(mechanism, item.stop)} s"}
+             "text": collision_text(mechanism, item)}
             for item in solution.collisions if item.t <= last
         ],
     }  # fmt: skip
 
 
-def _columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
+def collision_text(mechanism: Mechanism, hit: Collision) -> str:
+    """What is said of the last collision."""
+    unit = force_unit(mechanism, hit.stop)
+    return f"last: collision {hit.number} ({hit.stop}): impulse {digits(hit.impulse)} {unit} s"
+
+
+def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
     """Label, unit and values of the numbers that follow the film."""
     mechanism, pace = film.solution.mechanism, film.pace
     yield "index", "", film.index
@@ -79,18 +85,19 @@ def _force(film: Film, stop: Stop) -> str:
     return f"{stop.name} {force_name(film.solution.mechanism, stop.name).partition(' [')[0]}"
 
 
-def _note(film: Film) -> str:
+def note(film: Film) -> str:
+    """What the shapes are, and what of them is exaggerated."""
     source = ""
     if "estimate" in film.solution.mechanism.title:
         source = "these dimensions are estimates, not the maker's drawings; "
-    note = NOTE.format(source=source)
+    said = NOTE.format(source=source)
     if film.look.exaggerate > 1.0:
         stop = film.solution.mechanism.transition_stop
-        note += (
+        said += (
             f" The {stop} gap is drawn {film.look.exaggerate:g} times as large, up to "
             f"{_limit(film)}, and the other links follow it; numbers are those of the machine."
         )
-    return note
+    return said
 
 
 def _limit(film: Film) -> str:

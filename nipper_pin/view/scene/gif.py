@@ -1,0 +1,248 @@
+"""A film as one GIF file, in side view, for reports and wherever no page can be played."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from ...arrays import FloatArray
+from ...errors import InputError
+from ...hybrid.solution import Solution
+from ...hybrid.storage import complete_file
+from ...mechanism import Stop
+from ..reading import case_text, digits, phase_name
+from .arrows import FADE, HELD, arrow_body, arrow_place, arrow_scale, arrow_sizes, arrow_stops
+from .colours import ARROW, LINE, channels, phase_colour
+from .film import Film, Look, bouncing_stop, film
+from .flat import colours, flat, moved, placed
+from .readings import collision_text, columns, note
+from .solids import solids
+
+PER_SECOND = 10  # pictures in a second of playback
+_LONGEST = 120.0  # seconds of playback
+_SIZE = (800, 560)
+_SHARP = 2  # pixels drawn for each one of the file, along each side
+_BOX = (290, 66, 784, 462)  # of the mechanism
+_BAR = (16, 480, 784, 492)  # of the phases
+_TEXT, _SMALL = 13, 11
+_LEFT, _ROW = 16, 21
+_EDGE, _INK, _PALE = "#30343a", "#101418", "#5c6670"
+_COLUMNS, _NOTE_COLUMNS = 34, 124
+_SAMPLES = 8  # pictures that the palette is made of
+_NEAR = 8  # of 255: two colours that differ by less are one
+
+
+def write_gif(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
+    """Write a solution as a GIF in side view: the film of the page, ten pictures a second.
+
+    Args:
+        solution: The solution.
+        path: File to write; it appears only when it is complete.
+        look: How the solution is shown.
+
+    Raises:
+        InputError: There is nothing to show, the film is longer than two minutes, a mesh cannot be
+            read, or the file cannot be written.
+    """
+    shown = film(solution, look or Look())
+    length = float(shown.pace.playback[-1])
+    if length > _LONGEST:
+        message = (
+            f"{path}: the film takes {length:.0f} s, and a GIF at most {_LONGEST:.0f} s; use "
+            "--slow with a smaller number, or --window transition"
+        )
+        raise InputError(message, file=str(path), length_s=length)
+    with complete_file(Path(path)) as partial:
+        # A path that cannot be written is refused before the work, not after.
+        partial.touch()
+        _write(_Painter(shown), partial)
+    return Path(path)
+
+
+def _write(painter: _Painter, partial: Path) -> None:
+    frames = painter.frames
+    chosen = frames[np.linspace(0, len(frames) - 1, _SAMPLES).astype(int)]
+    palette = _palette([painter.picture(int(place)) for place in chosen], painter.exact)
+
+    def pictures() -> Iterator[Image.Image]:
+        for place in frames:
+            yield painter.picture(int(place)).quantize(palette=palette, dither=Image.Dither.NONE)
+
+    every = pictures()
+    next(every).save(
+        partial,
+        format="GIF",
+        save_all=True,
+        append_images=every,
+        duration=1000 // PER_SECOND,
+        loop=0,
+    )
+
+
+def _palette(samples: list[Image.Image], exact: list[str]) -> Image.Image:
+    """One palette for all pictures, so that what stands still is stored once."""
+    width, height = _SIZE
+    sheet = Image.new("RGB", (width, height * len(samples)))
+    for place, sample in enumerate(samples):
+        sheet.paste(sample, (0, height * place))
+    made = sheet.quantize(256 - len(exact), Image.Quantize.MEDIANCUT).getpalette() or []
+    found = np.array(made, dtype=int).reshape(-1, 3)
+    kept = np.array([tuple(bytes.fromhex(colour.removeprefix("#"))) for colour in exact])
+    # Pillow looks colours up in steps of four and would take a close one for one of these.
+    apart = np.abs(found[:, None] - kept).max(axis=-1).min(axis=1) > _NEAR
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(np.concatenate([kept, found[apart]]).ravel().tolist())
+    return palette
+
+
+class _Painter:
+    """Draws the pictures of a film.
+
+    Attributes:
+        frames: Places of the frames of the film that become pictures, shape (pictures,).
+        exact: Colours that the file keeps as they are.
+    """
+
+    def __init__(self, shown: Film) -> None:
+        """Find what all pictures have in common."""
+        self._shown, mechanism = shown, shown.solution.mechanism
+        pace = shown.pace
+        times = np.arange(0.0, pace.playback[-1], 1.0 / PER_SECOND)
+        self.frames = np.searchsorted(pace.playback, times)
+        drawn = solids(mechanism)
+        self._seen = flat(shown, drawn)
+        self._phases = [phase_colour(mechanism, item.closed) for item in shown.solution.phases]
+        self.exact = ["#ffffff", ARROW, *sorted(set(self._phases))]
+        stop = bouncing_stop(mechanism)
+        opening = [place for place, joint in enumerate(mechanism.joints)
+                   if stop is not None and joint.index == stop.index]  # fmt: skip
+        self._colours = {
+            colour: colours(self._seen, drawn, opening, channels(colour)) for colour in self._phases
+        }
+        self._columns = list(columns(shown))
+        self._struts, _ = shown.solution.system.body.points(shown.drawn)
+        corners = np.concatenate(
+            [moved(self._seen, shown, int(place)) for place in self.frames[::20]]
+        )
+        self._low, self._high = corners.min(axis=0), corners.max(axis=0)
+        left, top, right, bottom = _BOX
+        self._scale = min(
+            (right - left) / (self._high[0] - self._low[0]),
+            (bottom - top) / (self._high[1] - self._low[1]),
+        )
+        fonts = Path(mpl.get_data_path()) / "fonts" / "ttf"
+        self._text = ImageFont.truetype(str(fonts / "DejaVuSans.ttf"), _SHARP * _TEXT)
+        self._small = ImageFont.truetype(str(fonts / "DejaVuSans.ttf"), _SHARP * _SMALL)
+        self._strong = ImageFont.truetype(str(fonts / "DejaVuSans-Bold.ttf"), _SHARP * _TEXT)
+        self._base = self._common()
+
+    def picture(self, frame: int) -> Image.Image:
+        """One picture of the file.
+
+        Args:
+            frame: Place of the frame in the film.
+        """
+        image = self._base.copy()
+        draw = ImageDraw.Draw(image)
+        colour = self._phases[self._shown.phase[frame]]
+        corners = self._pixels(moved(self._seen, self._shown, frame))
+        for item, shade in zip(self._seen.items, self._colours[colour], strict=True):
+            if len(item) == 3:
+                draw.polygon([corners[place] for place in item], fill=shade)
+            else:
+                draw.line([corners[place] for place in item], fill=_EDGE, width=_SHARP)
+        for ends in self._struts[frame]:
+            draw.line(self._pixels(ends), fill=LINE, width=2 * _SHARP)
+        self._arrows(draw, frame)
+        self._say(draw, frame, colour)
+        return image.reduce(_SHARP)
+
+    def _common(self) -> Image.Image:
+        """Title, phases along the film, and note."""
+        shown, solution = self._shown, self._shown.solution
+        mechanism, pace = solution.mechanism, shown.pace
+        image = Image.new("RGB", (_SHARP * _SIZE[0], _SHARP * _SIZE[1]), "white")
+        draw = ImageDraw.Draw(image)
+        title = textwrap.shorten(mechanism.title or mechanism.name, 100, placeholder=" ...")
+        self._put(draw, (_LEFT, 12), title, self._strong)
+        self._put(draw, (_LEFT, 34), case_text(solution), self._small, _PALE)
+        left, top, right, bottom = _BAR
+        starts = pace.playback_at(np.array([item.t_start for item in solution.phases]))
+        for start, colour in zip(starts, self._phases, strict=True):
+            at = left + (right - left) * float(start / pace.playback[-1])
+            draw.rectangle([_SHARP * part for part in (at, top, right, bottom)], fill=colour)
+        for line, text in enumerate(textwrap.wrap(note(shown), _NOTE_COLUMNS)):
+            self._put(draw, (_LEFT, bottom + 8 + 14 * line), text, self._small, _PALE)
+        return image
+
+    def _say(self, draw: ImageDraw.ImageDraw, frame: int, colour: str) -> None:
+        """Phase, numbers, last collision, and the place in the film."""
+        shown, solution = self._shown, self._shown.solution
+        mechanism, pace = solution.mechanism, shown.pace
+        top = _BOX[1]
+        draw.rectangle([_SHARP * part for part in (_LEFT, top, _LEFT + 16, top + 16)], fill=colour)
+        name = phase_name(mechanism, solution.phases[shown.phase[frame]].closed)
+        self._put(draw, (_LEFT + 24, top), f"phase {name}", self._strong)
+        for row, (label, unit, values) in enumerate(self._columns, 1):
+            at = top + 8 + _ROW * row
+            self._put(draw, (_LEFT, at), label, self._small)
+            value = f"{digits(float(values[frame]))} {unit}".rstrip()
+            self._put(draw, (_BOX[0] - 20, at), value, self._small, anchor="ra")
+        done = [item for item in solution.collisions if item.t <= pace.machine[frame]]
+        if done:
+            at = top + 16 + _ROW * (len(self._columns) + 1)
+            lines = textwrap.wrap(collision_text(mechanism, done[-1]), _COLUMNS)
+            for line, text in enumerate(lines):
+                self._put(draw, (_LEFT, at + 16 * line), text, self._small, ARROW)
+        left, top, right, bottom = _BAR
+        here = left + (right - left) * float(pace.playback[frame] / pace.playback[-1])
+        mark = (here - 1.0, top - 4.0, here + 1.0, bottom + 4.0)
+        draw.rectangle([_SHARP * part for part in mark], fill=_INK)
+
+    def _arrows(self, draw: ImageDraw.ImageDraw, frame: int) -> None:
+        """The impulses that have just been."""
+        shown, mechanism = self._shown, self._shown.solution.mechanism
+        shaft, thick, head, wide = arrow_sizes(mechanism)
+        outline = np.array([(-thick, 0.0), (-thick, shaft), (-wide, shaft), (0.0, shaft + head),
+                            (wide, shaft), (thick, shaft), (thick, 0.0)])  # fmt: skip
+        for stop in arrow_stops(mechanism):
+            share = self._share(stop, frame)
+            if share > 0.0:
+                place = arrow_place(mechanism, stop)
+                sized = outline * arrow_scale(share)[:2]
+                local = sized @ place[[0, 2], :2].T + place[[0, 2], 3]
+                body = arrow_body(mechanism, stop)
+                draw.polygon(self._pixels(placed(shown, frame, body, local)), fill=ARROW)
+
+    def _share(self, stop: Stop, frame: int) -> float:
+        """Size of an arrow by the largest one: whole for a moment, then shrinking."""
+        pace, hits = self._shown.pace, self._shown.solution.collisions
+        now, largest = pace.machine[frame], max((item.impulse for item in hits), default=0.0)
+        past = [item for item in hits if item.stop == stop.name and item.t <= now]
+        if not past or largest <= 0.0:
+            return 0.0
+        left = HELD + FADE - float(pace.playback[frame] - pace.playback_at(past[-1].t))
+        return min(max(left / FADE, 0.0), 1.0) * past[-1].impulse / largest
+
+    def _pixels(self, points: FloatArray) -> list[tuple[float, float]]:
+        """Places in the large picture of points (x, z), shape (N, 2) [m]."""
+        left, top, right, bottom = _BOX
+        middle = np.array([0.5 * (left + right), 0.5 * (top + bottom)])
+        shifted = (points - 0.5 * (self._low + self._high)) * (self._scale, -self._scale)
+        return [(x, y) for x, y in (_SHARP * (middle + shifted)).tolist()]
+
+    def _put(
+        self,
+        draw: ImageDraw.ImageDraw,
+        at: tuple[float, float],
+        text: str,
+        font: ImageFont.FreeTypeFont,
+        colour: str = _INK,
+        anchor: str = "la",
+    ) -> None:
+        draw.text((_SHARP * at[0], _SHARP * at[1]), text, fill=colour, font=font, anchor=anchor)
