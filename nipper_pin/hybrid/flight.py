@@ -83,7 +83,7 @@ def flight_panel(
         return replace(attempt, factor=min(attempt.factor, 1.0))
     if len(a) < finest and attempt.panel is not None:
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
-        return replace(attempt, factor=_LONGER)
+        return Attempt(attempt.panel, attempt.forces, _LONGER)
     return attempt
 
 

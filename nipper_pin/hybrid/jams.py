@@ -6,9 +6,11 @@ slower in the end: no motion goes on from there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 
 from ..errors import ImpactError
+from ..mechanism import Mechanism
+from .event import Event, EventKind
 
 # As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
 _JAM, _NO_SLOWER = 20, 1e-3
@@ -17,53 +19,40 @@ _JAM, _NO_SLOWER = 20, 1e-3
 _OVER = 1e-9
 
 
-@dataclass(frozen=True)
-class LatestCollisions:
-    """The last collisions of a run.
+def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
+    """Refuse to go on from a jam.
 
-    Attributes:
-        times: Their times [s].
-        stops: Names of the stops struck.
-        rates: Largest approach rate of each, positive [rad/s or m/s].
-        fastest: Largest of all, those before as well [rad/s or m/s].
+    Args:
+        mechanism: The mechanism.
+        events: All events so far.
+        instant: Times nearer than this are one [s].
+
+    Raises:
+        ImpactError: The last collisions are one.
     """
-
-    times: tuple[float, ...] = ()
-    stops: tuple[frozenset[str], ...] = ()
-    rates: tuple[float, ...] = ()
-    fastest: float = 0.0
-
-    def struck(self, t: float, stops: frozenset[str], rate: float) -> LatestCollisions:
-        """Return the collisions with one more."""
-        return LatestCollisions(
-            (*self.times, t)[-_JAM:],
-            (*self.stops, stops)[-_JAM:],
-            (*self.rates, rate)[-_JAM:],
-            max(self.fastest, rate),
+    if len(events) < _JAM or events[-1].t - events[-_JAM].t > instant:
+        return
+    latest = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
+    if len(latest) < _JAM or latest[-1].t - latest[0].t > instant:
+        return
+    stops = sorted({name for event in latest for name in event.stops})
+    series = {name: _approaches(mechanism, name, latest) for name in stops}
+    struck = {name: rates for name, rates in series.items() if rates}
+    least = _OVER * max(max(_approaches(mechanism, name, events)) for name in struck)
+    if len(struck) > 1 and all(
+        len(rates) > 1 and rates[-1] >= max((1.0 - _NO_SLOWER) * rates[0], least)
+        for rates in struck.values()
+    ):
+        message = (
+            f"the stops {', '.join(struck)} are struck {_JAM} times within {instant:.1g} s and "
+            "nothing gets slower: they jam what moves between them against its drives; give it "
+            "room, or let the drives be inertial"
         )
+        raise ImpactError(message, stops=list(struck), rates_before=series)
 
-    def check(self, instant: float) -> None:
-        """Refuse to go on from a jam.
 
-        Args:
-            instant: Times nearer than this are one [s].
-
-        Raises:
-            ImpactError: The last collisions are one.
-        """
-        if len(self.times) < _JAM or self.times[-1] - self.times[0] > instant:
-            return
-        stops = sorted(frozenset().union(*self.stops))
-        if len(stops) > 1 and all(self._no_slower(stop) for stop in stops):
-            message = (
-                f"the stops {', '.join(stops)} are struck {_JAM} times within {instant:.1g} s and "
-                "nothing gets slower: they jam what moves between them against its drives; give it "
-                "room, or let the drives be inertial"
-            )
-            raise ImpactError(message, stops=stops, rates_before=list(self.rates))
-
-    def _no_slower(self, stop: str) -> bool:
-        """True if a stop was struck again and again, at a rate that does not fall."""
-        rates = [rate for rate, stops in zip(self.rates, self.stops, strict=True) if stop in stops]
-        least = max((1.0 - _NO_SLOWER) * rates[0], _OVER * self.fastest)
-        return len(rates) > 1 and rates[-1] >= least
+def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
+    """Rates at which a stop was struck, positive [rad/s or m/s]."""
+    stop = mechanism.stop(name)
+    rates = (-stop.rate(event.v_before) for event in events if name in event.stops)
+    return [rate for rate in rates if rate > 0.0]

@@ -25,7 +25,7 @@ from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .cycles import repeats
 from .event import Event, EventKind
-from .jams import LatestCollisions
+from .jams import check_jam
 from .locate import located
 from .nested import NestedSeries
 from .phases import Closed, after_collision, after_release, pressed
@@ -92,7 +92,6 @@ class _Run:
         self.segments: list[Segment] = []
         self._collisions = 0
         self._nested: dict[tuple[str, Closed], NestedSeries] = {}
-        self._latest = LatestCollisions()
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
         try:
             self.state = initial_state(system, case.start_index)
@@ -238,9 +237,6 @@ class _Run:
         self._collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
-        fastest = max(abs(self.mechanism.stop(name).rate(state.v)) for name in hit)
-        self._latest = self._latest.struck(state.t, frozenset(hit), fastest)
-        self._latest.check(SIMULTANEOUS * self.system.shaft.period)
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
@@ -250,6 +246,7 @@ class _Run:
             key=lambda name: (impact.P_N[name] == 0.0, name not in hit),
         )
         self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
+        check_jam(self.mechanism, self.events, SIMULTANEOUS * self.system.shaft.period)
         after = state._replace(v=impact.v_after, closed=closed, series=None)
         newly = hit & closed
         if newly:
@@ -290,10 +287,11 @@ class _Run:
             hit: Stops that have just closed.
             rates: Rate of every stop in contact after it, by name.
         """
+        if len(hit) != 1 or not any(rates[name] > 0.0 for name in before.closed):
+            return False
         state, names = self.state, before.closed | hit
         rows = self.system.constraint_set(names)
-        thrown = any(rates[name] > 0.0 for name in before.closed)
-        if len(hit) != 1 or not thrown or rows.freedom < 0:
+        if rows.freedom < 0:
             return False
         (name,) = hit
         key = name, before.closed
