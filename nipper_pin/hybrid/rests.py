@@ -8,7 +8,9 @@ from math import inf, tau
 import numpy as np
 
 from ..arrays import FloatArray
+from ..dynamics.assembly import close_positions, close_velocities
 from ..dynamics.system import System
+from ..errors import ConvergenceError, ElementError, SingularConfigurationError
 from ..mechanism import Stop
 from .case import Case
 from .nested import NestedSeries
@@ -19,6 +21,9 @@ from .state import State
 # found to be at most 2e-3 w^3 in relative rates of inertial shafts.
 _DROPPED = 100.0
 _UNKNOWN = inf, inf
+# A deceleration that changes by more than this share is not taken for constant, unless no more than
+# round-off of a turn is left.
+_CHANGED, _ROUND_OFF = 0.1, 1e-15
 
 
 def rest_of_series(
@@ -46,9 +51,11 @@ def rest_of_series(
     remaining = 2.0 * rate / (deceleration * (1.0 - e_N))
     if remaining <= tolerance * period:
         # Accelerations change at the rate of the turning; a deceleration that is small beside them
-        # does so faster.
-        changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period
-        return t + remaining, changes * remaining**2
+        # does so faster, and near a dead centre everything does.
+        changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
+        changes += abs(_deceleration_at_rest(system, state, a, stop, remaining) / deceleration - 1)
+        if changes < _CHANGED or remaining <= _ROUND_OFF * period:
+            return t + remaining, min(changes, 1.0) * remaining
     if rate**3 > _DROPPED * tolerance * series.fastest**3:
         return _UNKNOWN
     t_rest, error = series.limit(e_N)
@@ -56,6 +63,27 @@ def rest_of_series(
     if not known or _met(system, state, a, {stop.name}, t_rest):
         return _UNKNOWN
     return t_rest, error
+
+
+def _deceleration_at_rest(
+    system: System, state: State, a: FloatArray, stop: Stop, remaining: float
+) -> float:
+    """Deceleration of a stop where it will be at rest [rad/s^2 or m/s^2]; infinite if unknown."""
+    rows, t = system.constraint_set(state.closed), state.t + remaining
+    try:
+        split = system.split(state.jacobian, rows.given, (stop.index, *rows.yielding))
+        if stop.index in split.dependent:
+            return inf
+        q = (state.q + remaining * (state.v + 0.5 * remaining * a))[None]
+        v = (state.v + remaining * a)[None]
+        motion = system.shaft.driven_at(t)
+        system.prescribe(motion, q, v, rows)
+        q[:, stop.index], v[:, stop.index] = stop.at, 0.0
+        q, jacobian = close_positions(system.body, q, split)
+        there = system.accelerations(motion, q, close_velocities(v, jacobian, split), rows)
+    except (ConvergenceError, ElementError, SingularConfigurationError):
+        return inf
+    return -stop.rate(there[0])
 
 
 def rest_of_nested(

@@ -9,8 +9,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lid_box import lid_box
 
-from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin import (
+    Case,
+    EventKind,
+    Mechanism,
+    Outcome,
+    Resolution,
+    Solution,
+    Window,
+    simulate,
+)
 from nipper_pin.cli import main
 from nipper_pin.study.stress import (
     CHECKS,
@@ -270,6 +280,33 @@ def test_agreement_of_two_solutions(cycle: Solution, transition: Solution) -> No
     last = len(transition.events) - 1
     later = with_event(transition, last, t=transition.events[last].t + 1e-8)
     assert engines_agree(later, 1e-12) != []
+
+
+def test_series_that_hold_series_may_end_at_different_collisions() -> None:
+    """Two stops that throw each other open rest together at one limit, found earlier or later.
+
+    Case 461 of seed 51 took the collisions that the finer run still follows for others: "event 22:
+    rest of ('j0 upper', 'j1 lower') at 0.0242991936 s, and collision of ('j1 lower',)". A rest that
+    is moved by a thousand times its stated error is still noticed.
+    """
+    box = lid_box((1.0, 0.1, 0.3, 0.3, 30.0))
+    runs = [
+        simulate(
+            box,
+            Case(
+                speed_rpm=60.0,
+                window=Window.CYCLE,
+                resolution=Resolution(tolerance=tolerance),
+            ),
+        )
+        for tolerance in (1e-5, 1e-11)
+    ]
+    coarse, fine = runs
+    assert len(coarse.events) < len(fine.events)
+    assert within_errors(coarse, fine) == within_errors(fine, coarse) == []
+    last = len(coarse.events) - 1
+    late = coarse.events[last].t + 1e3 * coarse.errors[last].time
+    assert within_errors(with_event(coarse, last, t=late), fine) != []
 
 
 def test_hangs_and_tracebacks_are_wrong_and_refusals_are_not() -> None:

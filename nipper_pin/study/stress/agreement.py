@@ -83,9 +83,9 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             if one.kind is EventKind.COLLISION:
                 yield from _impulses(one, other, kind, relative)
             i, j = i + 1, j + 1
-        elif one.kind is EventKind.REST and other.stops[:1] == one.stops[:1]:
+        elif _ends_series(one, other):
             j += 1
-        elif other.kind is EventKind.REST and one.stops[:1] == other.stops[:1]:
+        elif _ends_series(other, one):
             i += 1
         else:
             # Events that are as near to one another as their errors may come in either order.
@@ -94,6 +94,11 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
                 there = f"{other.kind.value} of {other.stops} at {other.t:.9g} s"
                 yield Violation(kind, f"{text}, and {there}")
             return
+
+
+def _ends_series(rest: Event, other: Event) -> bool:
+    """True if an event of another run may be one of those that this rest leaves out."""
+    return rest.kind is EventKind.REST and set(other.stops[:1]) <= set(rest.stops)
 
 
 def _impulses(one: Event, other: Event, kind: str, relative: float) -> Iterator[Violation]:
