@@ -149,7 +149,9 @@ class _Picard:
             q, v = (operator @ (a * system.free)).reshape(2, *a.shape) + lines
             new = system.respond(forcing, q[1:], v[1:], self._rows)
             if not self.weight.size:
-                self.weight = h**2 / (self._reach + h**2 * np.abs(new).max(axis=0))
+                # What is prescribed does not move: its accelerations are round-off of the armature.
+                size = self._reach + h**2 * np.abs(new).max(axis=0)
+                self.weight = h**2 * self._rows.moving / size
             moved = (new - a[1:]) * self.weight
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = change, math.sqrt(np.vdot(moved, moved))

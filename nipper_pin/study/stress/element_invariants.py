@@ -119,9 +119,13 @@ def flights(solution: Solution) -> Iterator[str]:
         there = system.accelerations(motion, q, v, rows)
         sigma = (t - panel.t) / panel.h
         off = np.abs(evaluate(panel.a, sigma, 0) - there)
-        signs = (-1.0) ** np.arange(q.shape[1])
-        aside = system.accelerations(motion, q * (1.0 + 4.0 * EPS * signs), v, rows)
-        off -= 8.0 * np.abs(aside - there)
+        # Round-off of the state, and of the laws that elastic trains pull it towards.
+        nearby = 1.0 + 4.0 * EPS * (-1.0) ** np.arange(q.shape[1])
+        aside = system.accelerations(motion, q * nearby, v, rows)
+        law, rate, second = motion
+        shifted = (1.0 + 4.0 * EPS) * law, (1.0 + 4.0 * EPS) * rate, second
+        pulled = system.accelerations(shifted, q, v, rows)
+        off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there))
         moved = _moved(system, panel)
         share = float((off * panel.h**2 / moved).max(initial=0.0, where=rows.moving > 0.0))
         most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS

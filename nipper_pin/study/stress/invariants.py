@@ -173,9 +173,10 @@ def _impulses(solution: Solution) -> Iterator[str]:
         for label, v in (("delta", event.delta), ("v_after", event.v_after)):
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
-            # Closures that move by drives alone see round-off of the other rates, and nothing else.
+            # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13
+            # of them; closures that move by drives alone see round-off of the others.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
-            least = 16.0 * EPS * float(np.abs(G).max(initial=0.0) * fastest)
+            least = 1e-12 * float(np.abs(G).max(initial=0.0) * fastest)
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
