@@ -75,7 +75,7 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             return
         allowed = share * (errors[0].time + errors[1].time) + 16.0 * EPS * max(one.t, other.t)
         apart = abs(one.t - other.t)
-        if (one.kind, one.stops) == (other.kind, other.stops):
+        if _same(one, other):
             if not apart <= allowed:
                 text = f"event {one.number}: times differ by {apart:.3g} s"
                 yield Violation(kind, f"{text}, stated {allowed:.3g} s")
@@ -96,9 +96,15 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             return
 
 
+def _same(one: Event, other: Event) -> bool:
+    """True if events of two runs are the same one; a rest in a series of others is not the last."""
+    alike = (one.kind, one.stops) == (other.kind, other.stops)
+    return alike and (one.kind is not EventKind.REST or one.closed_after == other.closed_after)
+
+
 def _ends_series(rest: Event, other: Event) -> bool:
     """True if an event of another run may be one of those that this rest leaves out."""
-    return rest.kind is EventKind.REST and set(other.stops[:1]) <= set(rest.stops)
+    return rest.kind is EventKind.REST and set(other.stops[:1]) <= {*rest.stops, *rest.P_N}
 
 
 def _impulses(one: Event, other: Event, kind: str, relative: float) -> Iterator[Violation]:
