@@ -198,9 +198,11 @@ def impact_condition(
     if not system.held:
         mass[np.diag_indices(len(moving))] += system.drive_armature[moving]
     matrix = rows @ np.linalg.solve(mass, rows.T)
-    size = np.sqrt(np.diag(matrix))
-    if not size.all():
+    diagonal = np.diag(matrix)
+    if not (diagonal > 0.0).all():
+        # Round-off of a mass matrix that is singular in double precision has either sign.
         return np.inf
+    size = np.sqrt(diagonal)
     return float(np.linalg.cond(matrix / size / size[:, None]))
 
 

@@ -10,6 +10,7 @@ from ..dynamics.system import System
 from .segment import Segment
 from .state import State
 
+# [rad or m]
 _SAME_POSITION = 1e-9
 # Change of rates, as a share of the largest of the turn: far above amplified round-off, far below
 # what an event changes.
@@ -25,9 +26,10 @@ def repeats(
 ) -> bool:
     """True if the turn after this one must equal this one.
 
-    With held drives a phase without freedom is determined by the cylinder angle alone, so two
-    turns that share such a phase at the same angle are equal from there on. An event at the very
-    border of two turns may, by round-off, belong to either: this turn has to end as it began.
+    With held drives a phase without freedom is determined by the cylinder angle and the assembly of
+    the links, so two turns that share such a phase at the same angle are equal from there on. An
+    event at the very border of two turns may, by round-off, belong to either, and a flight may
+    bring the links to another assembly: this turn has to end as it began.
 
     Args:
         system: The system.
@@ -46,6 +48,9 @@ def repeats(
     changed = float(np.abs(end.v - start.v).max())
     fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
     if start.closed != end.closed or changed > _SAME_RATE * fastest:
+        return False
+    if np.abs(end.q - start.q).max() > _SAME_POSITION:
+        # The links have come to their other assembly, where rates may be the same.
         return False
     first, last = current[0], current[-1]
     if first.kinematic and last.kinematic and first.closed == last.closed:

@@ -8,6 +8,8 @@ next; a turn without it was copied as if the next one did not have it either.
 import pytest
 
 from nipper_pin import Case, Window, load, simulate
+from nipper_pin.hybrid.cycles import repeats
+from nipper_pin.hybrid.state import initial_state
 
 PARAMETERS = {
     "stops.jaw.restitution": 0.29362489155001664,
@@ -38,3 +40,22 @@ def test_copied_turns_have_the_collision_at_their_border(speed: float) -> None:
     for event, other, expected in zip(copied, computed, inside, strict=False):
         assert (event.kind, event.stops) == expected
         assert event.t == pytest.approx(other.t, rel=1e-9)
+
+
+def test_a_turn_that_ends_in_another_assembly_is_not_copied() -> None:
+    """Found by the stress campaign (case 446 of seed 71): "jump at 0.117018472 s [rad or m]: 3.53".
+
+    A heavy steeve threw the jaw over, so that the links ended the turn in their other assembly with
+    all rates as at its start: the drives stand still there. The next turn was taken for a copy.
+    """
+    mechanism = load("e62")
+    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=1)
+    solution = simulate(mechanism, case)
+    segments = solution.segments
+    start = initial_state(solution.system, case.start_index)
+    end = start._replace(t=solution.shaft.period)
+    assert repeats(solution.system, [], segments, start, end)
+    jaw = mechanism.stop("jaw").index
+    thrown = end.q.copy()
+    thrown[jaw] += 1e-6
+    assert not repeats(solution.system, [], segments, start, end._replace(q=thrown))
