@@ -55,9 +55,11 @@ def test_both_stops_close_and_open_again(run: Solution) -> None:
     assert run.outcome is Outcome.COMPLETED
     (both,) = (segment for segment in run.segments if segment.closed == BOTH)
     assert both.t_end - both.t_start > 0.1
-    begin = next(event for event in run.events if event.closed_after == BOTH)
-    end = next(event for event in run.events if event.closed_before == BOTH)
-    assert begin.kind is EventKind.REST
+    # The rattle ends at the limit of its series or, in round-off, by a collision without a rebound.
+    begin = next(e for e in run.events if e.closed_after == BOTH and e.kind is EventKind.REST)
+    end = next(e for e in run.events if e.closed_before == BOTH and e.closed_after != BOTH)
+    assert begin.t == both.t_start
+    assert end.t == both.t_end
     assert end.kind is EventKind.RELEASE
     assert len(run.collisions) < 1000
 
@@ -148,7 +150,7 @@ def test_rest_by_a_rate_comes_to_the_same(run: Solution) -> None:
     other = light_shafts(rest_rate=1e-2)
     ends = [
         [next(e.t for e in one.events if e.closed_after == BOTH),
-         next(e.t for e in one.events if e.closed_before == BOTH)]
+         next(e.t for e in one.events if e.closed_before == BOTH and e.closed_after != BOTH)]
         for one in (run, other)
     ]  # fmt: skip
     assert ends[0][0] - ends[1][0] > 1e-3
