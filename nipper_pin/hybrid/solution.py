@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from ..arrays import FloatArray
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import System
 from ..mechanism import Mechanism
-from .accuracy import EventError, event_errors
 from .case import Case
 from .collisions import (
     Collision,
@@ -24,6 +24,9 @@ from .energy import EnergyBalance, energy_balance, impulses_of_drives
 from .event import Event
 from .segment import Segment
 from .trajectory import Trajectory, closure_residuals
+
+if TYPE_CHECKING:
+    from .accuracy import EventError
 
 
 class Outcome(StrEnum):
@@ -137,6 +140,9 @@ class Solution:
     @cached_property
     def errors(self) -> tuple[EventError, ...]:
         """Estimated errors of the events, in their order."""
+        # Most runs are not asked for them.
+        from .accuracy import event_errors
+
         return event_errors(self.system, self.segments, self.events)
 
     @cached_property
