@@ -33,7 +33,7 @@ from ..dynamics.system import ConstraintSet, System
 from ..mechanism import Stop
 from .collocation import evaluate, nodes
 from .event import Event, EventKind
-from .panel import Panel, forces_at
+from .panel import Panel, defect, forces_at
 from .propagation import fundamental_matrix
 from .segment import Segment
 
@@ -172,7 +172,9 @@ def _own_errors(
     eta = 0.0
     # Where a gap has not just opened its start has the round-off of the closures.
     start = segment.panels[0]
-    eps = 0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q)[index])
+    eps = (
+        0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q[:1])[index])
+    )
     for panel in segment.panels:
         key = (id(panel.q), index)
         if key not in left_over:
@@ -316,12 +318,7 @@ def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
     """
     gaps = panel.order - 1
     sigma = 0.5 * (1.0 - np.cos(np.pi * (np.arange(gaps) + 0.5) / gaps))
-    t = panel.t + panel.h * sigma
-    q, v = panel.interpolate(t)
-    motion = system.shaft.driven(t)
-    system.prescribe(motion, q, v, rows)
-    there = system.accelerations(motion, q, v, rows)
-    return np.asarray(np.abs(there - evaluate(panel.a, sigma, 0)).max(axis=0))
+    return np.asarray(defect(system, rows, panel, sigma).max(axis=0))
 
 
 def _left_over_alone(

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.system import ConstraintSet, System
-from .collocation import evaluate, nodes
-from .panel import SMALLEST, Panel
+from .collocation import nodes
+from .panel import SMALLEST, Panel, defect
 
 _NEWTON_STEPS = 3
 
@@ -29,11 +29,7 @@ def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: flo
     sigma = _meetings(system, panel)
     if not sigma.size:
         return True
-    t = panel.t + panel.h * sigma
-    q, v = panel.interpolate(t)
-    motion = system.shaft.driven(t)
-    system.prescribe(motion, q, v, rows)
-    off = np.abs(evaluate(panel.a, sigma, 0) - system.accelerations(motion, q, v, rows))
+    off = defect(system, rows, panel, sigma)
     moved = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0) + SMALLEST
     share = float((rows.moving * off * panel.h**2 / moved).max())
     # Two integrations divide what the interpolant misses by about (2 N)^2.

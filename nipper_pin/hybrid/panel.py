@@ -163,6 +163,26 @@ def forces_at(
     return q, v, a, multipliers(system, motion, q, v, a, jacobian, rows, panel.split)
 
 
+def defect(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
+    """How far the interpolated accelerations of a panel are from the dynamics.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        sigma: Places on it, in [0, 1], shape (K,).
+
+    Returns:
+        Differences at motion that is not closed anew, not negative, shape (K, nv).
+    """
+    t = panel.t + panel.h * sigma
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
+    there = system.accelerations(motion, q, v, rows)
+    return np.asarray(np.abs(evaluate(panel.a, sigma, 0) - there))
+
+
 def judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attempt:
     """Accept a panel whose unresolved part is at most 1 in units of the tolerance."""
     factor = 0.9 * max(excess, SMALLEST) ** (-1.0 / order)

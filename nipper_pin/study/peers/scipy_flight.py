@@ -11,7 +11,16 @@ from collections.abc import Callable
 from scipy.integrate import DOP853, DenseOutput
 
 from ...arrays import FloatArray
+from .protocol import Setting
 
+SETTINGS = (
+    Setting("rtol 1e-3", 1e-3),
+    Setting("rtol 1e-5", 1e-5),
+    Setting("rtol 1e-7", 1e-7),
+    Setting("rtol 1e-9", 1e-9),
+    Setting("rtol 1e-11", 1e-11),
+    Setting("rtol 1e-13", 1e-13),
+)
 _LONGEST = 0.1
 _NEWTON = 12
 

@@ -9,18 +9,11 @@ from ...mechanism import Mechanism
 from .planar_model import first_rebound_rate, planar_model
 from .planar_motion import jaw_equation
 from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import Flight
+from .scipy_flight import SETTINGS, Flight
 
 NAME = "SciPy DOP853, located events (hand-derived equation)"
 PACKAGE = "scipy"
-SETTINGS = (
-    Setting("rtol 1e-3", 1e-3),
-    Setting("rtol 1e-5", 1e-5),
-    Setting("rtol 1e-7", 1e-7),
-    Setting("rtol 1e-9", 1e-9),
-    Setting("rtol 1e-11", 1e-11),
-    Setting("rtol 1e-13", 1e-13),
-)
+__all__ = ["NAME", "PACKAGE", "SETTINGS", "prepare"]
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:

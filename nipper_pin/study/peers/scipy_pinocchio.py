@@ -20,18 +20,11 @@ from ...mechanism import Mechanism, rad_s_from_rpm
 from .planar_model import planar_model
 from .planar_motion import shaft_accelerations
 from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import Flight
+from .scipy_flight import SETTINGS, Flight
 
 NAME = "SciPy DOP853, located events (Pinocchio's accelerations)"
 PACKAGE = "scipy"
-SETTINGS = (
-    Setting("rtol 1e-3", 1e-3),
-    Setting("rtol 1e-5", 1e-5),
-    Setting("rtol 1e-7", 1e-7),
-    Setting("rtol 1e-9", 1e-9),
-    Setting("rtol 1e-11", 1e-11),
-    Setting("rtol 1e-13", 1e-13),
-)
+__all__ = ["NAME", "PACKAGE", "SETTINGS", "prepare"]
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
@@ -55,9 +48,8 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     split = system.split(start.jacobian, rows.given, (jaw.index,))
     places = jaw.index, nv + jaw.index
     first, second = shaft.indices
-    preload = np.zeros(nv)
-    for spring in mechanism.springs:
-        preload[spring.index] -= spring.stiffness * spring.preload
+    # Springs are linear: what they do at rest at touch, and a stiffness.
+    preload = system.applied_forces(np.zeros((1, nv)), np.zeros((1, nv)))[0]
 
     def accelerations(t: float, y: FloatArray) -> FloatArray:
         q, v = y[:nv], y[nv:]
