@@ -75,7 +75,7 @@ MUTATIONS = (
     ),
     Mutation(
         "arrest-sign", "rest doubles the last rate instead of taking it away",
-        "dynamics/impact.py", "jump = -stop.rate(v)", "jump = stop.rate(v)",
+        "dynamics/impact.py", "jumps = [-stop.rate(v)", "jumps = [stop.rate(v)",
     ),
     Mutation(
         "stale-placement", "closure Jacobians are read with the placement of the state before",
@@ -97,7 +97,7 @@ MUTATIONS = (
     ),
     Mutation(
         "preload-sign", "the preload pulls",
-        "dynamics/system.py", "self._preload[spring.index] -= ", "self._preload[spring.index] += ",
+        "dynamics/coefficients.py", "preload[spring.index] -= ", "preload[spring.index] += ",
     ),
     Mutation(
         "lost-damping", "elastic drive trains without damping of the shaft's own rate",
@@ -105,8 +105,7 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-feedforward", "elastic drive trains without the inertia of the law",
-        "dynamics/system.py", "self.inertia * a_law + self._shaft_stiffness",
-        "self._shaft_stiffness",
+        "dynamics/system.py", "numbers.inertia * a_law\n                + numbers", "numbers",
     ),
     Mutation(
         "lost-spring-force", "forces of constraint without the springs",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,8 +120,7 @@ def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int
 def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
     """Condition number and inverse of a square matrix; infinite if it is singular.
 
-    The number is rows times largest element times largest element of the inverse, which differs
-    from that in the 1-norm by a factor of no more than the number of rows.
+    The number is that in the Frobenius norm: at most the number of rows times that in the 2-norm.
     """
     if not matrix.size:
         return 1.0, matrix
@@ -127,7 +128,7 @@ def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
         inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.inf, np.full_like(matrix, np.nan)
-    return float(len(matrix) * np.abs(matrix).max() * np.abs(inverse).max()), inverse
+    return math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse)), inverse
 
 
 def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
@@ -213,6 +214,44 @@ def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
         raise SingularConfigurationError(message, condition=np.inf) from error
 
 
+@dataclass(frozen=True)
+class Touch:
+    """The touch configuration, q = 0, with some coordinates given.
+
+    Attributes:
+        jacobian: Closure Jacobian G, shape (m, nv), not writeable.
+        split: The given coordinates and those that follow from them.
+        motion: Rates of all coordinates by those of the given ones, shape (nv, given).
+    """
+
+    jacobian: FloatArray
+    split: Partition
+    motion: FloatArray
+
+
+_TOUCH: WeakKeyDictionary[Multibody, dict[tuple[int, ...], Touch]] = WeakKeyDictionary()
+
+
+def touch(body: Multibody, given: Sequence[int]) -> Touch:
+    """The touch configuration of a multibody system; all its runs start from there.
+
+    Args:
+        body: The multibody system.
+        given: Places in q of the coordinates that are prescribed.
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the others.
+    """
+    known, key = _TOUCH.setdefault(body, {}), tuple(given)
+    if key not in known:
+        jacobian = body.closures(np.zeros((1, body.nv)))[1]
+        jacobian.flags.writeable = False
+        split = partition(jacobian[0], given, [])
+        units = np.eye(body.nv)[list(given)]
+        known[key] = Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
+    return known[key]
+
+
 def assemble(
     body: Multibody, path: FloatArray, given: Sequence[int], rates: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -228,11 +267,13 @@ def assemble(
     Returns:
         q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
     """
-    columns = list(given)
+    start = touch(body, given)
     q = np.zeros((1, body.nv))
+    if not len(path):
+        return q[0], start.motion @ rates, start.jacobian
+    columns = list(given)
     step = np.zeros((1, body.nv))
-    _, jacobian = body.closures(q)
-    split = partition(jacobian[0], given, [])
+    jacobian, split = start.jacobian[None], start.split
     for target in path:
         step[:] = 0.0
         step[0, columns] = target - q[0, columns]

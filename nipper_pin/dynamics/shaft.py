@@ -62,7 +62,7 @@ class ShaftMotion:
         if not self._trains:
             none = np.zeros((len(psi), 0))
             return none, none, none
-        values = self._at_touch
+        values = self.mechanism.drive_offsets
         for law, factors in self._trains:
             values = values + np.array(law.evaluate(psi))[:, :, None] * factors
         return values[0], values[1], values[2]
@@ -70,32 +70,21 @@ class ShaftMotion:
     def driven_at(self, t: float) -> Driven:
         """What :meth:`driven` gives at one time [s], as one row; numbers are faster than arrays."""
         psi = np.asarray(self.start_angle_rad + self.rate * t)
-        values = self._at_touch
+        values = self.mechanism.drive_offsets
         for law, factors in self._trains:
             values = values + np.array(law.evaluate(psi))[:, None, None] * factors
         return values[0], values[1], values[2]
 
     def smooth_for(self, t: float) -> float:
         """Time [s] from t to the next one at which a law changes its polynomial; often infinite."""
-        if not self._knots.size:
+        knots = self.mechanism.drive_knots_rad
+        if not knots.size:
             return np.inf
         sense = 1.0 if self.rate > 0.0 else -1.0
-        ahead = np.remainder(sense * (self._knots - float(self.angle(t))), 2.0 * np.pi)
+        ahead = np.remainder(sense * (knots - float(self.angle(t))), 2.0 * np.pi)
         # A time that was computed from a knot may lie, by round-off, before it.
         ahead[ahead <= _AT_KNOT] += 2.0 * np.pi
         return float(ahead.min()) / self.speed_rad_s
-
-    @cached_property
-    def _knots(self) -> FloatArray:
-        """Cylinder angles at which a higher derivative of a law jumps [rad]."""
-        return np.array([knot for law, _ in self._trains for knot in law.knots_rad])
-
-    @cached_property
-    def _at_touch(self) -> FloatArray:
-        """What makes all driven coordinates zero in the touch configuration, (3, 1, drives)."""
-        offsets = np.zeros((3, 1, len(self.mechanism.drives)))
-        offsets[0, 0] = [-drive.law_at_touch for drive in self.mechanism.drives]
-        return offsets
 
     @cached_property
     def _trains(self) -> list[tuple[DriveLaw, FloatArray]]:

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop
 from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
+from .coefficients import coefficients
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
@@ -82,26 +83,10 @@ class System:
         self.shaft = shaft
         self.drive = drive
         self.held = drive is DriveMode.HELD
-        self.driven = np.array([item.index for item in mechanism.drives], dtype=int)
-        self.inertia = np.array([item.reflected_inertia for item in mechanism.drives])
-        omega = 2.0 * np.pi * np.array([item.shaft_frequency_hz for item in mechanism.drives])
-        damping = np.array([item.shaft_damping_ratio for item in mechanism.drives])
-        self._shaft_stiffness = self.inertia * omega**2
-        self._shaft_damping = 2.0 * damping * omega * self.inertia
-        nv = len(mechanism.joints)
-        self.drive_armature = np.zeros(nv)
-        self.drive_armature[self.driven] = INFINITE_INERTIA if self.held else self.inertia
+        numbers = self._numbers = coefficients(mechanism, self.held)
+        self.driven, self.inertia = numbers.driven, numbers.inertia
+        self.drive_armature, self.free = numbers.armature, numbers.free
         self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
-        # 1 for coordinates that accelerations move, 0 for those that a law holds.
-        self.free = np.ones(nv)
-        if self.held:
-            self.free[self.driven] = 0.0
-        self._stiffness, self._preload, self._damping = np.zeros((3, nv))
-        for spring in mechanism.springs:
-            self._stiffness[spring.index] += spring.stiffness
-            self._preload[spring.index] -= spring.stiffness * spring.preload
-        for damper in mechanism.dampers:
-            self._damping[damper.index] += damper.damping
         self.body = multibody(mechanism)
         self.elements = elements(mechanism, self.body)
         self._sets = _SETS.setdefault(mechanism, {})
@@ -119,11 +104,12 @@ class System:
             # Shafts that give way are prescribed nothing: with all stops closed they may have to
             # follow from one another.
             given, yielding = ((*drives, *stops), ()) if self.held else (stops, drives)
-            armature, stiffness = self.drive_armature.copy(), self._stiffness.copy()
-            moving, damping = self.free.copy(), self._damping.copy()
+            numbers = self._numbers
+            armature, stiffness = numbers.armature.copy(), numbers.stiffness.copy()
+            moving, damping = numbers.free.copy(), numbers.damping.copy()
             if not self.held:
-                stiffness[self.driven] += self._shaft_stiffness
-                damping[self.driven] += self._shaft_damping
+                stiffness[self.driven] += numbers.train_stiffness
+                damping[self.driven] += numbers.train_damping
             held_stops = list(stops)
             armature[held_stops] = INFINITE_INERTIA
             moving[held_stops] = 0.0
@@ -228,7 +214,8 @@ class System:
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
         """
-        forces: FloatArray = self._preload - self._stiffness * q - self._damping * v
+        numbers = self._numbers
+        forces: FloatArray = numbers.preload - numbers.stiffness * q - numbers.damping * v
         if self.elements is not None:
             forces += self.elements.forces(q, v)
         return forces
@@ -245,10 +232,11 @@ class System:
             Shape (N, drives) [N m or N].
         """
         q_law, v_law, a_law = motion
+        numbers = self._numbers
         torques: FloatArray = (
             self.inertia * a_law
-            + self._shaft_stiffness * (q_law - q[:, self.driven])
-            + self._shaft_damping * (v_law - v[:, self.driven])
+            + numbers.train_stiffness * (q_law - q[:, self.driven])
+            + numbers.train_damping * (v_law - v[:, self.driven])
         )
         return torques
 
@@ -270,7 +258,7 @@ class System:
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
         """
-        power: FloatArray = v**2 @ self._damping
+        power: FloatArray = v**2 @ self._numbers.damping
         if self.elements is not None:
             power += self.elements.dissipation(q, v)
         return power
@@ -296,12 +284,15 @@ class System:
         """
         q_law, v_law, a_law = motion
         tau = np.empty((len(q_law), self.body.nv))
-        tau[:] = self._preload
+        numbers = self._numbers
+        tau[:] = numbers.preload
         if self.held:
             tau[:, self.driven] = INFINITE_INERTIA * a_law
         else:
             tau[:, self.driven] += (
-                self.inertia * a_law + self._shaft_stiffness * q_law + self._shaft_damping * v_law
+                numbers.inertia * a_law
+                + numbers.train_stiffness * q_law
+                + numbers.train_damping * v_law
             )
         if rows.stops:
             tau[:, rows.stops] = 0.0

@@ -214,6 +214,12 @@ class Series:
         rest = enumerate(self.coefficients[2:], start=2)
         return -self.coefficients[1] > sum(k * k * abs(value) for k, value in rest)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Values at 0 and at 1, where Chebyshev polynomials are 1 or -1."""
+        even, odd = sum(self.coefficients[::2]), sum(self.coefficients[1::2])
+        return even - odd, even + odd
+
     def falls_once(self, left: float, right: float) -> tuple[float, float] | None:
         """The bracket itself if the series is known to have one zero in it, a fall."""
         if self.falls and self.value(left) > 0.0 >= self.value(right):

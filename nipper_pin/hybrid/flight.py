@@ -78,13 +78,12 @@ def flight_panel(
     forces = forces_at(system, rows, panel, panel.times)[3].la_N if rows.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    attempt = judged(panel, forces, left_over / tolerance, len(a))
-    if iteration.sweeps > _EASY_SWEEPS:
-        return replace(attempt, factor=min(attempt.factor, 1.0))
-    if len(a) < finest and attempt.panel is not None:
+    hard = iteration.sweeps > _EASY_SWEEPS
+    if len(a) < finest and not hard:
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
-        return Attempt(attempt.panel, attempt.forces, _LONGER)
-    return attempt
+        return Attempt(panel, forces, _LONGER)
+    attempt = judged(panel, forces, left_over / tolerance, len(a))
+    return replace(attempt, factor=min(attempt.factor, 1.0)) if hard else attempt
 
 
 class _Picard:

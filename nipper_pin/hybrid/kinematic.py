@@ -116,8 +116,8 @@ def _check_digits(jacobian: FloatArray, split: Partition) -> None:
         return
     blocks = jacobian[:, :, split.columns]
     # No determinant is zero: `_check_branch` has been passed.
-    inverses = np.abs(np.linalg.inv(blocks)).max(axis=(1, 2))
-    condition = len(split.dependent) * float((np.abs(blocks).max(axis=(1, 2)) * inverses).max())
+    sizes, inverses = (np.linalg.norm(m, axis=(1, 2)) for m in (blocks, np.linalg.inv(blocks)))
+    condition = float((sizes * inverses).max())
     if not condition < MAX_CONDITION:
         message = (
             f"a dead centre is so near (condition {condition:.2g}) that round-off decides on the "

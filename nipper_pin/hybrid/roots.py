@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from ..errors import ConvergenceError
 
 _MAX_STEPS = 80
+_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 
 def first_descent(
@@ -79,7 +80,7 @@ def polish(
         ConvergenceError: No root to round-off after many steps.
     """
     low, high, x = left, right, right if start is None else start
-    resolution = 4.0 * np.finfo(float).eps * max(abs(left), abs(right))
+    resolution = _ROUND_OFF * max(abs(left), abs(right))
     previous = np.inf
     for _ in range(_MAX_STEPS):
         value, slope = function(x)

@@ -132,8 +132,9 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     series = Series(coefficients)
     if series.positive:
         return None
-    if series.falls and series.value(0.0) > 0.0:
-        if series.value(1.0) > 0.0:
+    first, last = series.ends
+    if series.falls and first > 0.0:
+        if last > 0.0:
             return None
         bracket = 0.0, 1.0
         guess = min(max(0.5 - 0.5 * series.coefficients[0] / series.coefficients[1], 0.0), 1.0)

@@ -266,6 +266,21 @@ class Mechanism:
             trains.setdefault(id(law), (law, none))[1][0, column] = ratio
         return tuple(trains.values())
 
+    @cached_property
+    def drive_offsets(self) -> NDArray[np.float64]:
+        """What makes all driven coordinates zero in the touch configuration, (3, 1, drives).
+
+        First axis: coordinate, rate and acceleration, the latter two being zero.
+        """
+        offsets = np.zeros((3, 1, len(self.drives)))
+        offsets[0, 0] = [-drive.law_at_touch for drive in self.drives]
+        return offsets
+
+    @cached_property
+    def drive_knots_rad(self) -> NDArray[np.float64]:
+        """Cylinder angles at which a higher derivative of a law jumps [rad]."""
+        return np.array([knot for law, _ in self.drive_trains for knot in law.knots_rad])
+
     @property
     def links(self) -> tuple[str, ...]:
         """Names of the moving links, in the order of their joints."""

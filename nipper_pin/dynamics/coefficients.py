@@ -1,0 +1,85 @@
+"""Numbers of a mechanism's linear forces and shafts, laid out by coordinate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import FloatArray
+from ..mechanism import Mechanism
+from .multibody import INFINITE_INERTIA
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What neither speed nor time changes, shapes (drives,) or (nv,).
+
+    Attributes:
+        driven: Places of the driven coordinates.
+        inertia: I of each driven shaft [kg m^2 or kg].
+        train_stiffness: k = I w^2 of each elastic drive train.
+        train_damping: c = 2 zeta w I of each.
+        armature: Inertia added to the driven coordinates: infinite for held ones, I otherwise.
+        free: 1 for coordinates that accelerations move, 0 for those that a law holds.
+        stiffness: Sum of the springs at each coordinate.
+        preload: Their force at q = 0, -k p.
+        damping: Sum of the dampers at each coordinate.
+    """
+
+    driven: NDArray[np.intp]
+    inertia: FloatArray
+    train_stiffness: FloatArray
+    train_damping: FloatArray
+    armature: FloatArray
+    free: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    damping: FloatArray
+
+
+_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, Coefficients]] = WeakKeyDictionary()
+
+
+def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
+    """Coefficients of a mechanism, the same for all its runs.
+
+    Args:
+        mechanism: The mechanism.
+        held: True if the driven shafts are held, False if they have their inertia.
+    """
+    known = _KNOWN.setdefault(mechanism, {})
+    if held not in known:
+        known[held] = _coefficients(mechanism, held)
+    return known[held]
+
+
+def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
+    nv = len(mechanism.joints)
+    driven = np.array([item.index for item in mechanism.drives], dtype=np.intp)
+    inertia = np.array([item.reflected_inertia for item in mechanism.drives])
+    omega = 2.0 * np.pi * np.array([item.shaft_frequency_hz for item in mechanism.drives])
+    ratio = np.array([item.shaft_damping_ratio for item in mechanism.drives])
+    armature, free = np.zeros(nv), np.ones(nv)
+    armature[driven] = INFINITE_INERTIA if held else inertia
+    if held:
+        free[driven] = 0.0
+    stiffness, preload, damping = np.zeros((3, nv))
+    for spring in mechanism.springs:
+        stiffness[spring.index] += spring.stiffness
+        preload[spring.index] -= spring.stiffness * spring.preload
+    for damper in mechanism.dampers:
+        damping[damper.index] += damper.damping
+    return Coefficients(
+        driven=driven,
+        inertia=inertia,
+        train_stiffness=inertia * omega**2,
+        train_damping=2.0 * ratio * omega * inertia,
+        armature=armature,
+        free=free,
+        stiffness=stiffness,
+        preload=preload,
+        damping=damping,
+    )
