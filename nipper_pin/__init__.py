@@ -25,13 +25,13 @@ from .hybrid.event import Event, EventKind
 from .hybrid.record import record
 from .hybrid.simulate import simulate
 from .hybrid.solution import Outcome, Solution
-from .hybrid.trajectory import Motion, Reactions
 from .mechanism import Mechanism, load
 
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from .hybrid.storage import load_case, load_solution, save, save_case
+    from .hybrid.trajectory import Motion, Reactions
     from .study.transitions import transition_table
 else:
     # Archives, JSON and tables of many runs are a part of the time of the import, and most runs
@@ -43,6 +43,10 @@ else:
             from .hybrid import storage
 
             return getattr(storage, name)
+        if name in ("Motion", "Reactions"):
+            from .hybrid import trajectory
+
+            return getattr(trajectory, name)
         if name == "transition_table":
             from .study.transitions import transition_table
 

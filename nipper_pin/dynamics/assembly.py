@@ -214,7 +214,7 @@ def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
         raise SingularConfigurationError(message, condition=np.inf) from error
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Touch:
     """The touch configuration, q = 0, with some coordinates given.
 

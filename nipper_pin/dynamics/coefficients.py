@@ -13,7 +13,7 @@ from ..mechanism import Mechanism
 from .multibody import INFINITE_INERTIA
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coefficients:
     """What neither speed nor time changes, shapes (drives,) or (nv,).
 

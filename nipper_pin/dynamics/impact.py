@@ -24,7 +24,7 @@ _NO_RATE = 1e-13
 _REFINED, _REFINEMENTS = 1e-13, 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Impact:
     """Outcome of one collision, whatever number of stops takes part in it.
 

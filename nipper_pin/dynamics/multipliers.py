@@ -12,7 +12,7 @@ from .shaft import Driven
 from .system import ConstraintSet, System
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Multipliers:
     """Forces of constraint of N states.
 

@@ -26,7 +26,7 @@ class DriveMode(StrEnum):
     """Each shaft has a finite inertia on an elastic drive train; impacts change its speed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ConstraintSet:
     """The bilateral rows of one phase beside the closures.
 

@@ -45,12 +45,12 @@ class Collision:
     @property
     def rebound_amplitude(self) -> float | None:
         """Largest gap until the stop's next event [rad or m]; None if the window ends before."""
-        return self.rebounds.after(self.event)[0]
+        return self.rebounds.amplitude(self.event)
 
     @property
     def rebound_time(self) -> float | None:
         """Time until the stop's next event [s]; None if the window ends before."""
-        return self.rebounds.after(self.event)[1]
+        return self.rebounds.time(self.event)
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,13 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ..arrays import FloatArray
 
 _SAMPLES_PER_NODE = 4
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Nodes:
     """Nodes and operators of one order on the unit interval sigma in [0, 1].
 
@@ -60,6 +59,8 @@ class Nodes:
 @cache
 def nodes(order: int) -> Nodes:
     """Return the nodes and operators with this many nodes."""
+    from numpy.polynomial import chebyshev
+
     sigma = _lobatto(order)
     coefficients = _transform(order)
     # lbnd = -1 makes every integral vanish at sigma = 0; 1/2 is dx -> dsigma.

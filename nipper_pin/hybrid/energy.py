@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from ..arrays import FloatArray
 from ..dynamics.impact import drive_impulses
 from ..dynamics.system import System
 from .event import Event
-from .panel import Panel, forces_at
+from .panel import forces_at
 from .segment import Segment
 from .trajectory import Trajectory
 
@@ -73,7 +73,7 @@ def energy_balance(
     work = heat = peak = 0.0
     for segment in segments:
         rows = system.constraint_set(segment.closed)
-        for panel, begin, end in pieces(segment):
+        for panel, begin, end in segment.pieces():
             key = (id(panel.q), round((end - begin) / panel.h, 9))
             if key not in known:
                 t = begin + 0.5 * (end - begin) * (points + 1.0)
@@ -128,14 +128,6 @@ def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatAr
                 system, event.q, event.delta, event.P_g, event.P_N
             )
     return tuple(known[id(event.delta)] for event in events)
-
-
-def pieces(segment: Segment) -> Iterator[tuple[Panel, float, float]]:
-    """Panels of a segment with the part of each that belongs to it."""
-    for panel in segment.panels:
-        begin, end = max(panel.t, segment.t_start), min(panel.t + panel.h, segment.t_end)
-        if end > begin:
-            yield panel, begin, end
 
 
 def _kinetic(system: System, q: FloatArray, v: FloatArray) -> FloatArray:

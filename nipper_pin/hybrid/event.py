@@ -16,7 +16,7 @@ class EventKind(StrEnum):
     RELEASE = "release"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Event:
     """One event.
 

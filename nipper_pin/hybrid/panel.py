@@ -17,7 +17,7 @@ from .collocation import evaluate, evaluate_motion, motion_weights, nodes
 SMALLEST = 1e-300
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Attempt:
     """A panel, or why there is none, and the length that the next attempt should have.
 
@@ -32,7 +32,7 @@ class Attempt:
     factor: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Panel:
     """Motion over [t, t + h] at its collocation nodes.
 

@@ -11,7 +11,6 @@ from ..dynamics.system import System
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import Series, nodes
-from .energy import pieces
 from .event import Event, EventKind
 from .panel import Panel
 from .roots import first_descent, polish
@@ -39,28 +38,49 @@ class Rebounds:
         self._system, self._resolution = system, resolution
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
-        self._known: dict[int, tuple[float | None, float | None]] = {}
+        self._highest_gaps: dict[int, float] = {}
+        self._flights: dict[int, tuple[float | None, float | None]] = {}
 
-    def after(self, event: Event) -> tuple[float | None, float | None]:
-        """Amplitude and time of the rebound of the stop that a collision struck first."""
-        stop = self._system.mechanism.stop(event.stops[0])
+    def time(self, event: Event) -> float | None:
+        """Time of the rebound of the stop that a collision struck first [s]; None if unknown."""
+        stop = self._stop(event)
         if stop.rate(event.v_after) <= 0.0:
-            return 0.0, 0.0
-        following = next(
-            (item for item in self._events[event.number :] if stop.name in item.P_N), None
-        )
+            return 0.0
+        following = self._following(event, stop)
         if following is None:
-            return None, None
+            return None
+        if self._left_out(event, following):
+            return self._followed(event, stop)[1]
+        return following.t - event.t
+
+    def amplitude(self, event: Event) -> float | None:
+        """Largest gap of that rebound [rad or m]; None if unknown."""
+        stop = self._stop(event)
+        if stop.rate(event.v_after) <= 0.0:
+            return 0.0
+        following = self._following(event, stop)
+        if following is None:
+            return None
+        if self._left_out(event, following):
+            return self._followed(event, stop)[0]
         # Copies of a turn share their arrays.
         key = id(event.q)
-        if key not in self._known:
-            left_out = following.kind is EventKind.REST and np.array_equal(following.q, event.q)
-            self._known[key] = (
-                self._followed(event, stop)
-                if left_out
-                else (self._highest(event.t, following.t, stop), following.t - event.t)
-            )
-        return self._known[key]
+        if key not in self._highest_gaps:
+            self._highest_gaps[key] = self._highest(event.t, following.t, stop)
+        return self._highest_gaps[key]
+
+    def _stop(self, event: Event) -> Stop:
+        return self._system.mechanism.stop(event.stops[0])
+
+    def _following(self, event: Event, stop: Stop) -> Event | None:
+        """The next event at which the stop takes part in an impact."""
+        later = (self._events[place] for place in range(event.number, len(self._events)))
+        return next((item for item in later if stop.name in item.P_N), None)
+
+    @staticmethod
+    def _left_out(event: Event, following: Event) -> bool:
+        """True if the run did not follow the rebound, because rest was known already."""
+        return following.kind is EventKind.REST and np.array_equal(following.q, event.q)
 
     def _highest(self, begin: float, end: float, stop: Stop) -> float:
         """Largest gap of a stop between two times."""
@@ -73,7 +93,13 @@ class Rebounds:
         return highest
 
     def _followed(self, event: Event, stop: Stop) -> tuple[float | None, float | None]:
-        """Rebound that a run leaves out because rest is known already."""
+        """Amplitude and time of a rebound that a run leaves out."""
+        key = id(event.q)
+        if key not in self._flights:
+            self._flights[key] = self._flight(event, stop)
+        return self._flights[key]
+
+    def _flight(self, event: Event, stop: Stop) -> tuple[float | None, float | None]:
         system = self._system
         rows = system.constraint_set(event.closed_after - {stop.name})
         motion = system.shaft.driven_at(event.t)
@@ -89,7 +115,7 @@ class Rebounds:
 
 def _highest_of(segment: Segment, stop: Stop) -> float:
     """Largest gap of a stop on a segment."""
-    return max((_highest(*piece, stop) for piece in pieces(segment)), default=0.0)
+    return max((_highest(*piece, stop) for piece in segment.pieces()), default=0.0)
 
 
 def _highest(panel: Panel, begin: float, end: float, stop: Stop) -> float:

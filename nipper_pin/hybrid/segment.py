@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,7 @@ _MOST_PANELS = 10_000
 _ROUND_OFF = 1e-14
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Segment:
     """Motion with one set of closed stops.
 
@@ -56,12 +56,19 @@ class Segment:
             panels=tuple(panel.shifted(delay) for panel in self.panels),
         )
 
+    def pieces(self) -> Iterator[tuple[Panel, float, float]]:
+        """Panels with the part of each that belongs to the segment: begin and end [s]."""
+        for panel in self.panels:
+            begin, end = max(panel.t, self.t_start), min(panel.t + panel.h, self.t_end)
+            if end > begin:
+                yield panel, begin, end
+
     def panel_number(self, t: float) -> int:
         """Return the place of the panel that holds time t [s]."""
         return max(bisect_right(self.panels, t, key=lambda panel: panel.t) - 1, 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Advance:
     """Result of :func:`advance`.
 

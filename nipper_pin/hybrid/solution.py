@@ -20,13 +20,13 @@ from .collisions import (
     phase_intervals,
     transitions,
 )
-from .energy import EnergyBalance, energy_balance, impulses_of_drives
 from .event import Event
 from .segment import Segment
-from .trajectory import Trajectory, closure_residuals
 
 if TYPE_CHECKING:
     from .accuracy import EventError
+    from .energy import EnergyBalance
+    from .trajectory import Trajectory
 
 
 class Outcome(StrEnum):
@@ -76,7 +76,8 @@ class Checks:
     energy_balance: float
 
 
-@dataclass(frozen=True)
+# Most runs are asked for none of what the properties below import where they need it.
+@dataclass(frozen=True, eq=False)
 class Solution:
     """A simulated stretch of motion; a transition without rebound is a collision and no motion.
 
@@ -112,6 +113,8 @@ class Solution:
     @cached_property
     def trajectory(self) -> Trajectory:
         """Dense motion and forces at any time."""
+        from .trajectory import Trajectory
+
         return Trajectory(self.system, self.segments)
 
     @cached_property
@@ -135,12 +138,13 @@ class Solution:
     @cached_property
     def drive_impulses(self) -> tuple[FloatArray, ...]:
         """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
+        from .energy import impulses_of_drives
+
         return impulses_of_drives(self.system, self.events)
 
     @cached_property
     def errors(self) -> tuple[EventError, ...]:
         """Estimated errors of the events, in their order."""
-        # Most runs are not asked for them.
         from .accuracy import event_errors
 
         return event_errors(self.system, self.segments, self.events)
@@ -148,11 +152,15 @@ class Solution:
     @cached_property
     def energy(self) -> EnergyBalance:
         """Energy balance of the whole run."""
+        from .energy import energy_balance
+
         return energy_balance(self.system, self.segments, self.events)
 
     @cached_property
     def checks(self) -> Checks:
         """Closure and energy residuals of the whole run."""
+        from .trajectory import closure_residuals
+
         gap, rate = closure_residuals(self.system, self.segments)
         return Checks(gap, rate, self.energy.relative)
 

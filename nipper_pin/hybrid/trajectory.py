@@ -14,7 +14,7 @@ from .panel import Panel, forces_at, state_at
 from .segment import Segment
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """States at K times.
 
@@ -31,7 +31,7 @@ class Motion:
     v: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reactions:
     """Forces at K times; every force is the one on the child link or on the side of frame a.
 

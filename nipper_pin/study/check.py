@@ -9,7 +9,6 @@ import numpy as np
 
 from ..dynamics.impact import impact_condition
 from ..hybrid.case import Case, Window
-from ..hybrid.energy import pieces
 from ..hybrid.event import EventKind
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
@@ -172,7 +171,7 @@ def _worst_impact_condition(solution: Solution) -> Extreme:
     system, worst = solution.system, Extreme(1.0, _index(solution, 0.0))
     for segment in solution.segments:
         stops = system.constraint_set(segment.closed).stops
-        for panel, _, end in pieces(segment):
+        for panel, _, end in segment.pieces():
             inside = panel.times <= end
             _, jacobian = system.body.closures(panel.q[inside])
             states = zip(panel.times[inside].tolist(), panel.q[inside], jacobian, strict=True)

@@ -19,7 +19,6 @@ from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
 from ...hybrid.accuracy import round_off
 from ...hybrid.collocation import nodes
-from ...hybrid.energy import pieces
 from ...hybrid.event import EventKind
 from ...hybrid.panel import forces_at, state_at
 from ...hybrid.solution import Outcome, Solution
@@ -288,7 +287,7 @@ def _forces(
 def _continuity(solution: Solution) -> Iterator[str]:
     """No link jumps from one panel to the next."""
     tolerance = solution.case.resolution.tolerance
-    parts = [(s, *piece) for s in solution.segments[:_EVENTS] for piece in pieces(s)]
+    parts = [(s, *piece) for s in solution.segments[:_EVENTS] for piece in s.pieces()]
     for place in some(max(len(parts) - 1, 0), _EVENTS):
         (old, before, _, end), (new, after, begin, _) = parts[place : place + 2]
         states = [

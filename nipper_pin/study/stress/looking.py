@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.energy import pieces
 from ...hybrid.panel import Panel
 from ...hybrid.segment import Segment
 from ...hybrid.solution import Solution
@@ -29,7 +28,7 @@ def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]
     seen: set[int] = set()
     for place in some(len(solution.segments), _SEGMENTS):
         segment = solution.segments[place]
-        parts = list(pieces(segment))
+        parts = list(segment.pieces())
         for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
             if id(panel.q) not in seen:
                 seen.add(id(panel.q))
