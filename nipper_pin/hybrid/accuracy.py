@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import inverted
+from ..dynamics.assembly import close_velocities, inverted
 from ..dynamics.impact import impact_condition
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
@@ -316,9 +316,25 @@ def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
 
     The last coefficients may be small by chance; what is wrong between the nodes is not.
     """
-    gaps = panel.order - 1
-    sigma = 0.5 * (1.0 - np.cos(np.pi * (np.arange(gaps) + 0.5) / gaps))
-    return np.asarray(defect(system, rows, panel, sigma).max(axis=0))
+    return np.asarray(defect(system, rows, panel, nodes(panel.order).between).max(axis=0))
+
+
+def _nearby(system: System, panel: Panel) -> tuple[FloatArray, FloatArray]:
+    """Positions and velocities at the nodes but for round-off, each shape (N, nv).
+
+    Dependent coordinates stand where the closures let them stand, and have the rates of that place:
+    what the closures are open by near a dead centre makes itself felt there.
+    """
+    body, columns = system.body, panel.split.columns
+    signs = (-1.0) ** np.arange(body.nv)
+    # The length of a strut is a difference of places.
+    size = np.abs(panel.q) + (body.reach_m if system.mechanism.struts else 0.0)
+    q, v = panel.q + _NEARBY * _EPS * signs * size, panel.v
+    if columns.size:
+        g, jacobian = body.closures(q)
+        q[:, columns] -= np.linalg.solve(jacobian[:, :, columns], g[:, :, None])[:, :, 0]
+        v = close_velocities(v, body.closures(q)[1], panel.split)
+    return q, v
 
 
 def _left_over_alone(
@@ -329,11 +345,8 @@ def _left_over_alone(
     motion = system.shaft.driven(panel.times)
     again = system.accelerations(motion, panel.q, panel.v, rows)
     swept = again - a
-    signs = (-1.0) ** np.arange(panel.q.shape[1])
-    # The length of a strut is a difference of places.
-    size = np.abs(panel.q) + (system.body.reach_m if system.mechanism.struts else 0.0)
-    nearby = panel.q + _NEARBY * _EPS * signs * size
-    rough = np.abs(system.accelerations(motion, nearby, panel.v, rows) - again).max(axis=0)
+    there = system.accelerations(motion, *_nearby(system, panel), rows)
+    rough = np.abs(there - again).max(axis=0)
     missing = _between(system, rows, panel)
     if system.mechanism.tabulated_springs:
         # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice

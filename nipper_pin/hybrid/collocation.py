@@ -37,6 +37,7 @@ class Nodes:
             single one (last N), shape (N + 2, 2 N).
         deflated: Node values to the coefficients of the double integral divided by sigma to the
             power 0, 1 and 2, shapes (N + 2 - k, N).
+        between: Places halfway in angle between the nodes, shape (N - 1,).
         samples: Fine grid from 0 to 1, shape (S,).
         sample_value: Node values to values on the fine grid, shape (S, N).
         sample_twice: Node values to double integrals on the fine grid, divided by sigma to the
@@ -51,6 +52,7 @@ class Nodes:
     degrees: FloatArray
     both: FloatArray
     deflated: tuple[FloatArray, FloatArray, FloatArray]
+    between: FloatArray
     samples: FloatArray
     sample_value: FloatArray
     sample_twice: tuple[FloatArray, FloatArray, FloatArray]
@@ -94,6 +96,7 @@ def nodes(order: int) -> Nodes:
             _transform(order + 1) @ _divided(integrals[2], _lobatto(order + 1), 1),
             _transform(order) @ _divided(integrals[2], sigma, 2),
         ),
+        between=0.5 * (1.0 - np.cos(np.pi * (np.arange(order - 1) + 0.5) / (order - 1))),
         samples=samples,
         sample_value=value,
         sample_twice=(

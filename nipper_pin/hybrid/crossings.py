@@ -1,8 +1,9 @@
-"""What nodes may miss of tables: rows that are crossed, and points of return, between them.
+"""What nodes may miss of tables and struts: what happens between them.
 
 A force that changes within a narrow step or spike, and changes back before the next node, leaves no
-trace in the nodes. So the equations of motion are asked for where a coordinate crosses a row of its
-table, and where it turns back.
+trace in the nodes; of a step that stays they show the height, not the place. So the equations of
+motion are asked for where a coordinate crosses a row of its table and where it turns back, and with
+struts, whose points may pass one another closely, between any two nodes.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from .panel import SMALLEST, Panel, defect
 _NEWTON_STEPS = 3
 
 
-def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:
-    """True if a flight panel obeys its equations where it meets the rows of tables.
+def shows_forces(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:
+    """True if a flight panel obeys its equations between its nodes, as far as forces ask for it.
 
     Args:
         system: The system.
@@ -26,7 +27,9 @@ def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: flo
         panel: The panel, resolved by its nodes.
         tolerance: Relative accuracy of its positions.
     """
-    sigma = _meetings(system, panel)
+    sigma = rows_met(system, panel)
+    if system.mechanism.struts:
+        sigma = np.concatenate([sigma, nodes(panel.order).between])
     if not sigma.size:
         return True
     off = defect(system, rows, panel, sigma)
@@ -36,8 +39,10 @@ def shows_rows(system: System, rows: ConstraintSet, panel: Panel, tolerance: flo
     return share <= (2.0 * panel.order) ** 2 * tolerance
 
 
-def _meetings(system: System, panel: Panel) -> FloatArray:
+def rows_met(system: System, panel: Panel) -> FloatArray:
     """Places sigma on a panel at which coordinates of tables cross a row or turn, shape (K,)."""
+    if not system.mechanism.tabulated_springs:
+        return np.empty(0)
     samples = nodes(panel.order).samples
     q, v = panel.interpolate(panel.t + panel.h * samples)
     found = []
@@ -53,7 +58,7 @@ def _meetings(system: System, panel: Panel) -> FloatArray:
                                  out=np.zeros_like(sigma))  # fmt: skip
                 sigma = np.clip(sigma - step, 0.0, 1.0)
             found.append(sigma)
-    return np.concatenate(found) if found else np.empty(0)
+    return np.concatenate(found)
 
 
 def _crossed(samples: FloatArray, values: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.impact import drive_impulses
 from ..dynamics.system import System
+from .crossings import rows_met
 from .event import Event
 from .panel import forces_at
 from .segment import Segment
@@ -76,12 +77,18 @@ def energy_balance(
         for panel, begin, end in segment.pieces():
             key = (id(panel.q), round((end - begin) / panel.h, 9))
             if key not in known:
-                t = begin + 0.5 * (end - begin) * (points + 1.0)
+                # Forces bend at the rows of tables, and quadrature wants them smooth.
+                met = panel.t + panel.h * rows_met(system, panel)
+                inner = np.sort(met[(begin < met) & (met < end)])
+                borders = np.concatenate([[begin], inner, [end]])
+                half = 0.5 * np.diff(borders)[:, None]
+                t = (borders[:-1, None] + half * (points + 1.0)).ravel()
                 q, v, _, forces = forces_at(system, rows, panel, t)
                 power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
+                lengths = (half * weights).ravel()
                 known[key] = (
-                    float(0.5 * (end - begin) * weights @ power),
-                    float(0.5 * (end - begin) * weights @ system.dissipation(q, v)),
+                    float(lengths @ power),
+                    float(lengths @ system.dissipation(q, v)),
                     float(np.max(_kinetic(system, q, v))),
                 )
             work += known[key][0]

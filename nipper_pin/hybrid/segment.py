@@ -16,7 +16,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import nodes
-from .crossings import shows_rows
+from .crossings import shows_forces
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -175,7 +175,7 @@ def _shows_elements(
         return True
     if not system.elements.resolved(panel.q):
         return False
-    return not panel.integrated or shows_rows(system, rows, panel, resolution.tolerance)
+    return not panel.integrated or shows_forces(system, rows, panel, resolution.tolerance)
 
 
 def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:

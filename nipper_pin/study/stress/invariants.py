@@ -313,11 +313,14 @@ def _energy(solution: Solution) -> Iterator[str]:
     scale = sum(map(abs, terms)) + energy.kinetic_peak
     system, condition = solution.system, 1.0
     heights = []
+    # Tables count from their first row, so what is stored may be negative.
+    stored = 0.0
     # Near a dead centre panels are short. Copies of a turn share theirs.
     known = {id(s.panels[0].q): s for s in solution.segments}
     shortest = [(s, min(s.panels, key=lambda p: p.h)) for s in known.values()]
     for segment, panel in (*shortest, *((s, p) for s, p, _ in looked_at(solution))):
-        scale = max(scale, float(system.spring_energy(panel.q).max()))
+        springs = system.spring_energy(panel.q)
+        scale, stored = max(scale, float(springs.max())), max(stored, _most(springs))
         heights.append(system.body.gravity_energy(panel.q))
         stops = system.constraint_set(segment.closed).stops
         some = panel.q[:: max(len(panel.q) // 4, 1)]
@@ -332,7 +335,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     # that is larger by twice the number of its nodes.
     panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
     unresolved = (100.0 + panels) * solution.case.resolution.tolerance
-    most = (1e-8 + lost + unresolved) * scale
+    most = (1e-8 + lost + unresolved) * scale + 64.0 * EPS * stored
     # A strut's deflection is a difference of lengths, and has their round-off.
     most += (
         1e4 * EPS**2 * system.body.reach_m**2 * sum(s.stiffness for s in system.mechanism.struts)
