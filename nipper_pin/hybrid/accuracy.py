@@ -26,14 +26,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import close_velocities, inverted
+from ..dynamics.assembly import inverted
 from ..dynamics.impact import impact_condition
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from ..mechanism import Stop
 from .collocation import evaluate, nodes
 from .event import Event, EventKind
-from .panel import Panel, defect, forces_at
+from .panel import NEARBY, Panel, defect, forces_at, nearby
 from .propagation import fundamental_matrix
 from .segment import Segment
 
@@ -46,8 +46,6 @@ _SAFETY = 8.0
 _COUPLED = 4.0
 # Round-off of a polynomial, in units of that of its largest term.
 _OPERATIONS = 4.0
-# A state that differs by round-off, in units of it.
-_NEARBY = 4.0
 # Part of a panel over which the slope of a stop force is taken.
 _SLOPE_STEP = 1e-3
 
@@ -263,17 +261,17 @@ def _release(system: System, segment: Segment, index: int) -> float:
     q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
     slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step if step else 0.0
     nv = q.shape[1]
-    position, velocity = round_off(system, panel, q[1:]), _NEARBY * _EPS * np.abs(v[1])
+    position, velocity = round_off(system, panel, q[1:]), NEARBY * _EPS * np.abs(v[1])
     if panel.integrated:
         left_over = _left_over_alone(system, rows, panel)
         position, velocity = position + left_over[0], velocity + left_over[1]
     # One coordinate, then one rate at a time.
-    nearby = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
+    moved = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
     moving = v[1] + np.vstack([np.zeros((nv, nv)), np.diag(velocity)])
-    _, jacobian = system.body.closures(nearby)
+    _, jacobian = system.body.closures(moved)
     motion = system.shaft.driven(np.full(2 * nv, t))
-    a = system.accelerations(motion, nearby, moving, rows)
-    there = multipliers(system, motion, nearby, moving, a, jacobian, rows, panel.split)
+    a = system.accelerations(motion, moved, moving, rows)
+    there = multipliers(system, motion, moved, moving, a, jacobian, rows, panel.split)
     wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
     length = t - segment.t_start
     return min(wrong / abs(slope), length) if slope else length
@@ -319,24 +317,6 @@ def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
     return np.asarray(defect(system, rows, panel, nodes(panel.order).between).max(axis=0))
 
 
-def _nearby(system: System, panel: Panel) -> tuple[FloatArray, FloatArray]:
-    """Positions and velocities at the nodes but for round-off, each shape (N, nv).
-
-    Dependent coordinates stand where the closures let them stand, and have the rates of that place:
-    what the closures are open by near a dead centre makes itself felt there.
-    """
-    body, columns = system.body, panel.split.columns
-    signs = (-1.0) ** np.arange(body.nv)
-    # The length of a strut is a difference of places.
-    size = np.abs(panel.q) + (body.reach_m if system.mechanism.struts else 0.0)
-    q, v = panel.q + _NEARBY * _EPS * signs * size, panel.v
-    if columns.size:
-        g, jacobian = body.closures(q)
-        q[:, columns] -= np.linalg.solve(jacobian[:, :, columns], g[:, :, None])[:, :, 0]
-        v = close_velocities(v, body.closures(q)[1], panel.split)
-    return q, v
-
-
 def _left_over_alone(
     system: System, rows: ConstraintSet, panel: Panel
 ) -> tuple[FloatArray, FloatArray]:
@@ -345,7 +325,7 @@ def _left_over_alone(
     motion = system.shaft.driven(panel.times)
     again = system.accelerations(motion, panel.q, panel.v, rows)
     swept = again - a
-    there = system.accelerations(motion, *_nearby(system, panel), rows)
+    there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), rows)
     rough = np.abs(there - again).max(axis=0)
     missing = _between(system, rows, panel)
     if system.mechanism.tabulated_springs:
