@@ -43,39 +43,34 @@ class Rebounds:
 
     def time(self, event: Event) -> float | None:
         """Time of the rebound of the stop that a collision struck first [s]; None if unknown."""
-        stop = self._stop(event)
-        if stop.rate(event.v_after) <= 0.0:
-            return 0.0
-        following = self._following(event, stop)
-        if following is None:
+        stop, end = self._end(event)
+        if end is None:
             return None
-        if self._left_out(event, following):
-            return self._followed(event, stop)[1]
-        return following.t - event.t
+        return self._followed(event, stop)[1] if self._left_out(event, end) else end.t - event.t
 
     def amplitude(self, event: Event) -> float | None:
         """Largest gap of that rebound [rad or m]; None if unknown."""
-        stop = self._stop(event)
-        if stop.rate(event.v_after) <= 0.0:
-            return 0.0
-        following = self._following(event, stop)
-        if following is None:
+        stop, end = self._end(event)
+        if end is None:
             return None
-        if self._left_out(event, following):
+        if self._left_out(event, end):
             return self._followed(event, stop)[0]
         # Copies of a turn share their arrays.
         key = id(event.q)
         if key not in self._highest_gaps:
-            self._highest_gaps[key] = self._highest(event.t, following.t, stop)
+            self._highest_gaps[key] = self._highest(event.t, end.t, stop)
         return self._highest_gaps[key]
 
-    def _stop(self, event: Event) -> Stop:
-        return self._system.mechanism.stop(event.stops[0])
+    def _end(self, event: Event) -> tuple[Stop, Event | None]:
+        """The stop, and the next event at which it takes part; the same event if it does not open.
 
-    def _following(self, event: Event, stop: Stop) -> Event | None:
-        """The next event at which the stop takes part in an impact."""
+        None if the window ends before.
+        """
+        stop = self._system.mechanism.stop(event.stops[0])
+        if stop.rate(event.v_after) <= 0.0:
+            return stop, event
         later = (self._events[place] for place in range(event.number, len(self._events)))
-        return next((item for item in later if stop.name in item.P_N), None)
+        return stop, next((item for item in later if stop.name in item.P_N), None)
 
     @staticmethod
     def _left_out(event: Event, following: Event) -> bool:
