@@ -216,7 +216,7 @@ class _Run:
         )
         self.segments.append(reached.segment)
         q, v, jacobian, motion = reached.end
-        state = state._replace(t=reached.segment.t_end, q=q, v=v, jacobian=jacobian, motion=motion)
+        state = State(reached.segment.t_end, q, v, jacobian, motion, state.closed, state.series)
         if not reached.triggers:
             self.state = state
             return False
@@ -247,7 +247,7 @@ class _Run:
         )
         self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         check_jam(self.mechanism, self.events, SIMULTANEOUS * self.system.shaft.period)
-        after = state._replace(v=impact.v_after, closed=closed, series=None)
+        after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
         newly = hit & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
