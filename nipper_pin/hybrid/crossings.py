@@ -16,6 +16,7 @@ from .collocation import nodes
 from .panel import SMALLEST, Panel, defect, nearby
 
 _NEWTON_STEPS = 3
+# One way out of many in which round-off may fall.
 _SAFETY = 8.0
 
 
