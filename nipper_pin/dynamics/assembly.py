@@ -17,9 +17,10 @@ from .multibody import Multibody
 
 _MAX_ITERATIONS = 25
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
-# Largest condition number of the dependent closure columns. Positions are known to eps times that,
-# and rates change with them by that number again: here to 1e-5, and beyond round-off decides.
-MAX_CONDITION = 2e5
+# Largest condition number of the dependent closure columns. Positions are known to 16 eps times
+# that, and rates change with them by that number again: here to 1e-5. Accelerations lose it once
+# more, and a little beyond round-off decides on them.
+MAX_CONDITION = 5e4
 # A coordinate takes part in a dead centre with at least this share of the largest one.
 _PART = 0.3
 

@@ -81,7 +81,11 @@ def kinematic_panel(
     # So are accelerations, by what they change: near a dead centre they rise within the round-off
     # of the positions.
     changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
-    rough_a = h**2 * tail(a_nodes) / (np.sqrt(resolution.tolerance) * changed)
+    # The last coefficients of round-off may be small by chance, but rates, found without them, are
+    # then not the integral of accelerations.
+    apart = np.abs(v_nodes - v_nodes[0] - h * (grid.once @ a_nodes)).max(axis=0)
+    apart = np.maximum(h * apart - round_off, 0.0)
+    rough_a = np.maximum(h**2 * tail(a_nodes), apart) / (np.sqrt(resolution.tolerance) * changed)
     if not moving.any():
         # Stops may lock a machine altogether while its drive trains wind up: what it has of
         # accelerations is round-off.

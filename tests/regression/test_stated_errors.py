@@ -154,7 +154,7 @@ def test_what_closures_are_open_by_near_a_dead_centre_is_stated() -> None:
         },
     )  # fmt: skip
     case = Case(speed_rpm=109.50026403815386, window=Window.CYCLE, start_index=0.0,
-                max_collisions=10)  # fmt: skip
+                max_collisions=4)  # fmt: skip
     runs = [
         simulate(
             mechanism, replace(case, resolution=Resolution(tolerance=tolerance, flight_nodes=n))
