@@ -86,6 +86,20 @@ def flight_panel(
     return replace(attempt, factor=min(attempt.factor, 1.0)) if hard else attempt
 
 
+def _next(moved: FloatArray, guess: FloatArray) -> float:
+    """What a third sweep would change, coordinate by coordinate.
+
+    The first change is that of the guess: a large one, of a coordinate that is then right at once,
+    would hide another one that hardly moves towards its solution.
+
+    Args:
+        moved: Changes in the second sweep, shape (N - 1, nv).
+        guess: Changes in the first sweep, likewise.
+    """
+    latest, first = np.abs(moved).max(axis=0), np.abs(guess).max(axis=0)
+    return float((latest * latest / (first + SMALLEST)).max())
+
+
 class _Picard:
     """Picard iteration of one panel.
 
@@ -125,6 +139,7 @@ class _Picard:
         self._reach = np.abs(h * v) + SMALLEST
         # Relative change of positions by change of acceleration, shape (nv,).
         self.weight = np.empty(0)
+        self._change = np.inf
         self._contraction = 1.0
         self._operators: dict[int, FloatArray] = {}
         self.sweeps = 0
@@ -143,7 +158,7 @@ class _Picard:
         count, h, system = len(a), self._h, self._system
         operator = self._operator(count)
         lines, forcing = self._lines[:, ::stride], self._forcing[stride::stride]
-        change = np.inf
+        guess = self.weight
         for sweep in range(1, most + 1):
             q, v = (operator @ (a * system.free)).reshape(2, *a.shape) + lines
             new = system.respond(forcing, q[1:], v[1:], self._rows)
@@ -153,14 +168,19 @@ class _Picard:
                 self.weight = h**2 * self._rows.moving / size
             moved = (new - a[1:]) * self.weight
             # The Euclidean norm bounds the largest element, and is found faster.
-            previous, change = change, math.sqrt(np.vdot(moved, moved))
+            previous, change = self._change, math.sqrt(np.vdot(moved, moved))
+            self._change = change
             a[1:] = new
             self.sweeps += 1
-            if sweep > 1:
-                self._contraction = min(change / previous, 1.0)
+            # The first sweep of a grid shows what the one before did not hold.
+            known = self._contraction if sweep == 1 else 0.0
+            self._contraction = min(max(change / max(previous, SMALLEST), known), 1.0)
             # The next sweep would change by this times the contraction, so it is not needed.
-            if change * self._contraction <= self._tolerance:
+            if change * self._contraction <= self._tolerance and (
+                self.sweeps != 2 or _next(moved, guess) <= self._tolerance
+            ):
                 return True
+            guess = moved
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
                 return change <= _ITERATION_FLOOR
         return False

@@ -38,19 +38,28 @@ def first_descent(
     end = armed + int(below[0]) if below.size else len(grid)
     inner = values[armed:end]
     if inner.size >= 3:
-        dips = 1 + np.flatnonzero((inner[1:-1] < inner[:-2]) & (inner[1:-1] <= inner[2:]))
-        for dip in armed + dips:
-            lowest, estimate = _vertex(grid[dip - 1 : dip + 2], values[dip - 1 : dip + 2])
+        lower = np.diff(inner) < 0.0
+        # Before the second point and behind the last but one a dip leaves no lowest point inside.
+        dips = [1] if not lower[0] else []
+        dips += (1 + np.flatnonzero(lower[:-1] & ~lower[1:])).tolist()
+        dips += [inner.size - 2] if lower[-1] else []
+        for dip in (armed + place for place in dips):
+            near = slice(dip - 1, dip + 2)
+            lowest, estimate = _vertex(grid[near], values[near])
             # The parabola of a resolved function is good to a fraction of the dip's depth.
-            if estimate <= 0.5 * values[dip] and function(lowest) <= 0.0:
-                return float(grid[dip - 1]), lowest
+            if (
+                grid[dip - 1] < lowest < grid[dip + 1]
+                and estimate <= 0.5 * values[near].min()
+                and function(lowest) <= 0.0
+            ):
+                return float(grid[int(np.searchsorted(grid, lowest)) - 1]), lowest
     if not below.size:
         return None
     return float(grid[end - 1]), float(grid[end])
 
 
 def _vertex(x: FloatArray, y: FloatArray) -> tuple[float, float]:
-    """Lowest point of the parabola through three points, y[1] being the lowest of them."""
+    """Lowest point of the parabola through three points; the middle one if it has none."""
     left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
     curvature = (right - left) / (x[2] - x[0])
     if curvature <= 0.0:

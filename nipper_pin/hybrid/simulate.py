@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.impact import Impact, arrest, collide, no_impact
 from ..dynamics.shaft import ShaftMotion
-from ..dynamics.system import System
+from ..dynamics.system import ConstraintSet, System
 from ..errors import (
     ConvergenceError,
     ImpactError,
@@ -28,6 +28,7 @@ from .event import Event, EventKind
 from .jams import check_jam
 from .locate import located
 from .nested import NestedSeries
+from .panel import Panel, one_state_at
 from .phases import Closed, after_collision, after_release, pressed
 from .rests import rest_of_nested, rest_of_series
 from .segment import Segment, advance
@@ -35,6 +36,9 @@ from .series import BounceSeries
 from .solution import Outcome, Solution
 from .state import State, initial_state
 from .triggers import SIMULTANEOUS, TriggerKind
+
+# Part of a turn in which accelerations tell how they change.
+_AHEAD = 1e-7
 
 
 def simulate(
@@ -223,7 +227,7 @@ class _Run:
         hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
         released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
         if released:
-            state = self._release(state, released)
+            state = self._release(state, released, rows, reached.segment.panels[-1])
         if hit:
             rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
             # Of stops that touch within round-off of one time some may be on their way out.
@@ -323,12 +327,17 @@ class _Run:
             self._known = state.v, a
         return a
 
-    def _release(self, state: State, released: set[str]) -> State:
+    def _release(
+        self, state: State, released: set[str], rows: ConstraintSet, panel: Panel
+    ) -> State:
         """Open the stops whose force has fallen to zero."""
         if len(released) > 1:
-            # Those that pull at the start of a phase may push once another one is open.
-            held = self._pressed(state, state.v, state.closed)
-            return self._open(state, (state.closed - held) or released)
+            # Those that pull at the start of a phase may push once another one is open. And where
+            # forces vanish together, so do accelerations: what comes next tells which stops open.
+            ahead = state.t + _AHEAD * self.system.shaft.period
+            q, v, jacobian, motion = one_state_at(self.system, rows, panel, ahead)
+            held = pressed(self.system, motion, q, v, jacobian, state.closed)
+            released = set(state.closed - held) or released
         return self._open(state, released)
 
     def _open(self, state: State, released: Iterable[str]) -> State:

@@ -22,6 +22,8 @@ SIMULTANEOUS = 1e-13
 _ROUND_OFF = 1e-13
 # A gap starts to close from zero if it does so with this share of its largest acceleration.
 _CLOSING = 1e-3
+# A force that starts at zero may start, by round-off, below it: by this share of its largest value.
+_RISING = 1e-9
 
 
 class TriggerKind(StrEnum):
@@ -171,8 +173,10 @@ def _force_root(
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
     grid = nodes(panel.order)
     values = grid.sample_value @ force
-    if values[0] < 0.0:
-        # The force was zero to round-off when the stop was taken to be pressed.
+    if values[0] < 0.0 and not (
+        values[1] > 0.0 and -values[0] <= _RISING * float(np.abs(values).max())
+    ):
+        # The force was zero to round-off when the stop was taken to be pressed, and does not rise.
         return panel.t
     slope = np.gradient(values, grid.samples) / panel.h
 
