@@ -9,14 +9,16 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.impact import drive_impulses
-from ..dynamics.system import System
+from ..dynamics.system import ConstraintSet, System
 from .crossings import rows_met
 from .event import Event
-from .panel import forces_at
+from .panel import Panel, forces_at
 from .segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
+# Quadrature is refined until it changes by no more than this share.
+_MOST_HALVINGS, _AGREED = 6, 1e-12
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,6 @@ def energy_balance(
     Returns:
         The balance. Copies of a turn share their panels' arrays and are integrated once.
     """
-    points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
     known: dict[tuple[int, float], tuple[float, float, float]] = {}
     work = heat = peak = 0.0
     for segment in segments:
@@ -77,20 +78,7 @@ def energy_balance(
         for panel, begin, end in segment.pieces():
             key = (id(panel.q), round((end - begin) / panel.h, 9))
             if key not in known:
-                # Forces bend at the rows of tables, and quadrature wants them smooth.
-                met = panel.t + panel.h * rows_met(system, panel)
-                inner = np.sort(met[(begin < met) & (met < end)])
-                borders = np.concatenate([[begin], inner, [end]])
-                half = 0.5 * np.diff(borders)[:, None]
-                t = (borders[:-1, None] + half * (points + 1.0)).ravel()
-                q, v, _, forces = forces_at(system, rows, panel, t)
-                power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
-                lengths = (half * weights).ravel()
-                known[key] = (
-                    float(lengths @ power),
-                    float(lengths @ system.dissipation(q, v)),
-                    float(np.max(_kinetic(system, q, v))),
-                )
+                known[key] = _exchanged(system, rows, panel, begin, end)
             work += known[key][0]
             heat += known[key][1]
             peak = max(peak, known[key][2])
@@ -121,6 +109,40 @@ def energy_balance(
         dissipated=heat,
         kinetic_peak=float(peak),
     )
+
+
+def _exchanged(
+    system: System, rows: ConstraintSet, panel: Panel, begin: float, end: float
+) -> tuple[float, float, float]:
+    """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J]."""
+    # Forces bend at the rows of tables, and quadrature wants them smooth.
+    met = panel.t + panel.h * rows_met(system, panel)
+    inner = np.sort(met[(begin < met) & (met < end)])
+    borders = np.concatenate([[begin], inner, [end]])
+    found = _by_gauss(system, rows, panel, borders)
+    # Where points of a strut pass one another closely, its force is rougher than all motion.
+    for _ in range(_MOST_HALVINGS if system.mechanism.struts else 0):
+        before = found
+        borders = np.sort(np.concatenate([borders, 0.5 * (borders[1:] + borders[:-1])]))
+        found = _by_gauss(system, rows, panel, borders)
+        changed = abs(found[0] - before[0]) + abs(found[1] - before[1])
+        if changed <= _AGREED * (abs(found[0]) + abs(found[1]) + found[2]):
+            break
+    return found
+
+
+def _by_gauss(
+    system: System, rows: ConstraintSet, panel: Panel, borders: FloatArray
+) -> tuple[float, float, float]:
+    """The same by Gauss quadrature between each two borders [s]."""
+    points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+    half = 0.5 * np.diff(borders)[:, None]
+    t = (borders[:-1, None] + half * (points + 1.0)).ravel()
+    q, v, _, forces = forces_at(system, rows, panel, t)
+    power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
+    lengths = (half * weights).ravel()
+    heat = float(lengths @ system.dissipation(q, v))
+    return float(lengths @ power), heat, float(np.max(_kinetic(system, q, v)))
 
 
 def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatArray, ...]:

@@ -172,10 +172,10 @@ def _impulses(solution: Solution) -> Iterator[str]:
         for label, v in (("delta", event.delta), ("v_after", event.v_after)):
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
-            # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13
-            # of them; closures that move by drives alone see round-off of the others.
+            # Of rates that an impact takes away altogether what its solution leaves is left, some
+            # 1e-13 of them; closures that move by drives alone see round-off of the others.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
-            least = 1e-12 * float(np.abs(G).max(initial=0.0) * fastest)
+            least = 4e-12 * float(np.abs(G).max(initial=0.0) * fastest)
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
@@ -250,6 +250,8 @@ def _motion(solution: Solution) -> Iterator[str]:
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
+            # And what holds its weight has the round-off of that.
+            size += 1e7 * EPS * solution.mechanism.gravity_m_s2
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
