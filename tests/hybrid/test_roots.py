@@ -52,6 +52,29 @@ def test_two_close_zeros_between_two_samples_are_found(half_width: float) -> Non
     assert root == pytest.approx(centre - half_width, abs=4.0 * EPS / half_width)
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_two_close_zeros_beside_an_end_are_found(mirrored: bool) -> None:
+    """The function falls below zero and comes back before the second sample, or after the last.
+
+    No sample is lower than its neighbours then, which is how dips inside are found. A jaw with a
+    clearance of 3 nm went through its stop by 2 nm like this.
+    """
+    grid = 0.5 * (1.0 - np.cos(np.pi * np.arange(53) / 52.0))
+    zeros = np.array([0.2, 0.6]) * grid[1]
+
+    def function(x: float) -> float:
+        place = 1.0 - x if mirrored else x
+        return (place - zeros[0]) * (place - zeros[1])
+
+    values = np.array([function(x) for x in grid])
+    assert (values > 0.0).all()
+    found = first_descent(grid, values, function)
+    assert found is not None
+    root = polish(lambda x: (function(x), (function(x + 1e-9) - function(x)) / 1e-9), *found)
+    wanted = 1.0 - zeros[1] if mirrored else zeros[0]
+    assert root == pytest.approx(wanted, abs=1e-12)
+
+
 def test_a_dip_that_stays_positive_is_no_zero() -> None:
     """The same dip, lifted by 1e-6, fires nothing."""
     assert _first(lambda x: (x - 0.41) ** 2 + 1e-6) is None
