@@ -25,6 +25,7 @@ from ..mechanism import Mechanism
 
 INFINITE_INERTIA = 2.0**100
 _PLANAR_ROWS_OF_A_PIN = (0, 2)
+_PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
 # The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
 # removes its effect on the live rows: 2 to 3 iterations to round-off, many more near a dead centre.
 _PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 200}
@@ -100,12 +101,20 @@ class Multibody:
             ],
             dtype=np.intp,
         )
-        names = (name for strut in mechanism.struts for name in (strut.frame_a, strut.frame_b))
+        ends = [(strut.frame_a, strut.frame_b) for strut in mechanism.struts]
+        # Springs and dampers often have their points in common.
+        names = list(dict.fromkeys(name for pair in ends for name in pair))
+        numbers = [[names.index(name) for name in pair] for pair in ends]
+        self._ends = np.array(numbers, dtype=np.intp).reshape(-1, 2)
         frames = [
             mechanism.model.frames[mechanism.model.getFrameId(name, pin.FrameType.BODY)]
             for name in names
         ]
         self._points = [(frame.parentJoint, frame.placement) for frame in frames]
+        # 1 where a joint moves a point, shape (points, 1, nv); nothing moves the machine's frame.
+        self._moving = np.zeros((len(frames), 1, self.nv))
+        for moving, (joint, _) in zip(self._moving, self._points, strict=True):
+            moving[0, [mechanism.model.idx_vs[j] for j in mechanism.model.supports[joint] if j]] = 1
         self.reach_m = mechanism.reach_m
         self.evaluations = 0
 
@@ -258,18 +267,21 @@ class Multibody:
         """
         model, data = self._plain, self._plain_data
         places = np.empty((len(q), len(self._points), 2))
-        jacobians = np.zeros((len(q), len(self._points), 2, self.nv))
-        axes = pin.LOCAL_WORLD_ALIGNED
-        for q_row, place, jacobian in zip(q, places, jacobians, strict=True):
+        # Rates of the points of all links at the world's origin (x, z), and of turning (y).
+        twists = np.empty((len(q), 3, self.nv))
+        for q_row, place, twist in zip(q, places, twists, strict=True):
             pin.computeJointJacobians(model, data, q_row)
+            # Of one column the binding makes a vector.
+            data.J.reshape(6, self.nv).take(_PLANAR_ROWS_OF_A_TWIST, 0, twist)
             for number, (joint, placement) in enumerate(self._points):
-                place[number] = data.oMi[joint].act(placement.translation)[[0, 2]]
-                # Nothing moves the frame of the machine.
-                if joint:
-                    rows = pin.getFrameJacobian(model, data, joint, placement, axes)
-                    # Of one column the binding makes a vector.
-                    jacobian[number] = rows.reshape(-1, self.nv)[[0, 2]]
-        return places.reshape(len(q), -1, 2, 2), jacobians.reshape(len(q), -1, 2, 2, self.nv)
+                x, _, z = data.oMi[joint].act(placement.translation).tolist()
+                place[number] = x, z
+        arms = places[:, :, :, None]
+        turning = twists[:, None, 2, None, :] * self._moving
+        jacobians = twists[:, None, :2] * self._moving
+        jacobians[:, :, :1] += turning * arms[:, :, 1:]
+        jacobians[:, :, 1:] -= turning * arms[:, :, :1]
+        return places[:, self._ends], jacobians[:, self._ends]
 
     def joint_wrenches(
         self,
@@ -309,9 +321,8 @@ class Multibody:
             cut[number] = world[[0, 2]]
             self._push(outer, constraint.joint1_id, place_a.translation, world)
             self._push(outer, constraint.joint2_id, place_b.translation, -world)
-        for (x, z), (joint_a, local_a), (joint_b, local_b) in zip(
-            point_forces, self._points[::2], self._points[1::2], strict=True
-        ):
+        for (x, z), (end_a, end_b) in zip(point_forces, self._ends.tolist(), strict=True):
+            (joint_a, local_a), (joint_b, local_b) = self._points[end_a], self._points[end_b]
             force = np.array([x, 0.0, z])
             self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
             self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
