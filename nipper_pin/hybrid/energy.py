@@ -17,8 +17,8 @@ from .segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
-# Quadrature is refined until it changes by no more than this share.
-_MOST_HALVINGS, _AGREED = 6, 1e-12
+# Quadrature is refined until it misses no more than this share.
+_MOST_HALVINGS, _AGREED = 7, 1e-12
 
 
 @dataclass(frozen=True)
@@ -119,30 +119,30 @@ def _exchanged(
     met = panel.t + panel.h * rows_met(system, panel)
     inner = np.sort(met[(begin < met) & (met < end)])
     borders = np.concatenate([[begin], inner, [end]])
-    found = _by_gauss(system, rows, panel, borders)
-    # Where points of a strut pass one another closely, its force is rougher than all motion.
-    for _ in range(_MOST_HALVINGS if system.mechanism.struts else 0):
-        before = found
-        borders = np.sort(np.concatenate([borders, 0.5 * (borders[1:] + borders[:-1])]))
-        found = _by_gauss(system, rows, panel, borders)
-        changed = abs(found[0] - before[0]) + abs(found[1] - before[1])
-        if changed <= _AGREED * (abs(found[0]) + abs(found[1]) + found[2]):
+    for _ in range(_MOST_HALVINGS):
+        work, heat, kinetic, missing = _by_gauss(system, rows, panel, borders)
+        if missing <= _AGREED * (abs(work) + abs(heat) + kinetic) or not system.mechanism.struts:
             break
-    return found
+        # Where points of a strut pass one another closely, its force is rougher than all motion.
+        borders = np.sort(np.concatenate([borders, 0.5 * (borders[1:] + borders[:-1])]))
+    return work, heat, kinetic
 
 
 def _by_gauss(
     system: System, rows: ConstraintSet, panel: Panel, borders: FloatArray
-) -> tuple[float, float, float]:
-    """The same by Gauss quadrature between each two borders [s]."""
+) -> tuple[float, float, float, float]:
+    """The same by Gauss quadrature between each two borders [s], and what it may miss [J]."""
     points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
     half = 0.5 * np.diff(borders)[:, None]
     t = (borders[:-1, None] + half * (points + 1.0)).ravel()
     q, v, _, forces = forces_at(system, rows, panel, t)
-    power = np.einsum("ij,ij->i", forces.drive, v[:, system.driven])
-    lengths = (half * weights).ravel()
-    heat = float(lengths @ system.dissipation(q, v))
-    return float(lengths @ power), heat, float(np.max(_kinetic(system, q, v)))
+    works = half * np.einsum("ij,ij->i", forces.drive, v[:, system.driven]).reshape(len(half), -1)
+    heats = half * system.dissipation(q, v).reshape(len(half), -1)
+    # The last Legendre coefficients show what those that follow would be like.
+    last = np.polynomial.legendre.legvander(points, _GAUSS_POINTS - 1)[:, -2:] * weights[:, None]
+    missing = _GAUSS_POINTS * (np.abs(works @ last).sum() + np.abs(heats @ last).sum())
+    kinetic = float(np.max(_kinetic(system, q, v)))
+    return float((works @ weights).sum()), float((heats @ weights).sum()), kinetic, float(missing)
 
 
 def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatArray, ...]:

@@ -68,7 +68,7 @@ def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
 
     Args:
         item: The trial.
-        time_limit_s: Wall time after which it is a hang [s].
+        time_limit_s: Time of the processor after which it is a hang [s].
     """
     began = time.perf_counter()
     fingerprint = b""
@@ -137,14 +137,14 @@ def _limited(seconds: float) -> Iterator[None]:
     def up(_number: int, _frame: FrameType | None) -> None:
         raise _TimeIsUpError
 
-    before = signal.signal(signal.SIGALRM, up)
+    before = signal.signal(signal.SIGPROF, up)
     # Again and again: an exception that is raised inside a callback of the collector is lost.
-    signal.setitimer(signal.ITIMER_REAL, seconds, max(seconds, 0.1))
+    signal.setitimer(signal.ITIMER_PROF, seconds, max(seconds, 0.1))
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ def run_campaign(
         seed: Seed; a trial depends on it and on its number alone.
         workers: Processes; by default one a processor.
         progress: Called with each verdict, in order of number.
-        time_limit_s: Wall time after which a trial is a hang [s].
+        time_limit_s: Time of the processor after which a trial is a hang [s].
 
     Raises:
         SimulationError: A worker process died.
