@@ -13,8 +13,9 @@ from playwright.sync_api import Browser, sync_playwright
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-# Software for WebGL; root has no sandbox.
-FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
+# Software for WebGL, and for nothing else: texts and plots are then drawn as in any browser on a
+# machine without a graphics card. Root has no sandbox.
+FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
 
 @contextmanager

@@ -1,17 +1,19 @@
-"""Where the time between a key on a slider of the live page and its answer goes.
+"""Where the time between a move of a slider of the live page and its answer goes.
 
 Run: python scripts/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
      QUERY is put behind the address, for example fixedDpr=0.5
 
-Needs the `dev` extra and Chromium, which draws with the processor here. Of each key, all seen by
-the page itself while the film plays:
-sending   key -> message to the server
+Needs the `dev` extra and Chromium, which draws with the processor here. The mouse drags, because
+viser's arrow keys turn the picture as well. Of each move, all seen by the page itself while the
+film plays:
+sending   move -> message to the server
 server    that message -> the one that holds the new numbers: socket, run, plots, socket
 telling   that message -> the new numbers in the page
-numbers   key -> the new numbers in the page
+numbers   move -> the new numbers in the page
 moving    the message with the numbers -> the one that holds the new motion
 drawing   that message -> its picture is complete: a fence put behind the drawing has been passed
-picture   key -> that
+picture   move -> that
+All of it is measured once more with nothing in the scene: that is the renderer's part.
 """
 
 from __future__ import annotations
@@ -28,8 +30,9 @@ import nipper_pin as nip
 from nipper_pin.view.live.answer import answer, as_html
 from nipper_pin.view.live.settings import SPEED, knobs
 
-STEP = 5  # r/min, of the slider
-# Keys, and milliseconds between them; the film rests a moment after a key, and is to play before
+STEP = 10  # r/min, of the slider
+LOW, HIGH = 180, 900  # r/min, its ends
+# Moves, and milliseconds between them; the film rests a moment after a move, and is to play before
 # the next one.
 ALONE, DRAGGED = (25, 1200), (40, 60)
 # The page's socket lives in a worker; what passes between the two is timed from here.
@@ -88,10 +91,9 @@ WATCH = """() => {
         };
         port2.postMessage(0);
     };
-    addEventListener('keydown', event => {
-        const sense = event.key === 'ArrowRight' ? 1 : -1;
-        const value = +document.activeElement.getAttribute('aria-valuenow');
-        marks.push({began: performance.now(), wanted: value + sense * STEP, sense});
+    addEventListener('pointermove', () => {
+        if (window.next) marks.push({began: performance.now(), ...window.next});
+        window.next = null;
     }, true);
     new MutationObserver(() => {
         const place = document.querySelector('#setting');
@@ -100,18 +102,24 @@ WATCH = """() => {
             if (!mark.told && reached(mark, speed(place.textContent)))
                 mark.told = performance.now();
     }).observe(document, {subtree: true, childList: true, characterData: true});
-}""".replace("STEP", str(STEP))
+}"""
 PARTS = (
     ("  sending", "began", "sent"),
     ("  server", "sent", "back"),
     ("  telling", "back", "told"),
-    ("  key to numbers", "began", "told"),
+    ("  move to numbers", "began", "told"),
     ("  moving", "back", "moved"),
     ("  drawing", "moved", "seen"),
-    ("  key to picture", "began", "seen"),
+    ("  move to picture", "began", "seen"),
 )
 PLAYED = 5000  # ms, over which pictures are counted
 COUNT = "window.__viserTestpoints.rendererInfo.render.frame"
+SIZE = """() => {
+    const canvas = document.querySelector('canvas[data-engine]');
+    const { calls, triangles } = window.__viserTestpoints.rendererInfo.render;
+    return `${canvas.width} x ${canvas.height}, ${triangles} triangles in ${calls} calls`;
+}"""
+EMPTY = "window.__viserMutable.scene.visible = false"
 
 
 def told(name: str, values: Sequence[float]) -> str:
@@ -156,16 +164,40 @@ def played(browser: Browser, page: Page) -> str:
     return f"a picture every {PLAYED / count:.0f} ms, {cost / count:.0f} ms of processor time each"
 
 
-def pressed(page: Page, keys: int, pause: int, key: str) -> list[dict[str, float]]:
-    """Times of keys that follow one another after a pause [ms]."""
+def dragged(page: Page, moves: int, pause: int, sense: int) -> list[dict[str, float]]:
+    """Times of moves of the slider's speed that follow one another after a pause [ms]."""
     page.evaluate("marks.length = 0")
-    page.locator("[role=slider]").first.focus()
-    for _ in range(keys):
-        page.keyboard.press(key)
+    knob = page.locator("[role=slider]").first
+    track = page.locator(".mantine-Slider-track").first.bounding_box()
+    box = knob.bounding_box()
+    if track is None or box is None:
+        sys.exit("the page shows no slider")
+    at, height = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+    value = int(knob.get_attribute("aria-valuenow") or 0)
+    page.mouse.move(at, height)
+    page.mouse.down()
+    page.wait_for_timeout(1200)
+    for _ in range(moves):
+        value, at = value + sense * STEP, at + sense * STEP * track["width"] / (HIGH - LOW)
+        page.evaluate("next => { window.next = next; }", {"wanted": value, "sense": sense})
+        # Whole pixels are what the page is told; half of one is less than half a step.
+        page.mouse.move(round(at), height)
         page.wait_for_timeout(pause)
     page.wait_for_function("marks.every(item => item.seen)")
+    page.mouse.up()
     found: list[dict[str, float]] = page.evaluate("marks")
     return found
+
+
+def told_of(browser: Browser, page: Page) -> None:
+    """Print what is measured of a page while its film plays."""
+    print(f"canvas {page.evaluate(SIZE)}; {played(browser, page)}")
+    for title, how in ((f"a move every {ALONE[1]} ms", (*ALONE, 1)),
+                       (f"a move every {DRAGGED[1]} ms", (*DRAGGED, -1))):  # fmt: skip
+        marks = dragged(page, *how)
+        print(title)
+        for name, start, end in PARTS:
+            print(told(name, [mark[end] - mark[start] for mark in marks]))
 
 
 def browsed(address: str, width: int, height: int) -> None:
@@ -177,13 +209,11 @@ def browsed(address: str, width: int, height: int) -> None:
         page.goto(address)
         page.wait_for_selector("#setting")
         page.wait_for_timeout(4000)
-        print(played(browser, page))
-        runs = [("single keys", pressed(page, *ALONE, "ArrowRight")),
-                (f"a key every {DRAGGED[1]} ms", pressed(page, *DRAGGED, "ArrowLeft"))]  # fmt: skip
-    for title, marks in runs:
-        print(title)
-        for name, start, end in PARTS:
-            print(told(name, [mark[end] - mark[start] for mark in marks]))
+        told_of(browser, page)
+        page.evaluate(EMPTY)
+        page.wait_for_timeout(2000)
+        print("with nothing in the scene:")
+        told_of(browser, page)
 
 
 def main(width: str = "900", height: str = "700", query: str = "") -> None:

@@ -288,6 +288,33 @@ def test_an_impulse_is_held_shrinks_and_goes(e62) -> None:
     assert closed_at(run, second.t) == frozenset()
 
 
+@pytest.mark.parametrize("slow", [500.0, 1000.0])
+def test_the_film_stands_at_rest_for_a_moment_and_begins_again(e62, controls, slow: float) -> None:
+    """0.7 s of playback, however slow: so long the page says the time of rest, and then the first.
+
+    Of a run of its own; a step is two hundredths of a millisecond or more, and the page says one.
+    """
+    viser = pytest.importorskip("viser", reason=WHY)
+    from nipper_pin.view.live.page import Page
+
+    end, step = simulate(e62, Case(speed_rpm=650.0)).segments[-1].t_end, 0.02
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        page = Page(server, e62, controls)
+        page._slow.value = slow
+        told = []
+        for _ in range(int(slow * end / step) + 60):
+            page._draw(step)
+            told.append(page._text.partition(" ms")[0])
+    finally:
+        server.stop()
+    first, still = told.index(f"{1e3 * end:.2f}"), told.count(f"{1e3 * end:.2f}")
+    assert first == pytest.approx(slow * end / step, abs=1)
+    assert still == pytest.approx(0.7 / step, abs=1)
+    assert told[first + still] == "0.00"
+    assert "0.00" not in told[: first + still]
+
+
 @pytest.mark.parametrize("name", ["viser", "manifold3d"])
 def test_a_missing_library_is_one_sentence_with_the_remedy(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
