@@ -24,8 +24,8 @@ _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a factor, unless it changes
 # its sign just there: then a part of the difference before stands for it.
 _SAFETY, _PART = 4.0, 0.015
-# Of the first difference of all more may be left: nothing shows yet that they shrink.
-_PART_OF_FIRST = 0.06
+# More of it where the deceleration was another one: by this times its relative change.
+_CHANGED = 0.12
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
@@ -85,18 +85,18 @@ class BounceSeries:
         best = (inf, inf)
         previous, change, inverse_rates = inf, 0.0, 0.0
         points = zip(reversed(w), reversed(self.decelerations), lines, pressing, strict=True)
-        for number, (rate, own, (value, slope), (alpha, _)) in enumerate(points):
+        for rate, own, (value, slope), (alpha, _) in points:
             inverse_rates += 1.0 / rate
             if alpha <= 0.0 or (rate > _FAR * self.fastest and best[1] < inf):
                 break
-            if abs(own / self.decelerations[-1] - 1.0) > _SETTLED:
+            unlike = abs(own / self.decelerations[-1] - 1.0)
+            if unlike > _SETTLED:
                 break
             # Adding a multiple of the product of (w - w_k) changes the slope, not the points.
             found = value + (slope + 2.0 / (alpha * (1.0 - e_N))) / inverse_rates
             before, change = change, abs(found - previous)
             previous = found
-            part = _PART_OF_FIRST if number == 2 else _PART
-            error = _SAFETY * max(change, part * before)
+            error = _SAFETY * max(change, max(_PART, _CHANGED * unlike) * before)
             if error < best[1]:
                 best = (last + found, error)
         return best
