@@ -14,6 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
+from ...dynamics.coefficients import coefficients
 from ...dynamics.impact import impact_condition
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
@@ -277,6 +278,10 @@ def _forces(
     left[:, system.driven] -= forces.drive
     if not system.held:
         left[:, system.driven] += system.inertia * state[2][:, system.driven]
+        # The torque of a drive train is a difference of angles, and has their round-off.
+        numbers = coefficients(solution.mechanism, held=False)
+        angles = np.abs(state[0][:, system.driven]).max(initial=0.0)
+        size += 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
     share = np.abs(left).max(axis=1) / size.max(axis=1)
     yield from beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
     if rows.stops:
