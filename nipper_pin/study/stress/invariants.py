@@ -176,7 +176,10 @@ def _impulses(solution: Solution) -> Iterator[str]:
             # Of rates that an impact takes away altogether what its solution leaves is left, some
             # 1e-13 of them; closures that move by drives alone see round-off of the others.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
-            least = 4e-12 * float(np.abs(G).max(initial=0.0) * fastest)
+            # Several impacts in one instant leave the round-off of the first.
+            latest = solution.events[max(place - 2, 0) : place]
+            first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
+            least = float(np.abs(G).max(initial=0.0) * (4e-12 * fastest + 16.0 * EPS * first))
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
@@ -219,6 +222,7 @@ def _motion(solution: Solution) -> Iterator[str]:
     """Closures, gaps and forces between events; the product of gap and force is zero."""
     system, body = solution.system, solution.system.body
     tolerance = solution.case.resolution.tolerance
+    strongest = max((_most(item.panels[0].a) for item in solution.segments), default=0.0)
     for segment, panel, t in looked_at(solution):
         where = f"segment at {segment.t_start:.9g} s"
         rows = system.constraint_set(segment.closed)
@@ -251,8 +255,8 @@ def _motion(solution: Solution) -> Iterator[str]:
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
-            # And what holds its weight has the round-off of that.
-            size += 1e7 * EPS * solution.mechanism.gravity_m_s2
+            # And what holds its weight and its springs has the round-off of what these would do.
+            size += 1e7 * EPS * (solution.mechanism.gravity_m_s2 + strongest)
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
