@@ -222,7 +222,6 @@ def _motion(solution: Solution) -> Iterator[str]:
     """Closures, gaps and forces between events; the product of gap and force is zero."""
     system, body = solution.system, solution.system.body
     tolerance = solution.case.resolution.tolerance
-    strongest = max((_most(item.panels[0].a) for item in solution.segments), default=0.0)
     for segment, panel, t in looked_at(solution):
         where = f"segment at {segment.t_start:.9g} s"
         rows = system.constraint_set(segment.closed)
@@ -256,7 +255,10 @@ def _motion(solution: Solution) -> Iterator[str]:
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
             # And what holds its weight and its springs has the round-off of what these would do.
-            size += 1e7 * EPS * (solution.mechanism.gravity_m_s2 + strongest)
+            start, still = panel.q[:1], np.zeros_like(panel.v[:1])
+            pulls = system.applied_forces(start, still)
+            pulls = np.abs(pulls) + np.abs(system.body.inverse_dynamics(start, still, still))
+            size += 1e7 * EPS * _most(pulls / np.diag(system.body.mass_matrix(start[0])))
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
