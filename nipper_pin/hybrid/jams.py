@@ -38,7 +38,9 @@ def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> 
     stops = sorted({name for event in latest for name in event.stops})
     series = {name: _approaches(mechanism, name, latest) for name in stops}
     struck = {name: rates for name, rates in series.items() if rates}
-    least = _OVER * max(max(_approaches(mechanism, name, events)) for name in struck)
+    fastest = (max(_approaches(mechanism, name, events)) for name in struck)
+    # Contacts without approach strike nothing.
+    least = _OVER * max(fastest, default=0.0)
     if len(struck) > 1 and all(
         len(rates) > 1 and rates[-1] >= max((1.0 - _NO_SLOWER) * rates[0], least)
         for rates in struck.values()

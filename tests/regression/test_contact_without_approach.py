@@ -7,11 +7,17 @@ needed there, and the law was not asked whether none would do.
 
 import numpy as np
 import pytest
+from small_machines import link, slide
+from small_machines import machine as machine_of_parts
 
-from nipper_pin import Mechanism
+from nipper_pin import Case, Mechanism, Outcome, Window, simulate
+from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.impact import collide
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid.collocation import nodes
+from nipper_pin.hybrid.panel import Panel
+from nipper_pin.hybrid.triggers import _flight_root
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.stress.machines import flaps
 
@@ -37,3 +43,49 @@ def test_contacts_that_do_not_approach_take_no_impulse(
     assert not impact.delta.any()
     assert impact.energy_lost == 0.0
     assert impact.v_after.tolist() == [1.0, after, after]
+
+
+def test_many_grazes_in_one_instant_are_no_jam() -> None:
+    """Found by case 7680 of seed 111: "max() arg is an empty sequence".
+
+    Three equal flaps bounce in one rhythm, which no series of one stop describes, until their rates
+    are round-off and they touch without approach again and again. The run says that it was stopped.
+    """
+    swing = 0.02389812640351119, 0.22654876994566853, -0.3652977606771073
+    source = flaps(3, swing, 0.5, 0.08450230233247534, 48.62970648878668, 0.0)
+    machine = from_sources(source.name, source.urdf, source.description, source.folder)
+    case = Case(
+        speed_rpm=35.930164672310816,
+        window=Window.CYCLE,
+        start_index=11.809148731844,
+        max_collisions=100,
+    )
+    solution = simulate(machine, case)
+    assert solution.outcome is Outcome.TOO_MANY_COLLISIONS
+    assert all(len(hit.event.stops) == 3 for hit in solution.collisions)
+
+
+def test_a_gap_that_opens_and_closes_within_round_off_ends_there() -> None:
+    """Found by case 6571 of seed 111: "its gap starts to close from zero".
+
+    A gap of 3e-22 m that opens at 1e-11 m/s and is pulled shut at 9.4 m/s^2 is back after 2.5e-12
+    s; the samples of a panel of 10 ms know only that it is closed.
+    """
+    mechanism = machine_of_parts(
+        [link("mass"), slide("x", "frame", "mass")], 1,
+        stops={"floor": {"joint": "x", "side": "lower", "restitution": 0.2}},
+    )  # fmt: skip
+    stop = mechanism.stop("floor")
+    order, h, gap, rate, pull = 13, 1e-2, 2.868892e-22, 1.182589e-11, 9.43
+    # Round-off of a sum of many such numbers hides the gap, so several pulls are tried.
+    for share in np.linspace(0.9, 1.1, 21):
+        t = h * nodes(order).sigma[:, None]
+        a = np.full((order, 1), -pull * share)
+        q, v = gap + rate * t + 0.5 * a * t**2, rate + a * t
+        panel = Panel(0.0, h, q, v, a, Partition((), (0,)), integrated=True)
+        found = _flight_root(panel, stop, gap, rate)
+        assert found is not None
+        # Round-off of what the panel moves by, h^2 a, is all that may be left of the gap there.
+        left = gap + rate * found - 0.5 * pull * share * found**2
+        assert 0.0 <= found
+        assert abs(left) <= 64.0 * np.finfo(float).eps * h**2 * pull
