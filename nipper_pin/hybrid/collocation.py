@@ -83,6 +83,8 @@ def nodes(order: int) -> Nodes:
     value = np.asarray(_basis(samples, order) @ integrals[0])
     # The first sample is the first node: its value is met to the last bit.
     value[0] = np.eye(order)[0]
+    moved = _basis(samples, order + 2) @ integrals[2]
+    moved[0] = 0.0
     return Nodes(
         sigma=sigma,
         integrals=integrals,
@@ -100,7 +102,7 @@ def nodes(order: int) -> Nodes:
         samples=samples,
         sample_value=value,
         sample_twice=(
-            _basis(samples, order + 2) @ integrals[2],
+            moved,
             _divided(integrals[2], samples, 1),
             _divided(integrals[2], samples, 2),
         ),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import sqrt
 
 import numpy as np
 
@@ -155,10 +154,6 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         if rate < 0.0 < gap <= _ROUND_OFF:
             # It closes within the round-off of its integral.
             return panel.t + min(-gap / rate, h)
-        slowing = -float(stop.rate(panel.a[0]))
-        if 0.0 < gap <= _ROUND_OFF and rate >= 0.0 < slowing:
-            # It opens a little more, and is back within that round-off.
-            return panel.t + min((rate + sqrt(rate**2 + 2.0 * slowing * gap)) / slowing, h)
         message = (
             f"stop {stop.name!r} is open but its gap starts to close from zero: the accelerations "
             "contradict the closed stops; this is an error of the package, please report the case"
