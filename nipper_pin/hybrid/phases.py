@@ -11,15 +11,18 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.multipliers import multipliers
 from ..dynamics.shaft import Driven
-from ..dynamics.system import System
+from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError, SingularConfigurationError
 from ..mechanism import Stop
+from .panel import Panel, one_state_at
 
 Closed = frozenset[str]
 
 # A force or an acceleration this much below zero, by the largest one of the stop in any set, is
 # round-off.
 _ROUND_OFF = 1e-12
+# Part of a turn in which accelerations tell how they change.
+_AHEAD = 1e-7
 
 
 def after_release(closed: Closed, released: Iterable[str]) -> Closed:
@@ -94,6 +97,27 @@ def pressed(
         "either pulls or penetrates; check the sides of the stops"
     )
     raise SimulationError(message, stops=sorted(at_rest))
+
+
+def pressed_next(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Closed:
+    """Which closed stops stay closed a moment later.
+
+    Where forces vanish together, so do all accelerations: what comes next tells which stops open.
+
+    Args:
+        system: The system.
+        rows: The phase that ends.
+        panel: Its last panel.
+        t: Its end [s].
+
+    Returns:
+        Names of the stops that stay closed.
+
+    Raises:
+        SimulationError: No set satisfies the conditions.
+    """
+    q, v, jacobian, motion = one_state_at(system, rows, panel, t + _AHEAD * system.shaft.period)
+    return pressed(system, motion, q, v, jacobian, rows.closed)
 
 
 class _Held(NamedTuple):

@@ -28,17 +28,14 @@ from .event import Event, EventKind
 from .jams import check_jam
 from .locate import located
 from .nested import NestedSeries
-from .panel import Panel, one_state_at
-from .phases import Closed, after_collision, after_release, pressed
+from .panel import Panel
+from .phases import Closed, after_collision, after_release, pressed, pressed_next
 from .rests import rest_of_nested, rest_of_series
 from .segment import Segment, advance
 from .series import BounceSeries
 from .solution import Outcome, Solution
 from .state import State, initial_state
 from .triggers import SIMULTANEOUS, TriggerKind
-
-# Part of a turn in which accelerations tell how they change.
-_AHEAD = 1e-7
 
 
 def simulate(
@@ -127,14 +124,13 @@ class _Run:
             )
             raise InputError(message, stop=name, rate=rate)
         self.collide(self.state, {name})
-        period = self.system.shaft.period
         while True:
             last = self.events[-1]
             if last.kind is EventKind.REST and name in last.stops:
                 return Outcome.AT_REST
             if self._collisions >= self.case.max_collisions:
                 return Outcome.TOO_MANY_COLLISIONS
-            if not self.step(period):
+            if not self.step(self.system.shaft.period):
                 return Outcome.NO_REST
 
     def turns(self, progress: Callable[[int, int], None] | None) -> tuple[Outcome, int | None]:
@@ -206,14 +202,13 @@ class _Run:
             # The last event fell on the limit: nothing is left to follow.
             return False
         rows = self.system.constraint_set(state.closed)
-        a = self._acceleration(state)
         reached = advance(
             self.system,
             rows,
             state.t,
             state.q,
             state.v,
-            a,
+            self._acceleration(state),
             state.jacobian,
             t_limit,
             self.case.resolution,
@@ -332,12 +327,10 @@ class _Run:
     ) -> State:
         """Open the stops whose force has fallen to zero."""
         if len(released) > 1:
-            # Those that pull at the start of a phase may push once another one is open. And where
-            # forces vanish together, so do accelerations: what comes next tells which stops open.
-            ahead = state.t + _AHEAD * self.system.shaft.period
-            q, v, jacobian, motion = one_state_at(self.system, rows, panel, ahead)
-            held = pressed(self.system, motion, q, v, jacobian, state.closed)
-            released = set(state.closed - held) or released
+            # Those that pull at the start of a phase may push once another one is open.
+            released = (
+                set(state.closed - pressed_next(self.system, rows, panel, state.t)) or released
+            )
         return self._open(state, released)
 
     def _open(self, state: State, released: Iterable[str]) -> State:
