@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -132,17 +133,24 @@ def _by_gauss(
     system: System, rows: ConstraintSet, panel: Panel, borders: FloatArray
 ) -> tuple[float, float, float, float]:
     """The same by Gauss quadrature between each two borders [s], and what it may miss [J]."""
-    points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+    points, weights, last = _gauss()
     half = 0.5 * np.diff(borders)[:, None]
     t = (borders[:-1, None] + half * (points + 1.0)).ravel()
     q, v, _, forces = forces_at(system, rows, panel, t)
     works = half * np.einsum("ij,ij->i", forces.drive, v[:, system.driven]).reshape(len(half), -1)
     heats = half * system.dissipation(q, v).reshape(len(half), -1)
     # The last Legendre coefficients show what those that follow would be like.
-    last = np.polynomial.legendre.legvander(points, _GAUSS_POINTS - 1)[:, -2:] * weights[:, None]
     missing = _GAUSS_POINTS * (np.abs(works @ last).sum() + np.abs(heats @ last).sum())
     kinetic = float(np.max(_kinetic(system, q, v)))
     return float((works @ weights).sum()), float((heats @ weights).sum()), kinetic, float(missing)
+
+
+@cache
+def _gauss() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Points and weights on [-1, 1], (N,), and values to the last two coefficients, (N, 2)."""
+    points, weights = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
+    last = np.polynomial.legendre.legvander(points, _GAUSS_POINTS - 1)[:, -2:] * weights[:, None]
+    return points, weights, last
 
 
 def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatArray, ...]:

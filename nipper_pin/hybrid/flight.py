@@ -158,7 +158,7 @@ class _Picard:
         count, h, system = len(a), self._h, self._system
         operator = self._operator(count)
         lines, forcing = self._lines[:, ::stride], self._forcing[stride::stride]
-        guess = self.weight
+        moved = a[1:]
         for sweep in range(1, most + 1):
             q, v = (operator @ (a * system.free)).reshape(2, *a.shape) + lines
             new = system.respond(forcing, q[1:], v[1:], self._rows)
@@ -166,7 +166,7 @@ class _Picard:
                 # What is prescribed does not move: its accelerations are round-off of the armature.
                 size = self._reach + h**2 * np.abs(new).max(axis=0)
                 self.weight = h**2 * self._rows.moving / size
-            moved = (new - a[1:]) * self.weight
+            guess, moved = moved, (new - a[1:]) * self.weight
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
@@ -177,10 +177,9 @@ class _Picard:
             self._contraction = min(max(change / max(previous, SMALLEST), known), 1.0)
             # The next sweep would change by this times the contraction, so it is not needed.
             if change * self._contraction <= self._tolerance and (
-                self.sweeps != 2 or _next(moved, guess) <= self._tolerance
+                sweep == 1 or self.sweeps > 2 or _next(moved, guess) <= self._tolerance
             ):
                 return True
-            guess = moved
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
                 return change <= _ITERATION_FLOOR
         return False

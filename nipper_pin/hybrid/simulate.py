@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Set
 from dataclasses import replace
 
 import numpy as np
@@ -323,14 +323,12 @@ class _Run:
         return a
 
     def _release(
-        self, state: State, released: set[str], rows: ConstraintSet, panel: Panel
+        self, state: State, released: Set[str], rows: ConstraintSet, panel: Panel
     ) -> State:
         """Open the stops whose force has fallen to zero."""
         if len(released) > 1:
             # Those that pull at the start of a phase may push once another one is open.
-            released = (
-                set(state.closed - pressed_next(self.system, rows, panel, state.t)) or released
-            )
+            released = state.closed - pressed_next(self.system, rows, panel, state.t) or released
         return self._open(state, released)
 
     def _open(self, state: State, released: Iterable[str]) -> State:

@@ -86,12 +86,10 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
                 yield Violation(kind, f"{text}, stated {allowed:.3g} s")
             relative = share * (errors[0].impulse + errors[1].impulse) + 64.0 * EPS
             # What has moved for no more than round-off of the clock strikes with round-off.
-            if one.kind is EventKind.COLLISION and max(one.t, other.t) > clock:
-                for text in _impulses(one, other, relative):
-                    if max(map(abs, one.P_N.values())) > _ROUND_OFF * _largest(
-                        first, one.t, instant
-                    ):
-                        yield Violation(kind, text)
+            counts = one.kind is EventKind.COLLISION and max(one.t, other.t) > clock
+            texts = list(_impulses(one, other, relative)) if counts else []
+            if texts and not _left_over(one, first, instant):
+                yield from (Violation(kind, text) for text in texts)
             i, j = i + 1, j + 1
         elif _ends_series(one, other):
             j += 1
@@ -124,10 +122,14 @@ def _ends_series(rest: Event, other: Event) -> bool:
     return set(other.stops[:1]) <= {*rest.stops, *rest.P_N}
 
 
-def _largest(events: list[Event], t: float, instant: float) -> float:
-    """Largest impulse in an instant: what is left over by it may strike once more."""
-    near = (event for event in events if abs(event.t - t) <= instant)
-    return max((abs(impulse) for event in near for impulse in event.P_N.values()), default=0.0)
+def _left_over(hit: Event, events: list[Event], instant: float) -> bool:
+    """True if a collision strikes with the round-off of a larger one in the same instant."""
+    largest = max(
+        max(map(abs, event.P_N.values()), default=0.0)
+        for event in events
+        if abs(event.t - hit.t) <= instant
+    )
+    return max(map(abs, hit.P_N.values())) <= _ROUND_OFF * largest
 
 
 def _impulses(one: Event, other: Event, relative: float) -> Iterator[str]:

@@ -173,13 +173,13 @@ def _impulses(solution: Solution) -> Iterator[str]:
         for label, v in (("delta", event.delta), ("v_after", event.v_after)):
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
-            # Of rates that an impact takes away altogether what its solution leaves is left, some
-            # 1e-13 of them; closures that move by drives alone see round-off of the others.
+            # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13
+            # of them; closures that move by drives alone see round-off of the others.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
             # Several impacts in one instant leave the round-off of the first.
             latest = solution.events[max(place - 2, 0) : place]
             first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
-            least = float(np.abs(G).max(initial=0.0) * (4e-12 * fastest + 16.0 * EPS * first))
+            least = float(np.abs(G).max(initial=0.0) * (1e-12 * fastest + 16.0 * EPS * first))
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
