@@ -1,11 +1,13 @@
 """Simulation of impact mechanisms on Pinocchio: the nipper of a comber and its bouncing jaw.
 
-This module is the one public door; everything else may move.
+This module is the one public door; everything else may move. What is behind it, Pinocchio and numpy
+included, is imported when it is first asked for (PEP 562): a worker that only waits for work, or a
+command that only says how it is used, does without.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .dynamics.system import DriveMode
 from .errors import (
     AssemblyError,
     ConvergenceError,
@@ -19,40 +21,46 @@ from .errors import (
     SingularConfigurationError,
     UnknownNameError,
 )
-from .hybrid.case import Case, Resolution, Window
-from .hybrid.collisions import Collision, PhaseInterval, Transition
-from .hybrid.event import Event, EventKind
-from .hybrid.record import record
-from .hybrid.simulate import simulate
-from .hybrid.solution import Outcome, Solution
-from .mechanism import Mechanism, load
 
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from .dynamics.system import DriveMode
+    from .hybrid.case import Case, Resolution, Window
+    from .hybrid.collisions import Collision, PhaseInterval, Transition
+    from .hybrid.event import Event, EventKind
+    from .hybrid.record import record
+    from .hybrid.simulate import simulate
+    from .hybrid.solution import Outcome, Solution
     from .hybrid.storage import load_case, load_solution, save, save_case
     from .hybrid.trajectory import Motion, Reactions
+    from .mechanism import Mechanism, load
     from .study.transitions import transition_table
 else:
-    # Archives, JSON and tables of many runs are a part of the time of the import, and most runs
-    # need none. Type checkers read the lines above instead: with this function they would accept
-    # any name.
+    # Type checkers read the lines above instead: with this function they would accept any name.
+    _PLACES = {
+        "dynamics.system": ("DriveMode",),
+        "hybrid.case": ("Case", "Resolution", "Window"),
+        "hybrid.collisions": ("Collision", "PhaseInterval", "Transition"),
+        "hybrid.event": ("Event", "EventKind"),
+        "hybrid.record": ("record",),
+        "hybrid.simulate": ("simulate",),
+        "hybrid.solution": ("Outcome", "Solution"),
+        "hybrid.storage": ("load_case", "load_solution", "save", "save_case"),
+        "hybrid.trajectory": ("Motion", "Reactions"),
+        "mechanism": ("Mechanism", "load"),
+        "study.transitions": ("transition_table",),
+    }
+    _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
+
     def __getattr__(name: str) -> object:
-        """Import what few runs need when it is first asked for (PEP 562)."""
-        if name in ("load_case", "load_solution", "save", "save_case"):
-            from .hybrid import storage
-
-            return getattr(storage, name)
-        if name in ("Motion", "Reactions"):
-            from .hybrid import trajectory
-
-            return getattr(trajectory, name)
-        if name == "transition_table":
-            from .study.transitions import transition_table
-
-            return transition_table
-        message = f"module {__name__!r} has no attribute {name!r}"
-        raise AttributeError(message)
+        """Import what is behind a name when it is first asked for."""
+        if name not in _PLACE_OF:
+            message = f"module {__name__!r} has no attribute {name!r}"
+            raise AttributeError(message)
+        value = getattr(import_module(f".{_PLACE_OF[name]}", __name__), name)
+        globals()[name] = value
+        return value
 
     def __dir__() -> list[str]:
         """Names that are there already, and those that come when they are asked for."""

@@ -59,12 +59,12 @@ def multipliers(
     missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
     trains = 0.0 if system.held else system.train_torques(motion, q, v)
     if not system.held:
-        missing[:, system.driven] += system.inertia * a[:, system.driven] - trains
+        missing[:, system.driven_columns] += system.inertia * a[:, system.driven_columns] - trains
     dependent = list(split.dependent)
     transposed = np.swapaxes(jacobian[:, :, dependent], 1, 2)
     la_g: FloatArray = np.asarray(
         np.linalg.solve(transposed, missing[:, dependent, None])[:, :, 0], dtype=np.float64
     )
     rest = missing - np.einsum("nij,ni->nj", jacobian, la_g)
-    drive = rest[:, system.driven] + trains
+    drive = rest[:, system.driven_columns] + trains
     return Multipliers(la_g, rest[:, list(rows.stops)] * rows.senses, drive)

@@ -84,7 +84,8 @@ class System:
         self.drive = drive
         self.held = drive is DriveMode.HELD
         numbers = self._numbers = coefficients(mechanism, self.held)
-        self.driven, self.inertia = numbers.driven, numbers.inertia
+        self.driven, self.driven_columns = numbers.driven, numbers.columns
+        self.inertia = numbers.inertia
         self.drive_armature, self.free = numbers.armature, numbers.free
         self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
         self.body = multibody(mechanism)
@@ -185,7 +186,7 @@ class System:
         """True if the closures determine the dependent coordinates; asked often for one place."""
         place, dependent = self._checked
         if place is not jacobian or dependent != split.dependent:
-            condition, inverse = inverted(jacobian[:, split.columns])
+            condition, inverse = inverted(jacobian.take(split.columns, 1))
             if not condition < MAX_CONDITION:
                 return False
             self._checked, self._inverse = (jacobian, split.dependent), inverse
@@ -201,8 +202,8 @@ class System:
             rows: The phase.
         """
         if self.held:
-            q[:, self.driven] = motion[0]
-            v[:, self.driven] = motion[1]
+            q[:, self.driven_columns] = motion[0]
+            v[:, self.driven_columns] = motion[1]
         if rows.stops:
             q[:, rows.stops] = rows.places
             v[:, rows.stops] = 0.0
@@ -235,8 +236,8 @@ class System:
         numbers = self._numbers
         torques: FloatArray = (
             self.inertia * a_law
-            + numbers.train_stiffness * (q_law - q[:, self.driven])
-            + numbers.train_damping * (v_law - v[:, self.driven])
+            + numbers.train_stiffness * (q_law - q[:, self.driven_columns])
+            + numbers.train_damping * (v_law - v[:, self.driven_columns])
         )
         return torques
 
@@ -287,9 +288,9 @@ class System:
         numbers = self._numbers
         tau[:] = numbers.preload
         if self.held:
-            tau[:, self.driven] = INFINITE_INERTIA * a_law
+            tau[:, self.driven_columns] = INFINITE_INERTIA * a_law
         else:
-            tau[:, self.driven] += (
+            tau[:, self.driven_columns] += (
                 numbers.inertia * a_law
                 + numbers.train_stiffness * q_law
                 + numbers.train_damping * v_law

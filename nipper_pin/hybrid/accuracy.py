@@ -282,7 +282,7 @@ def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
     lever = np.ones(q.shape[1])
     if panel.split.dependent:
         _, jacobian = system.body.closures(q)
-        _, inverse = inverted(jacobian[0][:, panel.split.columns])
+        _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
         lever[panel.split.columns] = np.abs(inverse).sum(axis=1)
     return np.asarray(8.0 * _EPS * system.body.reach_m * lever)
 
@@ -305,7 +305,7 @@ def _left_over(
 def _lever(system: System, panel: Panel, index: int) -> FloatArray:
     """Change of a dependent coordinate by each independent one at the end of a panel, (nv,)."""
     _, jacobian = system.body.closures(panel.q[-1:])
-    _, inverse = inverted(jacobian[0][:, panel.split.columns])
+    _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
     return np.asarray(inverse[panel.split.dependent.index(index)] @ jacobian[0])
 
 

@@ -135,7 +135,7 @@ class _Picard:
         self._lines[0] = q + (h * sigma)[:, None] * v
         self._lines[1] = v
         if system.held:
-            self._lines[:, :, system.driven] = motion[:2]
+            self._lines[:, :, system.driven_columns] = motion[:2]
         self._reach = np.abs(h * v) + SMALLEST
         # Relative change of positions by change of acceleration, shape (nv,).
         self.weight = np.empty(0)

@@ -133,7 +133,7 @@ def _check_digits(jacobian: FloatArray, split: Partition) -> None:
 def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
     size = np.abs(q).max(axis=0) + np.finfo(float).eps
-    _, inverse = inverted(jacobian[0][:, split.columns])
+    _, inverse = inverted(jacobian[0].take(split.columns, 1))
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
     size[split.columns] += np.minimum(moved, _AMPLIFIED)
     return np.asarray(_ROUND_OFF * size)

@@ -60,11 +60,13 @@ class ImportCost:
     Attributes:
         pinocchio_ms: ``import pinocchio``, numpy included [ms].
         added_ms: What ``import nipper_pin`` adds to it [ms].
-        ratio: The latter by the former [-].
+        used_ms: What it adds with all that ``load``, ``Case`` and ``simulate`` stand for [ms].
+        ratio: The last by the first [-].
     """
 
     pinocchio_ms: float
     added_ms: float
+    used_ms: float
     ratio: float
 
 
@@ -363,15 +365,33 @@ def _imports(runs: int) -> list[Skip]:
 
 
 def import_cost(runs: int = 3) -> ImportCost:
-    """What ``import nipper_pin`` adds to ``import pinocchio``; fastest of several interpreters."""
-    logs = [run_python("import pinocchio, nipper_pin", "-X", "importtime") for _ in range(runs)]
+    """What the package adds to ``import pinocchio``; fastest of several interpreters."""
+    code = "import pinocchio, nipper_pin; nipper_pin.load, nipper_pin.Case, nipper_pin.simulate"
+    logs = [run_python(code, "-X", "importtime") for _ in range(runs)]
     pinocchio, added = (
         min(cumulative_ms(log, name) for log in logs) for name in ("pinocchio", "nipper_pin")
     )
-    return ImportCost(pinocchio, added, added / pinocchio)
+    used = min(following_ms(log, "pinocchio") for log in logs)
+    return ImportCost(pinocchio, added, used, used / pinocchio)
 
 
 def cumulative_ms(log: str, module: str) -> float:
     """Cumulative time of a module in a log of import times: ``... self | cumulative | name``."""
-    columns = (line.split("|") for line in log.splitlines() if line.count("|") == 2)
-    return 1e-3 * next(float(total) for _, total, name in columns if name.strip() == module)
+    return 1e-3 * next(total for _, total, name in _import_times(log) if name == module)
+
+
+def following_ms(log: str, module: str) -> float:
+    """Time of all imports that a log of import times shows after that of a module."""
+    times = _import_times(log)
+    last = max(place for place, (_, _, name) in enumerate(times) if name == module)
+    return 1e-3 * sum(own for own, _, _ in times[last + 1 :])
+
+
+def _import_times(log: str) -> list[tuple[float, float, str]]:
+    """Own and cumulative time of each module of such a log [us], and its name."""
+    columns = (line.split(":")[-1].split("|") for line in log.splitlines() if line.count("|") == 2)
+    return [
+        (float(own), float(total), name.strip())
+        for own, total, name in columns
+        if own.strip().isdigit()
+    ]
