@@ -174,6 +174,9 @@ def _own_errors(
         0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q[:1])[index])
     )
     for panel in segment.panels:
+        if panel is not start:
+            # Where panels meet a gap has the round-off of its coordinate, however small it is.
+            eps += _EPS * abs(float(panel.q[0, index]))
         key = (id(panel.q), index)
         if key not in left_over:
             left_over[key] = _left_over(system, rows, panel, index)

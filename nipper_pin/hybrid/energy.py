@@ -18,7 +18,9 @@ from .segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
-# Quadrature is refined until it misses no more than this share.
+# Quadrature is refined until it misses no more than this share of what a panel exchanges and holds,
+# or of the largest kinetic energy so far, for the time of the panel: where little moves after much
+# has, round-off is more than the first.
 _MOST_HALVINGS, _AGREED = 7, 1e-12
 
 
@@ -74,12 +76,13 @@ def energy_balance(
     """
     known: dict[tuple[int, float], tuple[float, float, float]] = {}
     work = heat = peak = 0.0
+    length = segments[-1].t_end - segments[0].t_start if segments else 0.0
     for segment in segments:
         rows = system.constraint_set(segment.closed)
         for panel, begin, end in segment.pieces():
             key = (id(panel.q), round((end - begin) / panel.h, 9))
             if key not in known:
-                known[key] = _exchanged(system, rows, panel, begin, end)
+                known[key] = _exchanged(system, rows, panel, begin, end, peak / length)
             work += known[key][0]
             heat += known[key][1]
             peak = max(peak, known[key][2])
@@ -113,16 +116,26 @@ def energy_balance(
 
 
 def _exchanged(
-    system: System, rows: ConstraintSet, panel: Panel, begin: float, end: float
+    system: System, rows: ConstraintSet, panel: Panel, begin: float, end: float, before: float
 ) -> tuple[float, float, float]:
-    """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J]."""
+    """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J].
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        begin: Begin of the part [s].
+        end: Its end [s].
+        before: Largest kinetic energy before, by the length of the run [W].
+    """
     # Forces bend at the rows of tables, and quadrature wants them smooth.
     met = panel.t + panel.h * rows_met(system, panel)
     inner = np.sort(met[(begin < met) & (met < end)])
     borders = np.concatenate([[begin], inner, [end]])
     for _ in range(_MOST_HALVINGS):
         work, heat, kinetic, missing = _by_gauss(system, rows, panel, borders)
-        if missing <= _AGREED * (abs(work) + abs(heat) + kinetic) or not system.mechanism.struts:
+        held = abs(work) + abs(heat) + kinetic
+        if missing <= _AGREED * max(held, before * (end - begin)) or not system.mechanism.struts:
             break
         # Where points of a strut pass one another closely, its force is rougher than all motion.
         borders = np.sort(np.concatenate([borders, 0.5 * (borders[1:] + borders[:-1])]))
