@@ -125,7 +125,12 @@ def flights(solution: Solution) -> Iterator[str]:
         law, rate, second = motion
         shifted = (1.0 + 4.0 * EPS) * law, (1.0 + 4.0 * EPS) * rate, second
         pulled = system.accelerations(shifted, q, v, rows)
-        off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there))
+        # What the closures determine is integrated, too, and drifts by what it is off; that may be
+        # little for itself, and more for another coordinate that hardly moves.
+        drift = panel.h * off.max(axis=0)
+        drift[list(panel.split.independent)] = 0.0
+        drifted = system.accelerations(motion, q, v + drift, rows)
+        off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there)) + np.abs(drifted - there)
         moved = _moved(system, panel)
         share = float((off * panel.h**2 / moved).max(initial=0.0, where=rows.moving > 0.0))
         most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
