@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -20,7 +21,7 @@ from .laws import build_cylinder, build_laws
 from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
 from .slots import block_of, check_frames, with_blocks
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
-from .urdf import Urdf, check_urdf, parse_xml
+from .urdf import Urdf, check_urdf, flatten, parse_xml
 
 _STOP_PLACES = {"prismatic": ("at_mm", 1e-3), "revolute": ("at_deg", math.pi / 180.0)}
 
@@ -42,7 +43,10 @@ def build_mechanism(
     """
     file, urdf_file = f"{name}.toml", f"{name}.urdf"
     description = describe(data, file)
-    urdf = check_urdf(parse_xml(urdf_text, urdf_file), urdf_file, mesh_folder)
+    root = parse_xml(urdf_text, urdf_file)
+    urdf = check_urdf(root, urdf_file, mesh_folder)
+    if flatten(root):
+        urdf_text = ElementTree.tostring(root, encoding="unicode")
     check_frames(description.closures, urdf, file)
     tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
     model = build_model(tree_text, description.gravity_m_s2, urdf_file)

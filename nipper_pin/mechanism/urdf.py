@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -181,7 +182,7 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
 def _check_axis(
     element: ElementTree.Element, kind: str, key: str, file: str
 ) -> tuple[float, float, float]:
-    """A hinge turns about -y, a slider moves in the plane; return the unit axis."""
+    """A hinge turns about -y, a slider moves in the plane; return the unit axis, exactly so."""
     if kind == "fixed":
         return (0.0, 0.0, 0.0)
     axis = element.find("axis")
@@ -198,8 +199,37 @@ def _check_axis(
         allowed = "a slider moves in the x-z plane, its axis has no y component"
     if allowed:
         raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)
-    x, y, z = (float(part) / length for part in value)
-    return (x, y, z)
+    if kind == "revolute":
+        return HINGE_AXIS
+    length = float(np.hypot(value[0], value[2]))
+    return (float(value[0]) / length, 0.0, float(value[2]) / length)
+
+
+def flatten(root: ElementTree.Element) -> bool:
+    """Put the joints of a checked URDF exactly into the plane, in place; True if one was not.
+
+    Programs write half a turn about y as three angles, of which one may be pi but for round-off, or
+    angles of a few digits. A pin whose parts are not exactly parallel would pull across the plane.
+
+    Args:
+        root: The ``robot`` element.
+    """
+    changed = False
+    for joint in root.iter("joint"):
+        place, axis = joint.find("origin"), joint.find("axis")
+        if place is not None:
+            roll, pitch, yaw = (float(word) for word in place.get("rpy", "0 0 0").split())
+            if roll or yaw:
+                turn = rotation_from_rpy(np.array([roll, pitch, yaw]))
+                place.set("rpy", f"0 {math.atan2(turn[0, 2], turn[0, 0])!r} 0")
+                changed = True
+        if axis is not None and joint.get("type") != "fixed":
+            x, y, z = (float(word) for word in axis.get("xyz", "1 0 0").split())
+            sliding = _KINDS[joint.get("type", "")] == "prismatic"
+            if y if sliding else x or z:
+                axis.set("xyz", f"{x!r} 0 {z!r}" if sliding else f"0 {y!r} 0")
+                changed = True
+    return changed
 
 
 def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -> str:
