@@ -35,8 +35,6 @@ def chromium() -> Iterator[Browser]:
             args=[
                 "--no-sandbox",
                 "--enable-unsafe-swiftshader",
-                "--use-gl=angle",
-                "--use-angle=swiftshader",
             ],
         )
         yield browser

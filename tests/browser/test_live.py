@@ -24,6 +24,8 @@ pytestmark = pytest.mark.skipif(
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 # three.js, inside of viser, says this of viser's own clock whenever a page is opened.
 ALWAYS_SAID = "THREE.Clock: This module has been deprecated"
+# Chromium says this when a picture of the page is taken while a processor draws.
+BY_PICTURES = "GPU stall due to ReadPixels"
 SPEED, RESTITUTION, STIFFNESS, PRELOAD = range(4)
 WAIT = 60_000  # ms; a processor that draws and has other work takes its time
 # Times from the key to the new numbers in the page, as the page itself sees both.
@@ -75,7 +77,8 @@ def page(chromium: Browser, address: str) -> Iterator[Page]:
     follow(opened, "speed 650 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm")
     yield opened
     opened.close()
-    assert [item for item in complaints if not item.startswith(ALWAYS_SAID)] == []
+    own = [item for item in complaints if BY_PICTURES not in item]
+    assert [item for item in own if not item.startswith(ALWAYS_SAID)] == []
     # Its own server, and what the page makes of itself: no other place in the network.
     assert [item for item in requests if not item.startswith((address, f"blob:{address}"))] == []
 

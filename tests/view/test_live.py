@@ -315,6 +315,64 @@ def test_the_film_stands_at_rest_for_a_moment_and_begins_again(e62, controls, sl
     assert "0.00" not in told[: first + still]
 
 
+class Moves:
+    """A clock that runs only while the page waits, and sliders that move at some of its times."""
+
+    def __init__(self, *times: float, end: float) -> None:
+        self.now, self.end, self._times = 0.0, end, list(times)
+
+    def wait(self, timeout: float) -> bool:
+        if self.now > self.end:
+            raise StopIteration
+        moved = bool(self._times) and self._times[0] <= self.now + timeout
+        self.now = self._times.pop(0) if moved else self.now + timeout
+        return moved
+
+    def clear(self) -> None:
+        """Nothing is kept: a move is told once."""
+
+    def perf_counter(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+def test_the_film_stands_while_sliders_move_and_goes_on_where_it_stood(
+    e62, controls, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """0.8 s from the last of two moves, in which it is drawn for each setting, at the same time.
+
+    The page's own loop, on a clock that no other work of the machine delays.
+    """
+    viser = pytest.importorskip("viser", reason=WHY)
+    from nipper_pin.view.live import page as module
+
+    clock = Moves(2.0, 2.3, end=4.0)
+    monkeypatch.setattr(module, "time", clock)
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        page = module.Page(server, e62, controls)
+        monkeypatch.setattr(page, "_wake", clock)
+        monkeypatch.setattr(server, "get_clients", lambda: {0: None})
+        shown: list[tuple[float, float]] = []
+        draw = page._draw
+        monkeypatch.setattr(
+            page, "_draw", lambda passed: (draw(passed), shown.append((clock.now, page._clock)))
+        )
+        with pytest.raises(StopIteration):
+            page.run()
+    finally:
+        server.stop()
+    before = max(t for now, t in shown if now < 2.0)
+    still = [now for now, t in shown if t == before and now >= 2.0]
+    assert still == pytest.approx([2.0, 2.3, 3.1], abs=0.01)
+    # From there on it runs as fast as ever.
+    last, t = shown[-1]
+    assert last > 3.5
+    assert t - before == pytest.approx((last - still[-1]) / page._slow.value, rel=1e-9)
+
+
 @pytest.mark.parametrize("name", ["viser", "manifold3d"])
 def test_a_missing_library_is_one_sentence_with_the_remedy(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

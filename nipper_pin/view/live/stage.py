@@ -23,7 +23,8 @@ from ..scene.solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis, solids
 from .shapes import coarse, shape
 
 _LINE_COLOUR = (51, 51, 51)
-_NEAR = 1.55  # distance of the camera by the size of the mechanism
+# Distance of the camera by the size of the mechanism: nearer, a processor draws more pixels.
+_NEAR = 1.8
 _MATERIAL: Literal["toon5"] = "toon5"  # two thirds of the cost of viser's own, drawn by a processor
 # How far a surface may be moved to save triangles, by the reach of the mechanism: half of them go,
 # and a processor that draws needs a fifth less for a picture.
