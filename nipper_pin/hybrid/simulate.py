@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence, Set
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Set
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.impact import Impact, arrest, collide, no_impact
+from ..dynamics.impact import arrest, collide, no_impact
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import ConstraintSet, System
 from ..errors import (
@@ -25,6 +24,7 @@ from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .cycles import repeats
 from .event import Event, EventKind
+from .event_log import EventLog
 from .jams import check_jam
 from .locate import located
 from .nested import NestedSeries
@@ -73,7 +73,7 @@ def simulate(
         mechanism=mechanism,
         case=case,
         shaft=shaft,
-        events=tuple(run.events),
+        events=tuple(run.log.events),
         segments=tuple(run.segments),
         outcome=outcome,
         evaluations=run.system.body.evaluations - before,
@@ -89,7 +89,7 @@ class _Run:
         self.system = system
         self.case = case
         self.mechanism = system.mechanism
-        self.events: list[Event] = []
+        self.log = EventLog()
         self.segments: list[Segment] = []
         self._collisions = 0
         self._nested: dict[tuple[str, Closed], NestedSeries] = {}
@@ -125,7 +125,7 @@ class _Run:
             raise InputError(message, stop=name, rate=rate)
         self.collide(self.state, {name})
         while True:
-            last = self.events[-1]
+            last = self.log.events[-1]
             if last.kind is EventKind.REST and name in last.stops:
                 return Outcome.AT_REST
             if self._collisions >= self.case.max_collisions:
@@ -139,7 +139,7 @@ class _Run:
         previous: list[Segment] = []
         self._touch()
         for turn in range(1, cycles + 1):
-            first_segment, first_event = len(self.segments), len(self.events)
+            first_segment, first_event = len(self.segments), len(self.log.events)
             start = self.state
             before = self._collisions
             while self.step(turn * period):
@@ -153,7 +153,7 @@ class _Run:
                 and turn < cycles
                 and repeats(self.system, previous, current, start, self.state)
             ):
-                self._copy(current, self.events[first_event:], cycles - turn)
+                self._copy(current, self.log.events[first_event:], cycles - turn)
                 if progress is not None:
                     progress(cycles, cycles)
                 return self._outcome(), turn
@@ -186,7 +186,7 @@ class _Run:
         newly = closed - state.closed
         if newly:
             none = no_impact(self.system, state.v)
-            self._record(EventKind.REST, state, state.t, sorted(newly), none, closed)
+            self.log.record(EventKind.REST, state, state.t, sorted(newly), none, closed)
             self.state = state._replace(closed=closed)
 
     def step(self, t_limit: float) -> bool:
@@ -244,14 +244,14 @@ class _Run:
             (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
             key=lambda name: (impact.P_N[name] == 0.0, name not in hit),
         )
-        self._record(EventKind.COLLISION, state, state.t, struck, impact, closed)
-        check_jam(self.mechanism, self.events, SIMULTANEOUS * self.system.shaft.period)
+        self.log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
+        check_jam(self.mechanism, self.log.events, SIMULTANEOUS * self.system.shaft.period)
         after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
         newly = hit & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             still = no_impact(self.system, after.v)
-            self._record(EventKind.REST, after, state.t, sorted(newly), still, closed)
+            self.log.record(EventKind.REST, after, state.t, sorted(newly), still, closed)
         self.state = after
         if self._rested_together(state, hit, rates):
             return
@@ -275,7 +275,7 @@ class _Run:
         closed = self._pressed(state, impact.v_after, state.closed | {stop.name})
         if stop.name not in closed:
             return
-        self._record(EventKind.REST, state, t_rest, [stop.name], impact, closed, error)
+        self.log.record(EventKind.REST, state, t_rest, [stop.name], impact, closed, error)
         self.state = state._replace(v=impact.v_after, closed=closed, series=None)
 
     def _rested_together(self, before: State, hit: set[str], rates: dict[str, float]) -> bool:
@@ -309,7 +309,7 @@ class _Run:
         if self._pressed(state, impact.v_after, names) != names:
             return False
         opened = sorted(names - state.closed)
-        self._record(EventKind.REST, state, t_rest, opened, impact, names, error)
+        self.log.record(EventKind.REST, state, t_rest, opened, impact, names, error)
         self.state = state._replace(v=impact.v_after, closed=names, series=None)
         return True
 
@@ -337,49 +337,9 @@ class _Run:
         # Stops that are not pressed shut are no series any more.
         self._nested.clear()
         still = no_impact(self.system, state.v)
-        self._record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
+        self.log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=None)
         return self.state
-
-    def _record(
-        self,
-        kind: EventKind,
-        state: State,
-        t: float,
-        stops: Sequence[str],
-        impact: Impact,
-        closed: Closed,
-        series_error: float = 0.0,
-    ) -> None:
-        if self.events and self.events[-1].t > t:
-            self._bring_forward(t)
-        self.events.append(
-            Event(
-                number=len(self.events) + 1,
-                t=t,
-                kind=kind,
-                stops=tuple(stops),
-                q=state.q,
-                v_before=state.v,
-                v_after=impact.v_after,
-                delta=impact.delta,
-                P_N=impact.P_N,
-                P_g=impact.P_g,
-                energy_lost=impact.energy_lost,
-                closed_before=state.closed,
-                closed_after=closed,
-                series_error=series_error,
-            )
-        )
-
-    def _bring_forward(self, t: float) -> None:
-        """Let the last rests, limits beyond the state that goes on, come no later than time t."""
-        for place in range(len(self.events) - 1, -1, -1):
-            rest = self.events[place]
-            if rest.t <= t:
-                break
-            error = rest.series_error + rest.t - t
-            self.events[place] = replace(rest, t=t, series_error=error)
 
     def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
         if not at_rest:
@@ -393,7 +353,7 @@ class _Run:
             delay = turn * period
             self.segments.extend(segment.shifted(delay) for segment in segments)
             for event in events:
-                self.events.append(replace(event, t=event.t + delay, number=len(self.events) + 1))
+                self.log.repeat(event, delay)
         self.state = self.state._replace(t=self.state.t + times * period)
 
     def _outcome(self) -> Outcome:
