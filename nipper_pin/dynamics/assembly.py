@@ -21,6 +21,9 @@ _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 # that, and rates change with them by that number again: here to 1e-5. Accelerations lose it once
 # more, and a little beyond round-off decides on them.
 MAX_CONDITION = 5e4
+# The same by the number of rows, in flight, where other coordinates may be dependent instead: what
+# is left unresolved of the independent ones is multiplied by it.
+GOOD_CONDITION = 25.0
 # A coordinate takes part in a dead centre with at least this share of the largest one.
 _PART = 0.3
 
@@ -49,7 +52,12 @@ class Partition:
         return cls(chosen, tuple(i for i in range(size) if i not in chosen))
 
 
-def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[int]) -> Partition:
+def partition(
+    jacobian: FloatArray,
+    given: Sequence[int],
+    preferred: Sequence[int],
+    limit: float = MAX_CONDITION,
+) -> Partition:
     """Choose dependent coordinates.
 
     Args:
@@ -57,6 +65,7 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
         given: Coordinates whose motion is prescribed; never dependent.
         preferred: Coordinates to keep independent, the most important first, as far as the
             closures allow it.
+        limit: Condition number that this may cost.
 
     Returns:
         The partition; every column of the dependent block is chosen by pivoting on its size.
@@ -71,7 +80,7 @@ def partition(jacobian: FloatArray, given: Sequence[int], preferred: Sequence[in
         rest = [other for other in candidates if other != column]
         if column in candidates and len(rest) >= rows:
             found = condition_number(jacobian[:, rest])
-            if found < MAX_CONDITION:
+            if found < limit:
                 candidates, condition = rest, found
     if len(candidates) > rows:
         candidates = _pivot(jacobian, candidates)

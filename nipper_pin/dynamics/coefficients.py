@@ -28,6 +28,7 @@ class Coefficients:
         stiffness: Sum of the springs at each coordinate.
         preload: Their force at q = 0, -k p.
         damping: Sum of the dampers at each coordinate.
+        turning: Angle by which links turn for each unit of a coordinate; slides by the reach.
     """
 
     driven: NDArray[np.intp]
@@ -40,6 +41,7 @@ class Coefficients:
     stiffness: FloatArray
     preload: FloatArray
     damping: FloatArray
+    turning: FloatArray
 
 
 _KNOWN: WeakKeyDictionary[Mechanism, dict[bool, Coefficients]] = WeakKeyDictionary()
@@ -85,6 +87,12 @@ def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
         stiffness=stiffness,
         preload=preload,
         damping=damping,
+        turning=np.array(
+            [
+                1.0 if joint.kind == "revolute" else 1.0 / mechanism.reach_m
+                for joint in mechanism.joints
+            ]
+        ),
     )
 
 

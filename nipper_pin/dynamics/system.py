@@ -10,7 +10,14 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism, Stop
-from .assembly import MAX_CONDITION, Partition, close_velocities, inverted, partition
+from .assembly import (
+    GOOD_CONDITION,
+    MAX_CONDITION,
+    Partition,
+    close_velocities,
+    inverted,
+    partition,
+)
 from .coefficients import coefficients
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
@@ -61,6 +68,8 @@ class ConstraintSet:
     moving: FloatArray
 
 
+# A choice of dependent coordinates is given up for one with less than this part of its condition.
+_BETTER = 0.5
 # Constraint sets know neither speed nor time, so all runs of a mechanism share them.
 _SETS: WeakKeyDictionary[Mechanism, dict[tuple[DriveMode, frozenset[str]], ConstraintSet]]
 _SETS = WeakKeyDictionary()
@@ -89,11 +98,12 @@ class System:
         self.drive_armature, self.free = numbers.armature, numbers.free
         self.held_coordinates = tuple(self.driven.tolist()) if self.held else ()
         self.body = multibody(mechanism)
+        self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
         self._sets = _SETS.setdefault(mechanism, {})
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
-        self._inverse = np.empty((0, 0))
+        self._condition, self._inverse = 1.0, np.empty((0, 0))
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the rows of the phase with these closed stops."""
@@ -148,6 +158,24 @@ class System:
             known = self._splits[key] = partition(jacobian, given, preferred)
         return known
 
+    def good_split(
+        self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
+    ) -> Partition:
+        """Dependent coordinates of a flight: as :meth:`split`, with others where these are bad.
+
+        Arguments and errors are those of :func:`partition`.
+        """
+        split = self.split(jacobian, given, preferred)
+        if self.condition(split, jacobian) <= self.good_condition:
+            return split
+        other = partition(jacobian, given, preferred, self.good_condition)
+        better = self.condition(other, jacobian) < _BETTER * self.condition(split, jacobian)
+        return other if better else split
+
+    def turns(self, moved: FloatArray) -> FloatArray:
+        """How far links turn as coordinates move, shape of ``moved`` [rad]; slides by the reach."""
+        return np.abs(moved) * self._numbers.turning
+
     def lift(self, jacobian: FloatArray, split: Partition, v: FloatArray) -> FloatArray:
         """One velocity that meets the closures, shape (nv,): dependent rates from independent ones.
 
@@ -182,15 +210,22 @@ class System:
         closed[split.columns] -= self._inverse @ (jacobian @ v)
         return closed
 
-    def _serves(self, split: Partition, jacobian: FloatArray) -> bool:
-        """True if the closures determine the dependent coordinates; asked often for one place."""
+    def condition(self, split: Partition, jacobian: FloatArray) -> float:
+        """Condition number of the dependent block of the closures; asked often for one place.
+
+        Args:
+            split: Dependent and independent coordinates.
+            jacobian: Closure Jacobian G, shape (m, nv).
+        """
         place, dependent = self._checked
         if place is not jacobian or dependent != split.dependent:
-            condition, inverse = inverted(jacobian.take(split.columns, 1))
-            if not condition < MAX_CONDITION:
-                return False
-            self._checked, self._inverse = (jacobian, split.dependent), inverse
-        return True
+            self._condition, self._inverse = inverted(jacobian.take(split.columns, 1))
+            self._checked = jacobian, split.dependent
+        return self._condition
+
+    def _serves(self, split: Partition, jacobian: FloatArray) -> bool:
+        """True if the closures determine the dependent coordinates."""
+        return self.condition(split, jacobian) < MAX_CONDITION
 
     def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
         """Write the prescribed coordinates and rates into q and v, in place.

@@ -20,6 +20,7 @@ from .crossings import shows_forces
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
+from .splits import serves, suited_split
 from .triggers import Trigger, TriggerKind, triggers
 
 _SHORTEST_PANEL = 1e-12
@@ -129,7 +130,8 @@ def advance(
             # Round-off of a sum of panels must not leave one that holds nothing but round-off.
             h = left
         try:
-            split = system.split(jacobian, rows.given, preferred)
+            choose = system.split if kinematic else system.good_split
+            split = choose(jacobian, rows.given, preferred)
             panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
         except SimulationError as error:
             raise type(error)(error.message, **{**error.evidence, "t": t, "q": q}) from error
@@ -151,9 +153,19 @@ def advance(
         found = triggers(system, rows, panel, forces)
         if system.elements is not None:
             _check_tables(system.elements, panel, found[0].t if found else t_limit)
-        if found or t + panel.h >= t_limit:
-            t_end = found[0].t if found else t_limit
+        ends = bool(found) or t + panel.h >= t_limit
+        t_end = found[0].t if found else min(t + panel.h, t_limit)
+        exact = one_state_at(system, rows, panel, t_end)
+        if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
+            suited = suited_split(system, rows, panel, exact.jacobian, preferred)
+            if suited is None:
+                # The same motion in shorter panels, each with the coordinates that suit it.
+                del panels[-1]
+                h = 0.5 * (t_end - t)
+                continue
+            panel = panels[-1] = replace(panel, split=suited)
             exact = one_state_at(system, rows, panel, t_end)
+        if ends:
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
                 system.mechanism.stop(trigger.stop)
@@ -162,7 +174,7 @@ def advance(
             ]
             return Advance(segment, found, _closed_up(system, rows, exact, hit) if hit else exact)
         t = t + panel.h
-        q, v, jacobian, _ = one_state_at(system, rows, panel, t)
+        q, v, jacobian, _ = exact
         a = panel.a[-1]
         h = min(longest, advised)
 
