@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition
 from ..dynamics.system import ConstraintSet, System
+from ..errors import SimulationError
 from .case import Resolution
 from .collocation import nodes, prolonged, tail
 from .panel import SMALLEST, Attempt, Panel, forces_at, judged
@@ -26,6 +27,9 @@ _FREE_SWEEPS = 4
 _WORST_CONTRACTION = 0.5
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
+# Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
+# held shaft.
+_RUN_AWAY = 1e9
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
 
@@ -56,10 +60,15 @@ def flight_panel(
 
     Returns:
         The panel with the stop forces, or the advice to try a shorter one.
+
+    Raises:
+        SimulationError: A link has run away, as one does that a turning shaft throws outwards.
     """
     finest = resolution.flight_nodes
     nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
     tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
+    if h * h * np.vdot(v, v) > _RUN_AWAY**2:
+        raise _run_away(system, h * v)
     iteration = _Picard(system, rows, t, h, q, v, finest, tolerance)
     none = np.empty((0, len(rows.stops)))
     a = start[None]
@@ -84,6 +93,17 @@ def flight_panel(
         return Attempt(panel, forces, _LONGER)
     attempt = judged(panel, forces, left_over / tolerance, len(a))
     return replace(attempt, factor=min(attempt.factor, 1.0)) if hard else attempt
+
+
+def _run_away(system: System, moved: FloatArray) -> SimulationError:
+    """The error of a coordinate that moves too far on one panel."""
+    fastest = int(np.argmax(np.abs(moved)))
+    name = system.mechanism.joints[fastest].name
+    message = (
+        f"joint {name} runs away: it moves by {abs(moved[fastest]):.2g} (rad or m) in one step "
+        "and nothing holds it; give it a stop or a spring, or simulate a shorter time"
+    )
+    return SimulationError(message, joint=name, moved=float(moved[fastest]))
 
 
 def _next(moved: FloatArray, guess: FloatArray) -> float:
