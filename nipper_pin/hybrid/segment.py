@@ -150,22 +150,18 @@ def advance(
                 t=t,
                 q=q,
             )
-        found = triggers(system, rows, panel, forces)
-        if system.elements is not None:
-            _check_tables(system.elements, panel, found[0].t if found else t_limit)
-        ends = bool(found) or t + panel.h >= t_limit
-        t_end = found[0].t if found else min(t + panel.h, t_limit)
-        exact = one_state_at(system, rows, panel, t_end)
+        found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
             suited = suited_split(system, rows, panel, exact.jacobian, preferred)
-            if suited is None:
+            if suited is not None:
+                panel = panels[-1] = replace(panel, split=suited)
+                found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
+            elif t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
                 # The same motion in shorter panels, each with the coordinates that suit it.
                 del panels[-1]
                 h = 0.5 * (t_end - t)
                 continue
-            panel = panels[-1] = replace(panel, split=suited)
-            exact = one_state_at(system, rows, panel, t_end)
-        if ends:
+        if found or t_end >= t_limit:
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
                 system.mechanism.stop(trigger.stop)
@@ -177,6 +173,17 @@ def advance(
         q, v, jacobian, _ = exact
         a = panel.a[-1]
         h = min(longest, advised)
+
+
+def _followed(
+    system: System, rows: ConstraintSet, panel: Panel, forces: FloatArray, t_limit: float
+) -> tuple[tuple[Trigger, ...], float, Exact]:
+    """Triggers on a panel, and time and state at the first of them or at the end."""
+    found = triggers(system, rows, panel, forces)
+    t_end = found[0].t if found else min(panel.t + panel.h, t_limit)
+    if system.elements is not None:
+        _check_tables(system.elements, panel, found[0].t if found else t_limit)
+    return found, t_end, one_state_at(system, rows, panel, t_end)
 
 
 def _shows_elements(
