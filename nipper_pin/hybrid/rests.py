@@ -58,6 +58,9 @@ def rest_of_series(
             return t + remaining, min(changes, 1.0) * remaining
     if rate**3 > _DROPPED * tolerance * series.fastest**3:
         return _UNKNOWN
+    if system.shaft.smooth_for(t) < 2.0 * remaining:
+        # What follows a knot of a drive's table is another function of time.
+        return _UNKNOWN
     t_rest, error = series.limit(e_N)
     known = error <= tolerance * (t - series.start + remaining)
     if not known or _met(system, state, a, {stop.name}, t_rest):
@@ -118,6 +121,8 @@ def rest_of_nested(
     if series.rates[-1] ** 3 > _DROPPED * tolerance * series.fastest**3:
         return _UNKNOWN
     t_rest, error = series.limit()
+    if system.shaft.smooth_for(state.t) < t_rest - state.t:
+        return _UNKNOWN
     if not error <= tolerance * (t_rest - series.start) or _met(system, state, a, names, t_rest):
         return _UNKNOWN
     return t_rest, error

@@ -65,6 +65,10 @@ class BounceSeries:
             (*self.decelerations, deceleration)[-_MOST_POINTS:],
         )
 
+    def anew(self) -> BounceSeries:
+        """Return the series without its collisions: before a knot they tell nothing of the limit."""
+        return BounceSeries(self.stop, self.start, self.fastest)
+
     def limit(self, e_N: float) -> tuple[float, float]:
         """Extrapolate to rest.
 

@@ -264,6 +264,8 @@ class _Run:
         state = self.state
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
+        elif series.times and self._knot_since(series.times[-1]):
+            series = series.anew()
         a = self._acceleration(state)
         series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
         state = self.state = state._replace(series=series)
@@ -295,6 +297,8 @@ class _Run:
         (name,) = hit
         key = name, before.closed
         series = self._nested.get(key, NestedSeries())
+        if series.times and self._knot_since(series.times[-1]):
+            series = NestedSeries()
         series = series.struck(state.t, -self.mechanism.stop(name).rate(before.v))
         self._nested[key] = series
         a, fastest = self._acceleration(state), max(rates.values())
@@ -312,6 +316,10 @@ class _Run:
         self.log.record(EventKind.REST, state, t_rest, opened, impact, names, error)
         self.state = state._replace(v=impact.v_after, closed=names, series=None)
         return True
+
+    def _knot_since(self, t: float) -> bool:
+        """True if the law of a drive has changed its polynomial between time t [s] and now."""
+        return t + self.system.shaft.smooth_for(t) < self.state.t
 
     def _acceleration(self, state: State) -> FloatArray:
         """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
