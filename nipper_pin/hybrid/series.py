@@ -66,7 +66,7 @@ class BounceSeries:
         )
 
     def anew(self) -> BounceSeries:
-        """Return the series without its collisions: beyond a knot they tell nothing of its limit."""
+        """Return the series without its collisions: beyond a knot they tell nothing of it."""
         return BounceSeries(self.stop, self.start, self.fastest)
 
     def limit(self, e_N: float) -> tuple[float, float]:
