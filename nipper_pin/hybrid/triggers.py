@@ -123,6 +123,9 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         rate: The rate of the gap there.
     """
     grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
+    if -_ROUND_OFF <= gap < 0.0 < rate:
+        # It opens from where round-off of the last event has left it, and may close at once.
+        gap = 0.0
     scale = stop.sense * h**2
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
     coefficients = scale * (grid.deflated[power] @ a)
@@ -148,9 +151,6 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         # It was opened where its force only just touched zero, and is pressed shut again.
         return panel.t
     if (values < 0.0).all():
-        if -_ROUND_OFF <= gap < 0.0 < rate:
-            # It opens, and the panel is so short that it does not get out of the round-off.
-            return None
         if rate < 0.0 < gap <= _ROUND_OFF:
             # It closes within the round-off of its integral.
             return panel.t + min(-gap / rate, h)

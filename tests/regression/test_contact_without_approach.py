@@ -89,3 +89,24 @@ def test_a_gap_that_opens_and_closes_within_round_off_ends_there() -> None:
         left = gap + rate * found - 0.5 * pull * share * found**2
         assert found >= 0.0
         assert abs(left) <= 64.0 * np.finfo(float).eps * h**2 * pull
+
+
+@pytest.mark.parametrize("gap", [-1e-35, -1e-20, -3e-14])
+def test_a_stop_that_opens_from_below_zero_and_closes_is_not_passed(gap: float) -> None:
+    """Found by case 1631 of seed 151: "jump [rad or m]: 0.00296, at most 3.12e-11".
+
+    A collision at another stop in the same instant had left a gap of -1e-35 rad that opened at
+    3e-8 rad/s and was pulled shut at 13 rad/s^2. On a panel of 17 ms all samples of it lay below
+    zero, and were taken for a gap that had no time to open.
+    """
+    mechanism = machine_of_parts(
+        [link("mass"), slide("x", "frame", "mass")], 1,
+        stops={"floor": {"joint": "x", "side": "lower", "restitution": 0.2}},
+    )  # fmt: skip
+    order, h, rate, pull = 13, 0.0175, 3.47e-8, 13.18
+    t = h * nodes(order).sigma[:, None]
+    a = np.full((order, 1), -pull)
+    q, v = gap + rate * t + 0.5 * a * t**2, rate + a * t
+    panel = Panel(0.0, h, q, v, a, Partition((), (0,)), integrated=True)
+    found = _flight_root(panel, mechanism.stop("floor"), gap, rate)
+    assert found == pytest.approx(2.0 * rate / pull, rel=1e-10)
