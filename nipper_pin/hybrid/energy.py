@@ -94,7 +94,7 @@ def energy_balance(
     else:
         motion = trajectory.evaluate(first)
         q0, v0 = motion.q, motion.v
-    if events and events[-1].t >= last:
+    if events and _happened(events) >= last:
         q1, v1 = events[-1].q[None], events[-1].v_after[None]
     else:
         motion = trajectory.evaluate(last, left=True)
@@ -113,6 +113,11 @@ def energy_balance(
         dissipated=heat,
         kinetic_peak=float(peak),
     )
+
+
+def _happened(events: Sequence[Event]) -> float:
+    """Time of the state of the last event [s]: a rest has that of the bounce that told its time."""
+    return min(event.t for event in events if event.q is events[-1].q)
 
 
 def _exchanged(
