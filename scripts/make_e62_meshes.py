@@ -79,14 +79,20 @@ def frame(model: Model) -> list[Part]:
         bar(disc(foot, 0.010), disc((foot[0], floor), 0.010)),
     ])  # fmt: skip
     journals = unary_union([disc(lower, 0.006), disc(upper, 0.006)])
-    base = box(shaft[0] - 0.04, floor - 0.008, 0.11, floor)
+    # An open base: where a processor draws, a closed one was a third of a picture.
+    left, right, depth = shaft[0] - 0.04, 0.11, floor - 0.008
+    base = box(left, depth, right, floor)
+    ends = unary_union(
+        [box(left, depth, left + 0.03, floor), box(right - 0.03, depth, right, floor)]
+    )
     stands = both((0.122, 0.131))
     parts = [
         Part("frame", "frame_wall", "steel", solid(
             plate(wall.difference(bores), (WALL, WALL_BACK)),
             plate(bosses.difference(bores), (WALL, BOSS)),
             plate(stand.difference(journals.buffer(PLAY)), *stands),
-            plate(base, (FRONT - 0.01, BOSS)),
+            plate(base, (FRONT - 0.01, FRONT + 0.02), (WALL, BOSS)),
+            plate(ends, (FRONT - 0.01, BOSS)),
         ))
     ]  # fmt: skip
     for side, material, flutes in (("lower", "steel", 36), ("upper", "rubber", 0)):
