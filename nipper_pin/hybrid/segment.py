@@ -153,14 +153,14 @@ def advance(
         found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
             suited = suited_split(system, rows, panel, exact.jacobian, preferred)
-            if suited is not None:
-                panel = panels[-1] = replace(panel, split=suited)
-                found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
-            elif t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
+            if suited is None and t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
                 # The same motion in shorter panels, each with the coordinates that suit it.
                 del panels[-1]
                 h = 0.5 * (t_end - t)
                 continue
+            if suited not in (None, split):
+                panel = panels[-1] = replace(panel, split=suited)
+                found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         if found or t_end >= t_limit:
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
