@@ -19,6 +19,9 @@ import numpy as np
 from ..arrays import FloatArray
 
 _SAMPLES_PER_NODE = 4
+# Nodes from which on the last three coefficients show how they decay.
+_DECAY = 4
+_TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class Nodes:
             integral from 0 (second) and of its double integral (third), shapes (N + k, N).
         once: Node values to integrals from 0 at the nodes, shape (N, N).
         twice: The same integrated twice, shape (N, N).
-        motion: Rows of ``twice`` and below them of ``once``, shape (2 N, N).
+        motion: ``twice`` and ``once``, shape (2, N, N).
         degrees: 0, 1, ..., N + 1.
         both: Node values to the coefficients of the double integral (first N columns) and of the
             single one (last N), shape (N + 2, 2 N).
@@ -90,7 +93,7 @@ def nodes(order: int) -> Nodes:
         integrals=integrals,
         once=once,
         twice=twice,
-        motion=np.vstack([twice, once]),
+        motion=np.stack([twice, once]),
         degrees=np.arange(order + 2.0),
         both=both,
         deflated=(
@@ -258,3 +261,22 @@ def tail(values: FloatArray) -> FloatArray:
     """
     last, last_but_one = np.abs(nodes(len(values)).integrals[0][-2:] @ values)
     return np.asarray(last + last_but_one)
+
+
+def decayed(values: FloatArray) -> FloatArray:
+    """Size of what follows the Chebyshev coefficients of node values, if they go on to decay.
+
+    The last but one is made smaller by as much as it is smaller than the one before it: it takes
+    part because the last one may vanish by chance, or by symmetry.
+
+    Args:
+        values: Node values, shape (N, columns).
+
+    Returns:
+        |c[N-1]| + |c[N-2]| min(1, |c[N-2] / c[N-3]|), shape (columns,); of so few nodes that
+        c[N-3] is the constant, which tells nothing of the decay, as :func:`tail`.
+    """
+    if len(values) < _DECAY:
+        return tail(values)
+    before, second, last = np.abs(nodes(len(values)).integrals[0][-3:] @ values)
+    return np.asarray(last + second * second / (np.maximum(before, second) + _TINY))

@@ -12,7 +12,7 @@ from ..dynamics.assembly import Partition
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
 from .case import Resolution
-from .collocation import nodes, prolonged, tail
+from .collocation import decayed, nodes, prolonged
 from .panel import SMALLEST, Attempt, Panel, forces_at, judged
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
@@ -79,7 +79,7 @@ def flight_panel(
                 return Attempt(None, none, 0.5)
             continue
         # Two integrations divide the coefficient of degree k by about (2 k)^2.
-        left_over = float((tail(a) * iteration.weight).max()) / (2.0 * len(a)) ** 2
+        left_over = float((decayed(a) * iteration.weight).max()) / (2.0 * len(a)) ** 2
         if left_over <= tolerance:
             break
     q_nodes, v_nodes = iteration.motion(a)
@@ -147,12 +147,12 @@ class _Picard:
     ) -> None:
         """Compute what no sweep changes."""
         self._system, self._rows, self._h, self._tolerance = system, rows, h, tolerance
-        sigma = nodes(finest).sigma
-        motion = system.shaft.driven(t + h * sigma)
+        elapsed = h * nodes(finest).sigma
+        motion = system.shaft.driven(t + elapsed)
         self._forcing = system.forcing(motion, rows)
         # Motion without acceleration; that of held drives is known.
         self._lines = np.empty((2, finest, len(q)))
-        self._lines[0] = q + (h * sigma)[:, None] * v
+        self._lines[0] = q + elapsed[:, None] * v
         self._lines[1] = v
         if system.held:
             self._lines[:, :, system.driven_columns] = motion[:2]
@@ -161,7 +161,8 @@ class _Picard:
         self.weight = np.empty(0)
         self._change = np.inf
         self._contraction = 1.0
-        self._operators: dict[int, FloatArray] = {}
+        # What turns integrals over the unit interval into positions and velocities.
+        self._scales = np.array([h * h, h])[:, None, None]
         self.sweeps = 0
 
     def converges(self, a: FloatArray, stride: int, most: int) -> bool:
@@ -176,21 +177,23 @@ class _Picard:
             True if it converged.
         """
         count, h, system = len(a), self._h, self._system
-        operator = self._operator(count)
-        lines, forcing = self._lines[:, ::stride], self._forcing[stride::stride]
-        moved = a[1:]
+        # Nothing changes at the first node.
+        operator = (nodes(count).motion[:, 1:] * self._scales).reshape(-1, count)
+        lines, forcing = self._lines[:, stride::stride], self._forcing[stride::stride]
+        moved = unknown = a[1:]
+        shape, free = lines.shape, system.free
         for sweep in range(1, most + 1):
-            q, v = (operator @ (a * system.free)).reshape(2, *a.shape) + lines
-            new = system.respond(forcing, q[1:], v[1:], self._rows)
+            q, v = (operator @ (a * free)).reshape(shape) + lines
+            new = system.respond(forcing, q, v, self._rows)
             if not self.weight.size:
                 # What is prescribed does not move: its accelerations are round-off of the armature.
-                size = self._reach + h**2 * np.abs(new).max(axis=0)
+                size = self._reach + h**2 * np.maximum.reduce(np.abs(new))
                 self.weight = h**2 * self._rows.moving / size
-            guess, moved = moved, (new - a[1:]) * self.weight
+            guess, moved = moved, (new - unknown) * self.weight
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
-            a[1:] = new
+            unknown[:] = new
             self.sweeps += 1
             # The first sweep of a grid shows what the one before did not hold.
             known = self._contraction if sweep == 1 else 0.0
@@ -206,14 +209,7 @@ class _Picard:
 
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""
-        moved = self._operator(len(a)) @ (a * self._system.free)
-        stride = (self._lines.shape[1] - 1) // (len(a) - 1)
-        return np.asarray(moved.reshape(2, *a.shape) + self._lines[:, ::stride])
-
-    def _operator(self, count: int) -> FloatArray:
-        """Node values to their integrals: twice (first ``count`` rows) and once."""
-        if count not in self._operators:
-            operator = self._operators[count] = nodes(count).motion.copy()
-            operator[:count] *= self._h**2
-            operator[count:] *= self._h
-        return self._operators[count]
+        count = len(a)
+        moved = nodes(count).motion @ (a * self._system.free)
+        stride = (self._lines.shape[1] - 1) // (count - 1)
+        return np.asarray(moved * self._scales + self._lines[:, ::stride])

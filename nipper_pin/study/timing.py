@@ -17,6 +17,9 @@ from typing import Any
 _PACKAGES = (
     "nipper-pin", "pin", "coal", "numpy", "scipy", "numba", "msgspec", "rich", "matplotlib",
 )  # fmt: skip
+# Repeats last at least so long [s]: the first ones of a short run are slower than the others, and
+# ten of them say what the machine did in a hundredth of a second.
+_SHORTEST_S = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -44,14 +47,16 @@ def timed(function: Callable[[], object], repeats: int, budget_s: float = inf) -
 
     Args:
         function: What is timed.
-        repeats: Runs after the first.
+        repeats: Runs after the first, at least; short ones are repeated for a fifth of a second.
         budget_s: No further run starts when this much time has gone [s]; one always does.
     """
     times: list[float] = []
     begin = time.perf_counter()
-    while len(times) <= repeats:
+    while True:
         start = time.perf_counter()
-        if len(times) > 1 and start - begin > budget_s:
+        elapsed = start - begin
+        enough = len(times) > repeats and elapsed >= min(_SHORTEST_S, budget_s)
+        if enough or (len(times) > 1 and elapsed > budget_s):
             break
         function()
         times.append(1e3 * (time.perf_counter() - start))

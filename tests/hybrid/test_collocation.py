@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.collocation import Series, evaluate, nodes, tail
+from nipper_pin.hybrid.collocation import Series, decayed, evaluate, nodes, tail
 
 ORDERS = [3, 4, 5, 8, 12, 16]
 # Values and matrices are of order one; products of N terms leave N round-offs.
@@ -122,3 +122,17 @@ def test_tail_is_the_size_of_the_last_two_coefficients(order: int) -> None:
     smooth = np.cos((order - 3) * angle)
     found = tail(np.column_stack([rough, smooth]))
     np.testing.assert_allclose(found, [5.0, 0.0], rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [order for order in ORDERS if order >= 4])
+def test_what_follows_decaying_coefficients_is_judged_by_their_decay(order: int) -> None:
+    """Of 1e-2, 1e-4, 0 the last but one counts by a hundredth; of 1e-4, 1e-2, 0 as it is.
+
+    A last coefficient that vanishes by chance must not hide the others: both values would be zero.
+    """
+    angle = np.arccos(2.0 * nodes(order).sigma - 1.0)
+    before, second, last = (np.cos((order - k) * angle) for k in (3, 2, 1))
+    falling = 1e-2 * before + 1e-4 * second
+    rising = 1e-4 * before + 1e-2 * second
+    found = decayed(np.column_stack([falling, rising, last, np.zeros(order)]))
+    np.testing.assert_allclose(found, [1e-6, 1e-2, 1.0, 0.0], rtol=1e-9, atol=1e-14)

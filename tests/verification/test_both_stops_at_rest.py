@@ -55,10 +55,13 @@ def test_both_stops_close_and_open_again(run: Solution) -> None:
     assert run.outcome is Outcome.COMPLETED
     (both,) = (segment for segment in run.segments if segment.closed == BOTH)
     assert both.t_end - both.t_start > 0.1
-    # The rattle ends at the limit of its series or, in round-off, by a collision without a rebound.
+    # The rattle ends by a collision without a rebound, or at the limit of its series: then what is
+    # left of it after the last collision is left out, less than the tolerance in turns.
     begin = next(e for e in run.events if e.closed_after == BOTH and e.kind is EventKind.REST)
     end = next(e for e in run.events if e.closed_before == BOTH and e.closed_after != BOTH)
-    assert begin.t == both.t_start
+    last = [item for item in run.collisions if item.t <= begin.t][-1]
+    left_out = run.case.resolution.tolerance * run.shaft.period
+    assert both.t_start == last.t <= begin.t <= last.t + left_out
     assert end.t == both.t_end
     assert end.kind is EventKind.RELEASE
     assert len(run.collisions) < 1000
