@@ -27,8 +27,10 @@ INFINITE_INERTIA = 2.0**100
 _PLANAR_ROWS_OF_A_PIN = (0, 2)
 _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
 # The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
-# removes its effect on the live rows: 2 to 3 iterations to round-off, many more near a dead centre.
-_PROXIMAL = {"accuracy": 1e-14, "mu": 1e-10, "max_iter": 200}
+# removes its effect on the live rows. The smallest eigenvalue of G M^-1 G' is that of the heaviest
+# body, divided by the square of the closures' condition near a dead centre: beside it the
+# regularisation must be small, or the iteration does not get there.
+_REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
 _OF_THREAD = threading.local()
 _NO_FORCES = np.empty((0, 2))
 
@@ -92,7 +94,9 @@ class Multibody:
         places = range(0, self.closure_rows, 2)
         self._constraints = list(zip(places, self._pins, self._pin_data, strict=True))
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
-        self._proximal = pin.ProximalSettings(*_PROXIMAL.values())
+        heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
+        mu = _REGULARISATION / heaviest if heaviest > 0.0 else _REGULARISATION
+        self._proximal = pin.ProximalSettings(_ACCURACY, mu, _ITERATIONS)
         self._planar_rows = np.array(
             [
                 3 * number + row
@@ -168,14 +172,12 @@ class Multibody:
         a = np.empty_like(q)
         for row in range(len(q)):
             a[row] = solve(model, data, q[row], v[row], tau[row], pins, pin_data, proximal)
+            if proximal.iter >= _ITERATIONS:
+                raise _singular(q[row])
         self.evaluations += len(q)
         # A sum of infinities of both signs would warn; squares have one sign.
         if not math.isfinite(np.vdot(a, a)):
-            message = (
-                "the constrained dynamics has no solution here: the closures lose rank; "
-                "keep the mechanism away from this dead centre"
-            )
-            raise SingularConfigurationError(message, q=q)
+            raise _singular(q)
         return a
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
@@ -341,3 +343,11 @@ class Multibody:
         """Add a force at a world point to the outer forces on the body behind a joint, in place."""
         acting = pin.SE3(np.eye(3), point).act(pin.Force(force, np.zeros(3)))
         outer[joint] = outer[joint] + self._plain_data.oMi[joint].actInv(acting)
+
+
+def _singular(q: FloatArray) -> SingularConfigurationError:
+    message = (
+        "the constrained dynamics has no solution here: the closures lose rank; "
+        "keep the mechanism away from this dead centre"
+    )
+    return SingularConfigurationError(message, q=q)

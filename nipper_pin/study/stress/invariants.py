@@ -52,7 +52,20 @@ def violations(solution: Solution) -> list[Violation]:
     Returns:
         The violations; none if all is right.
     """
+    impossible = [Violation("motion", text) for text in _over_determined(solution)]
+    if impossible:
+        # The equations of such a segment have no solution that others could be compared with.
+        return impossible
     return [Violation(kind, text) for kind, check in CHECKS.items() for text in check(solution)]
+
+
+def _over_determined(solution: Solution) -> Iterator[str]:
+    """Drives and closed stops prescribe no more than the closures leave free."""
+    for segment in solution.segments:
+        freedom = solution.system.constraint_set(segment.closed).freedom
+        if freedom < 0:
+            names = ", ".join(sorted(segment.closed))
+            yield f"segment at {segment.t_start:.9g} s: {names} closed, a freedom of {freedom}"
 
 
 def _times(solution: Solution) -> Iterator[str]:
