@@ -11,10 +11,8 @@ followed more closely: the fundamental matrix of their variational equation (``p
 carries an error of the rate, and a start that is late by dt, to their end. Elsewhere a stop that
 arrives slower than it moved before is taken to arrive later by as much more.
 
-eps and eta come from what the dynamics say between the nodes, where the interpolant is wrong by the
-Chebyshev coefficients that it lacks, from what one more sweep would change and from what the
-round-off of a state does to its acceleration, more than round-off where masses differ much. In a
-phase without freedom the past is forgotten: only the round-off of its closures and of time is left.
+What flights leave unresolved, eps and eta, is found in ``unresolved.py``. In a phase without
+freedom the past is forgotten: only the round-off of its closures and of time is left.
 """
 
 from __future__ import annotations
@@ -26,26 +24,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import inverted
 from ..dynamics.impact import impact_condition
 from ..dynamics.multipliers import multipliers
-from ..dynamics.system import ConstraintSet, System
+from ..dynamics.system import System
 from ..mechanism import Stop
-from .collocation import evaluate, nodes
+from .collocation import evaluate
 from .event import Event, EventKind
-from .panel import NEARBY, Panel, defect, forces_at, nearby
+from .panel import NEARBY, forces_at
 from .propagation import fundamental_matrix
 from .segment import Segment
+from .unresolved import OpenGaps, round_off, unresolved
 
 _EPS = float(np.finfo(float).eps)
-# True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances; with masses
-# that differ by 1e8 up to 11 times.
-_SAFETY = 8.0
-# With several freedoms, elastic drive trains above all, what one leaves unresolved disturbs the
-# others in later flights: up to 3.5 times the estimate was seen.
-_COUPLED = 4.0
-# Round-off of a polynomial, in units of that of its largest term.
-_OPERATIONS = 4.0
 # Part of a panel over which the slope of a stop force is taken.
 _SLOPE_STEP = 1e-3
 
@@ -67,7 +57,6 @@ class EventError:
 class _Known:
     """What has been found of panels and flights, by their arrays: copies share theirs."""
 
-    left_over: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     matrices: dict[tuple[int, int], tuple[FloatArray, FloatArray] | None] = field(
         default_factory=dict
     )
@@ -86,12 +75,13 @@ def event_errors(
     """
     found: list[EventError] = []
     error = EventError(0.0, 16.0 * _EPS)
-    known = _Known()
+    known, open_gaps = _Known(), OpenGaps(system)
     place, struck = 0, None
     for event in events:
         stop = system.mechanism.stop(event.stops[0])
         while place < len(segments) and segments[place].t_end <= event.t:
-            error = _carried(system, segments[place], stop, struck, error, known)
+            own = open_gaps.after(segments[place], stop)
+            error = _carried(system, segments[place], stop, struck, error, own, known)
             place += 1
         # A rest lies beyond the end of the motion: what is left of its series has the error of its
         # rate.
@@ -103,6 +93,7 @@ def event_errors(
         struck = stop if event.kind is EventKind.COLLISION else None
         if struck is not None:
             error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
+        open_gaps.forget(event)
         found.append(replace(error, time=error.time + left))
     return tuple(found)
 
@@ -113,9 +104,20 @@ def _carried(
     stop: Stop,
     struck: Stop | None,
     before: EventError,
+    own: tuple[float, float],
     known: _Known,
 ) -> EventError:
-    """Errors at the end of a segment, at a stop, from those at its start, where one was struck."""
+    """Errors at the end of a segment, at a stop, from those at its start, where one was struck.
+
+    Args:
+        system: The system.
+        segment: The segment.
+        stop: The stop that it ends at.
+        struck: The stop that was struck at its start, if one was.
+        before: Errors at its start.
+        own: What the gap of the stop and its rate have got wrong since it was struck itself.
+        known: What has been found before.
+    """
     index = stop.index
     if segment.t_end - segment.t_start <= 0.0:
         return before
@@ -132,7 +134,6 @@ def _carried(
         shift = float(round_off(system, last, q)[index]) / rate + clock
         return EventError(shift, 16.0 * _EPS + abs(braking) * shift / rate)
     rows = system.constraint_set(segment.closed)
-    own = _own_errors(system, rows, segment, stop, known)
     arrival = _Arrival(velocity, braking, clock, *own)
     key = (id(segment.panels[0].q), index)
     if key not in known.matrices:
@@ -160,32 +161,6 @@ class _Arrival(NamedTuple):
     clock: float
     eps: float
     eta: float
-
-
-def _own_errors(
-    system: System, rows: ConstraintSet, segment: Segment, stop: Stop, known: _Known
-) -> tuple[float, float]:
-    """What a flight leaves unresolved in the gap of a stop and in its rate."""
-    index, left_over = stop.index, known.left_over
-    eta = 0.0
-    # Where a gap has not just opened its start has the round-off of the closures.
-    start = segment.panels[0]
-    eps = (
-        0.0 if start.q[0, index] == stop.at else float(round_off(system, start, start.q[:1])[index])
-    )
-    for panel in segment.panels:
-        if panel is not start:
-            # Where panels meet a gap has the round-off of its coordinate, however small it is.
-            eps += _EPS * abs(float(panel.q[0, index]))
-        key = (id(panel.q), index)
-        if key not in left_over:
-            left_over[key] = _left_over(system, rows, panel, index)
-        gap, slope = left_over[key]
-        eps += gap + panel.h * eta
-        eta += slope
-    if rows.freedom > 1:
-        return _COUPLED * eps, _COUPLED * eta
-    return eps, eta
 
 
 def _after_propagation(
@@ -266,7 +241,7 @@ def _release(system: System, segment: Segment, index: int) -> float:
     nv = q.shape[1]
     position, velocity = round_off(system, panel, q[1:]), NEARBY * _EPS * np.abs(v[1])
     if panel.integrated:
-        left_over = _left_over_alone(system, rows, panel)
+        left_over = unresolved(system, rows, panel)
         position, velocity = position + left_over[0], velocity + left_over[1]
     # One coordinate, then one rate at a time.
     moved = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
@@ -278,68 +253,3 @@ def _release(system: System, segment: Segment, index: int) -> float:
     wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
     length = t - segment.t_start
     return min(wrong / abs(slope), length) if slope else length
-
-
-def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
-    """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
-    lever = np.ones(q.shape[1])
-    if panel.split.dependent:
-        _, jacobian = system.body.closures(q)
-        _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
-        lever[panel.split.columns] = np.abs(inverse).sum(axis=1)
-    return np.asarray(8.0 * _EPS * system.body.reach_m * lever)
-
-
-def _left_over(
-    system: System, rows: ConstraintSet, panel: Panel, index: int
-) -> tuple[float, float]:
-    """What a flight panel leaves unresolved in one position and one velocity.
-
-    A coordinate that the closures determine has the errors of those that determine it besides.
-    """
-    columns, shares = [index], np.ones(1)
-    if index in panel.split.dependent:
-        columns = [index, *(k for k in panel.split.independent if system.free[k])]
-        shares = np.append(shares, np.abs(_lever(system, panel, index)[columns[1:]]))
-    position, velocity = _left_over_alone(system, rows, panel)
-    return float(shares @ position[columns]), float(shares @ velocity[columns])
-
-
-def _lever(system: System, panel: Panel, index: int) -> FloatArray:
-    """Change of a dependent coordinate by each independent one at the end of a panel, (nv,)."""
-    _, jacobian = system.body.closures(panel.q[-1:])
-    _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
-    return np.asarray(inverse[panel.split.dependent.index(index)] @ jacobian[0])
-
-
-def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
-    """Largest difference of the dynamics from the interpolant between the nodes, (nv,).
-
-    The last coefficients may be small by chance; what is wrong between the nodes is not.
-    """
-    return np.asarray(defect(system, rows, panel, nodes(panel.order).between).max(axis=0))
-
-
-def _left_over_alone(
-    system: System, rows: ConstraintSet, panel: Panel
-) -> tuple[FloatArray, FloatArray]:
-    """What a flight panel leaves unresolved in all positions and velocities, each (nv,)."""
-    grid, h, a = nodes(panel.order), panel.h, panel.a
-    motion = system.shaft.driven(panel.times)
-    again = system.accelerations(motion, panel.q, panel.v, rows)
-    swept = again - a
-    there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), rows)
-    rough = np.abs(there - again).max(axis=0)
-    missing = _between(system, rows, panel)
-    if system.mechanism.tabulated_springs:
-        # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
-        # integrated, a quarter of their number times the last one is missing.
-        last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)
-        missing = np.maximum(missing, 0.25 * panel.order * last)
-    round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
-    position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
-    velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)
-    return (
-        _SAFETY * h**2 * (position + 0.5 * rough) + h * round_off,
-        _SAFETY * h * (velocity + rough) + round_off,
-    )

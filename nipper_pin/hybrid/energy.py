@@ -12,7 +12,7 @@ from ..arrays import FloatArray
 from ..dynamics.impact import drive_impulses
 from ..dynamics.system import ConstraintSet, System
 from .crossings import rows_met
-from .event import Event
+from .event import Event, EventKind
 from .panel import Panel, forces_at
 from .segment import Segment
 from .trajectory import Trajectory
@@ -117,7 +117,11 @@ def energy_balance(
 
 def _happened(events: Sequence[Event]) -> float:
     """Time of the state of the last event [s]: a rest has that of the bounce that told its time."""
-    return min(event.t for event in events if event.q is events[-1].q)
+    place = len(events) - 1
+    # Events of copied turns have the same state, too, so only rests are followed back.
+    while place and events[place].kind is EventKind.REST and events[place - 1].q is events[-1].q:
+        place -= 1
+    return events[place].t
 
 
 def _exchanged(

@@ -10,6 +10,9 @@ closures determine starts with their round-off. "impulses 0.0119037 and 0.011903
 of them": two Chebyshev coefficients that were small by chance told of a resolution that a stiff
 spring did not have. "times differ by 2.52e-24 s, stated 2.45e-24 s": a rest at once, under a
 deceleration that was small beside the other accelerations.
+
+Case 2180 of seed 171: of two freedoms one strikes its stop, and what the flight before it had left
+unresolved in the other one was forgotten.
 """
 
 from dataclasses import replace
@@ -198,3 +201,42 @@ def test_what_a_gap_loses_where_panels_meet_is_stated() -> None:
     # The first flights are made of many panels, the last ones of one.
     assert cut[:6] == 6 * [True]
     assert len(solution.collisions) > 7
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_a_gap_goes_on_with_its_error_while_another_stop_is_struck(
+    tolerance: float, restitution: float
+) -> None:
+    """A pendulum falls onto a stop; shortly before, a block beside it lands and cuts its flight.
+
+    The two have nothing to do with one another, and the fall of the block is a parabola, without an
+    error. So the pendulum is as wrong as without the block, and the error that is stated has to be
+    as large, but for the factor 2 that two shorter panels may gain; a hundredth of it was stated
+    for the rest of its way, less than the true error of the impulse.
+    """
+
+    def landing(depth_m: float, tolerance: float) -> tuple[float, float, float, float]:
+        parts = [
+            link("block"), slide("fall", "frame", "block", axis=(0.0, 1.0)),
+            link("rod", 1.0, 1e-3, (1.0, 0.0)), hinge("swing", "frame", "rod"),
+        ]  # fmt: skip
+        stops = {
+            "floor": {"joint": "fall", "restitution": restitution, "at_mm": -1e3 * depth_m},
+            "wall": {"joint": "swing", "restitution": 0.5, "at_deg": -80.0},
+        }
+        both = machine(parts, 2, gravity=9.81, stops=stops)
+        case = Case(speed_rpm=30.0, window=Window.CYCLE, start_index=0.0,
+                    resolution=Resolution(tolerance=tolerance, panels_per_turn=1))  # fmt: skip
+        solution = simulate(both, case)
+        hit = next(event for event in solution.events if "wall" in event.stops)
+        error = solution.errors[hit.number - 1]
+        return hit.t, error.time, hit.P_N["wall"], error.impulse
+
+    true_t, _, true_impulse, _ = landing(1.7, 1e-13)
+    alone_t, stated_alone, _, _ = landing(1.7, tolerance)
+    t, stated, impulse, stated_impulse = landing(1.4, tolerance)
+    assert abs(alone_t - true_t) <= stated_alone
+    assert abs(t - true_t) <= stated
+    assert abs(impulse / true_impulse - 1.0) <= stated_impulse
+    assert stated >= 0.5 * stated_alone

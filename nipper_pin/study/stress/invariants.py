@@ -18,11 +18,11 @@ from ...dynamics.coefficients import coefficients
 from ...dynamics.impact import impact_condition
 from ...dynamics.multipliers import Multipliers
 from ...dynamics.system import ConstraintSet
-from ...hybrid.accuracy import round_off
 from ...hybrid.collocation import nodes
 from ...hybrid.event import EventKind
 from ...hybrid.panel import forces_at, state_at
 from ...hybrid.solution import Outcome, Solution
+from ...hybrid.unresolved import round_off
 from .element_invariants import elements, flights
 from .looking import EPS, beyond, looked_at, some
 
