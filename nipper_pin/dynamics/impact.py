@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..errors import ImpactError
 from ..mechanism import Stop
 from .system import System
@@ -259,7 +259,7 @@ def _impulses(
     for row, stop in enumerate(stops, start=m):
         rows[row, stop.index] = stop.sense
     delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
-    size, residual = _size(z), _size(rows @ (z + delta))
+    size, residual = _size(z), _size(product(rows, z + delta))
     for _ in range(_REFINEMENTS):
         if residual <= _REFINED * size:
             break
@@ -285,4 +285,4 @@ def _impulses(
 
 def _size(vector: FloatArray) -> float:
     """Euclidean norm; of a few numbers, faster than the largest of them."""
-    return math.sqrt(np.vdot(vector, vector))
+    return math.sqrt(vector.dot(vector))

@@ -176,7 +176,8 @@ class Multibody:
                 raise _singular(q[row])
         self.evaluations += len(q)
         # A sum of infinities of both signs would warn; squares have one sign.
-        if not math.isfinite(np.vdot(a, a)):
+        flat = a.ravel()
+        if not math.isfinite(flat.dot(flat)):
             raise _singular(q)
         return a
 

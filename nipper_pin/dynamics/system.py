@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
 from .assembly import (
     GOOD_CONDITION,
@@ -47,8 +47,9 @@ class ConstraintSet:
         given: Held drives and closed stops: never dependent through the closures.
         yielding: Driven coordinates that forces move; independent as far as closures allow it.
         armature: Inertia added to each joint in flight, shape (nv,).
-        stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
-        damping: Of dampers and drive trains, likewise; None where there is none.
+        stiffness: Of springs and elastic drive trains at coordinates that move, the same in every
+            row, shape (64, nv).
+        damping: Of dampers and drive trains, shape (nv,); None where there is none.
         freedom: Degrees of freedom that are left.
         moving: 1 for coordinates that forces move, 0 for those that are prescribed, shape (nv,).
     """
@@ -68,6 +69,9 @@ class ConstraintSet:
     moving: FloatArray
 
 
+# The stiffness is laid out for so many states, the most nodes that a panel has: arrays of one shape
+# are multiplied three times as fast as a row is repeated.
+_ROWS = 64
 # A choice of dependent coordinates is given up for one with less than this part of its condition.
 _BETTER = 0.5
 # Constraint sets know neither speed nor time, so all runs of a mechanism share them.
@@ -138,7 +142,7 @@ class System:
                 given=given,
                 yielding=yielding,
                 armature=armature,
-                stiffness=stiffness,
+                stiffness=np.tile(stiffness, (_ROWS, 1)),
                 damping=damping if damping.any() else None,
                 freedom=freedom,
                 moving=moving,
@@ -188,7 +192,7 @@ class System:
         self._serves(split, jacobian)
         lifted = v.copy()
         lifted[split.columns] = 0.0
-        lifted[split.columns] = -(self._inverse @ (jacobian @ lifted))
+        lifted[split.columns] = -product(self._inverse, product(jacobian, lifted))
         return lifted
 
     def closed_velocity(self, v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
@@ -207,7 +211,7 @@ class System:
             return closed
         closed = v.copy()
         # The correction is small, so the inverse, less exact than a solution, is exact enough.
-        closed[split.columns] -= self._inverse @ (jacobian @ v)
+        closed[split.columns] -= product(self._inverse, product(jacobian, v))
         return closed
 
     def condition(self, split: Partition, jacobian: FloatArray) -> float:
@@ -338,7 +342,9 @@ class System:
         self, forcing: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet
     ) -> FloatArray:
         """Accelerations as :meth:`accelerations`, for forces known beforehand, shape (N, nv)."""
-        tau = forcing - rows.stiffness * q
+        count = len(q)
+        stiffness = rows.stiffness[:count] if count <= _ROWS else rows.stiffness[0]
+        tau = forcing - stiffness * q
         if rows.damping is not None:
             tau -= rows.damping * v
         if self.elements is not None:

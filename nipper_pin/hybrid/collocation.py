@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 
 _SAMPLES_PER_NODE = 4
 # Nodes from which on the last three coefficients show how they decay.
@@ -172,7 +172,7 @@ def motion_weights(order: int, sigma: float) -> FloatArray:
     """
     angle = math.acos(max(min(2.0 * sigma - 1.0, 1.0), -1.0))
     grid = nodes(order)
-    return np.asarray((np.cos(angle * grid.degrees) @ grid.both).reshape(2, order))
+    return product(np.cos(angle * grid.degrees), grid.both).reshape(2, order)
 
 
 def prolonged(values: FloatArray, count: int) -> FloatArray:
@@ -189,7 +189,7 @@ def prolonged(values: FloatArray, count: int) -> FloatArray:
         return values.copy()
     if len(values) == 1:
         return np.repeat(values, count, axis=0)
-    fine = np.asarray(_prolongation(len(values), count) @ values)
+    fine = product(_prolongation(len(values), count), values)
     if (count - 1) % (len(values) - 1) == 0:
         # Nodes of nested grids keep their values to the last bit.
         fine[:: (count - 1) // (len(values) - 1)] = values
@@ -259,7 +259,7 @@ def tail(values: FloatArray) -> FloatArray:
     Returns:
         |c[N-1]| + |c[N-2]|, shape (columns,): what a finer grid would still add, at least.
     """
-    last, last_but_one = np.abs(nodes(len(values)).integrals[0][-2:] @ values)
+    last, last_but_one = np.abs(product(nodes(len(values)).integrals[0][-2:], values))
     return np.asarray(last + last_but_one)
 
 
@@ -278,5 +278,5 @@ def decayed(values: FloatArray) -> FloatArray:
     """
     if len(values) < _DECAY:
         return tail(values)
-    before, second, last = np.abs(nodes(len(values)).integrals[0][-3:] @ values)
+    before, second, last = np.abs(product(nodes(len(values)).integrals[0][-3:], values))
     return np.asarray(last + second * second / (np.maximum(before, second) + _TINY))

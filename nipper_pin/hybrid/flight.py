@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..dynamics.assembly import Partition
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
@@ -92,7 +91,7 @@ def flight_panel(
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
         return Attempt(panel, forces, _LONGER)
     attempt = judged(panel, forces, left_over / tolerance, len(a))
-    return replace(attempt, factor=min(attempt.factor, 1.0)) if hard else attempt
+    return attempt._replace(factor=min(attempt.factor, 1.0)) if hard else attempt
 
 
 def _run_away(system: System, moved: FloatArray) -> SimulationError:
@@ -157,8 +156,12 @@ class _Picard:
         if system.held:
             self._lines[:, :, system.driven_columns] = motion[:2]
         self._reach = np.abs(h * v) + SMALLEST
-        # Relative change of positions by change of acceleration, shape (nv,).
+        # Relative change of positions by change of acceleration, shape (nv,); the same for every
+        # node: arrays of one shape are multiplied three times as fast as a row is repeated.
         self.weight = np.empty(0)
+        self._weights = np.empty((finest, len(q)))
+        self._free = np.empty((finest, len(q)))
+        self._free[:] = system.free
         self._change = np.inf
         self._contraction = 1.0
         # What turns integrals over the unit interval into positions and velocities.
@@ -179,19 +182,20 @@ class _Picard:
         count, h, system = len(a), self._h, self._system
         # Nothing changes at the first node.
         operator = (nodes(count).motion[:, 1:] * self._scales).reshape(-1, count)
-        lines, forcing = self._lines[:, stride::stride], self._forcing[stride::stride]
+        lines, forcing = self._lines[:, stride::stride].copy(), self._forcing[stride::stride].copy()
         moved = unknown = a[1:]
-        shape, free = lines.shape, system.free
+        shape, free, weights = lines.shape, self._free[:count], self._weights[1:count]
         for sweep in range(1, most + 1):
-            q, v = (operator @ (a * free)).reshape(shape) + lines
+            q, v = product(operator, a * free).reshape(shape) + lines
             new = system.respond(forcing, q, v, self._rows)
             if not self.weight.size:
                 # What is prescribed does not move: its accelerations are round-off of the armature.
                 size = self._reach + h**2 * np.maximum.reduce(np.abs(new))
-                self.weight = h**2 * self._rows.moving / size
-            guess, moved = moved, (new - unknown) * self.weight
+                self.weight = self._weights[:] = h**2 * self._rows.moving / size
+            guess, moved = moved, (new - unknown) * weights
             # The Euclidean norm bounds the largest element, and is found faster.
-            previous, change = self._change, math.sqrt(np.vdot(moved, moved))
+            flat = moved.ravel()
+            previous, change = self._change, math.sqrt(flat.dot(flat))
             self._change = change
             unknown[:] = new
             self.sweeps += 1
@@ -210,6 +214,7 @@ class _Picard:
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""
         count = len(a)
-        moved = nodes(count).motion @ (a * self._system.free)
+        operator = nodes(count).motion.reshape(-1, count)
+        moved = product(operator, a * self._free[:count]).reshape(2, *a.shape)
         stride = (self._lines.shape[1] - 1) // (count - 1)
         return np.asarray(moved * self._scales + self._lines[:, ::stride])

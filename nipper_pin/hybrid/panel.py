@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..dynamics.assembly import Partition, close_positions, close_velocities
 from ..dynamics.multipliers import Multipliers, multipliers
 from ..dynamics.shaft import Driven
@@ -20,8 +20,7 @@ NEARBY = 4.0
 """Round-off of a coordinate in units of its last digit."""
 
 
-@dataclass(frozen=True, eq=False)
-class Attempt:
+class Attempt(NamedTuple):
     """A panel, or why there is none, and the length that the next attempt should have.
 
     Attributes:
@@ -96,7 +95,7 @@ class Panel:
         if not self.integrated:
             q, v = self.interpolate(np.array([t]))
             return q[0], v[0]
-        twice, once = motion_weights(self.order, sigma) @ self.a
+        twice, once = product(motion_weights(self.order, sigma), self.a)
         return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -69,8 +70,7 @@ class Segment:
         return max(bisect_right(self.panels, t, key=lambda panel: panel.t) - 1, 0)
 
 
-@dataclass(frozen=True, eq=False)
-class Advance:
+class Advance(NamedTuple):
     """Result of :func:`advance`.
 
     Attributes:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
 from ..mechanism import Stop
@@ -36,8 +36,7 @@ class TriggerKind(StrEnum):
     FORCE = "force"
 
 
-@dataclass(frozen=True)
-class Trigger:
+class Trigger(NamedTuple):
     """A root: the gap of an open stop, or the force of a closed one, falls through zero.
 
     Attributes:
@@ -79,7 +78,7 @@ def triggers(
     earliest = min(trigger.t for trigger in found)
     limit = earliest + SIMULTANEOUS * system.shaft.period
     return tuple(
-        trigger if trigger.t == earliest else replace(trigger, t=earliest)
+        trigger if trigger.t == earliest else trigger._replace(t=earliest)
         for trigger in sorted(found, key=lambda item: item.stop)
         if trigger.t <= limit
     )
@@ -133,7 +132,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         return None
     scale = stop.sense * h**2
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
-    coefficients = scale * (grid.deflated[power] @ a)
+    coefficients = scale * product(grid.deflated[power], a)
     if power == 0:
         coefficients[0] += gap + 0.5 * h * rate
         coefficients[1] += 0.5 * h * rate
