@@ -285,4 +285,4 @@ def _impulses(
 
 def _size(vector: FloatArray) -> float:
     """Euclidean norm; of a few numbers, faster than the largest of them."""
-    return math.sqrt(vector.dot(vector))
+    return math.sqrt(np.vdot(vector, vector))

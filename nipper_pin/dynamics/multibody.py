@@ -175,9 +175,8 @@ class Multibody:
             if proximal.iter >= _ITERATIONS:
                 raise _singular(q[row])
         self.evaluations += len(q)
-        # A sum of infinities of both signs would warn; squares have one sign.
-        flat = a.ravel()
-        if not math.isfinite(flat.dot(flat)):
+        # A sum of infinities of both signs would warn, and so would `dot` of what overflows.
+        if not math.isfinite(np.vdot(a, a)):
             raise _singular(q)
         return a
 

@@ -194,8 +194,7 @@ class _Picard:
                 self.weight = self._weights[:] = h**2 * self._rows.moving / size
             guess, moved = moved, (new - unknown) * weights
             # The Euclidean norm bounds the largest element, and is found faster.
-            flat = moved.ravel()
-            previous, change = self._change, math.sqrt(flat.dot(flat))
+            previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
             unknown[:] = new
             self.sweeps += 1
