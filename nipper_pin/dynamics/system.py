@@ -47,8 +47,8 @@ class ConstraintSet:
         given: Held drives and closed stops: never dependent through the closures.
         yielding: Driven coordinates that forces move; independent as far as closures allow it.
         armature: Inertia added to each joint in flight, shape (nv,).
-        stiffness: Of springs and elastic drive trains at coordinates that move, the same in every
-            row, shape (64, nv).
+        stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
+        repeated: The same for each node of a panel, shape (64, nv).
         damping: Of dampers and drive trains, shape (nv,); None where there is none.
         freedom: Degrees of freedom that are left.
         moving: 1 for coordinates that forces move, 0 for those that are prescribed, shape (nv,).
@@ -64,6 +64,7 @@ class ConstraintSet:
     yielding: tuple[int, ...]
     armature: FloatArray
     stiffness: FloatArray
+    repeated: FloatArray
     damping: FloatArray | None
     freedom: int
     moving: FloatArray
@@ -142,7 +143,8 @@ class System:
                 given=given,
                 yielding=yielding,
                 armature=armature,
-                stiffness=np.tile(stiffness, (_ROWS, 1)),
+                stiffness=stiffness,
+                repeated=np.tile(stiffness, (_ROWS, 1)),
                 damping=damping if damping.any() else None,
                 freedom=freedom,
                 moving=moving,
@@ -343,7 +345,7 @@ class System:
     ) -> FloatArray:
         """Accelerations as :meth:`accelerations`, for forces known beforehand, shape (N, nv)."""
         count = len(q)
-        stiffness = rows.stiffness[:count] if count <= _ROWS else rows.stiffness[0]
+        stiffness = rows.repeated[:count] if count <= _ROWS else rows.stiffness
         tau = forcing - stiffness * q
         if rows.damping is not None:
             tau -= rows.damping * v
