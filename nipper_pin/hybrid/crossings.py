@@ -32,8 +32,32 @@ def shows_forces(system: System, rows: ConstraintSet, panel: Panel, tolerance: f
     sigma = rows_met(system, panel)
     if system.mechanism.struts:
         sigma = np.concatenate([sigma, nodes(panel.order).between])
-    if not sigma.size:
+    return not sigma.size or _obeys(system, rows, panel, tolerance, sigma)
+
+
+def shows_end(
+    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, t_end: float
+) -> bool:
+    """True if a flight panel obeys its equations where an event ends it.
+
+    Points of a strut may be at one place where a stop closes, and only there.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        tolerance: Relative accuracy of its positions.
+        t_end: Time of the event [s].
+    """
+    if not system.mechanism.struts:
         return True
+    return _obeys(system, rows, panel, tolerance, np.array([(t_end - panel.t) / panel.h]))
+
+
+def _obeys(
+    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, sigma: FloatArray
+) -> bool:
+    """True if the dynamics at places of a panel differ from it by no more than it may leave."""
     off = rows.moving * defect(system, rows, panel, sigma)
     # What the closures determine follows from the others; where its mass is small beside theirs,
     # its acceleration is round-off of a large force.

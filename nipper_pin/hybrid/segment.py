@@ -17,7 +17,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import nodes
-from .crossings import shows_forces
+from .crossings import shows_end, shows_forces
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -151,9 +151,21 @@ def advance(
                 q=q,
             )
         found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
+        shortens = t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period
+        if (
+            found
+            and shortens
+            and panel.integrated
+            and resolution.adaptive
+            and not shows_end(system, rows, panel, resolution.tolerance, t_end)
+        ):
+            # Shorter and shorter panels up to the event see what happens there.
+            del panels[-1]
+            h = 0.5 * (t_end - t)
+            continue
         if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
             suited = suited_split(system, rows, panel, exact.jacobian, preferred)
-            if suited is None and t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
+            if suited is None and shortens:
                 # The same motion in shorter panels, each with the coordinates that suit it.
                 del panels[-1]
                 h = 0.5 * (t_end - t)

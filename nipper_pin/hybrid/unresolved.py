@@ -33,7 +33,8 @@ class OpenGaps:
     """What flights have left unresolved in gaps, since each stop was struck.
 
     Where one freedom is left the collision at one stop stands for the error of all. Where there are
-    several, a gap goes on with its own error while another stop is struck.
+    several, a gap goes on with its own error while another stop is struck, and in any case while a
+    closed stop is released.
 
     Args:
         system: The system.
@@ -56,13 +57,14 @@ class OpenGaps:
         if segment.t_end <= segment.t_start:
             return 0.0, 0.0
         rows = self._system.constraint_set(segment.closed)
-        several, before = rows.freedom > 1, self._own
+        before = self._own
+        goes_on = rows.freedom > 1 or end.name in segment.closed
         found = {
             stop.name: self._grown(rows, segment, stop, before.get(stop.name, (0.0, 0.0)))
             for stop in rows.open
-            if not segment.kinematic and (several or stop is end or stop.name in before)
+            if not segment.kinematic and (goes_on or stop.name in (end.name, *before))
         }
-        self._own = {name: own for name, own in found.items() if several or name in before}
+        self._own = {name: own for name, own in found.items() if goes_on or name in before}
         return found.get(end.name, (0.0, 0.0))
 
     def forget(self, event: Event) -> None:
