@@ -245,10 +245,11 @@ def test_a_gap_goes_on_with_its_error_while_another_stop_is_struck(
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-6])
 def test_a_gap_goes_on_with_its_error_while_another_stop_is_released(tolerance: float) -> None:
-    """A pendulum falls onto a stop; shortly before, a flap beside it is thrown off by its arm.
+    """A pendulum falls onto a stop; meanwhile a flap beside it falls off an arm that tips over.
 
-    The flap weighs nothing on the pendulum, so the error that is stated of the latter has to be the
-    same as on an arm that swings too little to throw it, but for what shorter panels gain.
+    The flap does nothing to the pendulum, so the error that is stated of the latter has to be as
+    large as beside an arm that does not tip over, but for the factor 2 that shorter panels may
+    gain. 6e-11 s were stated at a tolerance of 1e-4, where 1e-4 s are wrong.
     """
 
     def landing(swing: float, tolerance: float) -> tuple[float, float, bool]:
@@ -272,9 +273,9 @@ def test_a_gap_goes_on_with_its_error_while_another_stop_is_released(tolerance: 
         thrown = any(event.kind is EventKind.RELEASE for event in solution.events[: hit.number])
         return hit.t, solution.errors[hit.number - 1].time, thrown
 
-    true_t, _, _ = landing(20.0, 1e-13)
+    true_t, _, _ = landing(1.6, 1e-13)
     _, stated_alone, thrown_alone = landing(1.0, tolerance)
-    t, stated, thrown = landing(20.0, tolerance)
+    t, stated, thrown = landing(1.6, tolerance)
     assert thrown
     assert not thrown_alone
     assert abs(t - true_t) <= stated
