@@ -151,28 +151,20 @@ def advance(
                 q=q,
             )
         found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
-        shortens = t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period
-        if (
-            found
-            and shortens
-            and panel.integrated
-            and resolution.adaptive
-            and not shows_end(system, rows, panel, resolution.tolerance, t_end)
-        ):
-            # Shorter and shorter panels up to the event see what happens there.
+        suited: Partition | None = split
+        if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
+            suited = suited_split(system, rows, panel, exact.jacobian, preferred)
+        seen = kinematic or not found or not resolution.adaptive
+        seen = seen or shows_end(system, rows, panel, resolution.tolerance, t_end)
+        if (suited is None or not seen) and t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
+            # The same motion in shorter panels: they see what happens at its end, and each has the
+            # coordinates that suit it.
             del panels[-1]
             h = 0.5 * (t_end - t)
             continue
-        if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
-            suited = suited_split(system, rows, panel, exact.jacobian, preferred)
-            if suited is None and shortens:
-                # The same motion in shorter panels, each with the coordinates that suit it.
-                del panels[-1]
-                h = 0.5 * (t_end - t)
-                continue
-            if suited not in (None, split):
-                panel = panels[-1] = replace(panel, split=suited)
-                found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
+        if suited is not None and suited != split:
+            panel = panels[-1] = replace(panel, split=suited)
+            found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         if found or t_end >= t_limit:
             segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
