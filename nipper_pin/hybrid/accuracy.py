@@ -33,7 +33,7 @@ from .event import Event, EventKind
 from .panel import NEARBY, forces_at
 from .propagation import fundamental_matrix
 from .segment import Segment
-from .unresolved import OpenGaps, round_off, unresolved
+from .unresolved import OpenGaps, round_off
 
 _EPS = float(np.finfo(float).eps)
 # Part of a panel over which the slope of a stop force is taken.
@@ -89,7 +89,7 @@ def event_errors(
         left = max(beyond, 0.0) * error.impulse + event.series_error
         if event.kind is EventKind.RELEASE and place:
             # What follows starts with a force of zero, wherever it starts: nothing is carried on.
-            left = _release(system, segments[place - 1], stop.index)
+            left = _release(system, segments[place - 1], stop.index, open_gaps)
         struck = stop if event.kind is EventKind.COLLISION else None
         if struck is not None:
             error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
@@ -229,7 +229,7 @@ def _impact(system: System, event: Event, known: _Known) -> float:
     return known.impacts[key]
 
 
-def _release(system: System, segment: Segment, index: int) -> float:
+def _release(system: System, segment: Segment, index: int, open_gaps: OpenGaps) -> float:
     """Error of the time at which a stop force vanishes: what it is wrong by over its slope [s]."""
     rows = system.constraint_set(segment.closed)
     panel, t = segment.panels[-1], segment.t_end
@@ -241,7 +241,7 @@ def _release(system: System, segment: Segment, index: int) -> float:
     nv = q.shape[1]
     position, velocity = round_off(system, panel, q[1:]), NEARBY * _EPS * np.abs(v[1])
     if panel.integrated:
-        left_over = unresolved(system, rows, panel)
+        left_over = open_gaps.along(segment)
         position, velocity = position + left_over[0], velocity + left_over[1]
     # One coordinate, then one rate at a time.
     moved = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])

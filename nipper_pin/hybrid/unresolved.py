@@ -67,6 +67,17 @@ class OpenGaps:
         self._own = {name: own for name, own in found.items() if goes_on or name in before}
         return found.get(end.name, (0.0, 0.0))
 
+    def along(self, segment: Segment) -> tuple[FloatArray, FloatArray]:
+        """Errors of all positions and velocities that a flight has made at its end, each (nv,)."""
+        rows = self._system.constraint_set(segment.closed)
+        coupled = _COUPLED if rows.freedom > 1 else 1.0
+        eps, eta = np.zeros((2, self._system.body.nv))
+        for panel in segment.panels:
+            position, velocity = self._alone(rows, panel)
+            eps += coupled * position + (min(panel.t + panel.h, segment.t_end) - panel.t) * eta
+            eta += coupled * velocity
+        return eps, eta
+
     def forget(self, event: Event) -> None:
         """Let an event start its stops anew: what they were wrong by is in its errors."""
         for name in event.stops:
@@ -86,13 +97,17 @@ class OpenGaps:
             if panel is not start:
                 # Where panels meet a gap has the round-off of its coordinate, however small it is.
                 eps += coupled * _EPS * abs(float(panel.q[0, index]))
-            key = id(panel.q)
-            if key not in self._panels:
-                self._panels[key] = unresolved(system, rows, panel)
-            gap, slope = _in_gap(system, panel, index, *self._panels[key])
+            gap, slope = _in_gap(system, panel, index, *self._alone(rows, panel))
             eps += coupled * gap + (min(panel.t + panel.h, segment.t_end) - panel.t) * eta
             eta += coupled * slope
         return eps, eta
+
+    def _alone(self, rows: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
+        """What a panel leaves unresolved in all positions and velocities, each (nv,)."""
+        key = id(panel.q)
+        if key not in self._panels:
+            self._panels[key] = _unresolved(self._system, rows, panel)
+        return self._panels[key]
 
 
 def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
@@ -141,7 +156,7 @@ def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
     return np.asarray(defect(system, rows, panel, nodes(panel.order).between).max(axis=0))
 
 
-def unresolved(system: System, rows: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
+def _unresolved(system: System, rows: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
     """What a flight panel leaves unresolved in all positions and velocities, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
     motion = system.shaft.driven(panel.times)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.system import System
-from ...hybrid.collocation import evaluate
+from ...hybrid.collocation import evaluate, nodes
 from ...hybrid.panel import Panel, state_at
 from ...hybrid.solution import Solution
 from ...mechanism import Strut
@@ -115,6 +115,9 @@ def flights(solution: Solution) -> Iterator[str]:
         if not panel.integrated:
             continue
         rows = system.constraint_set(segment.closed)
+        # Times at equal distances are nodes where there are four, seven or thirteen of them.
+        between = panel.t + panel.h * nodes(panel.order).between
+        t = np.append(t, between[(t[0] < between) & (between < t[-1])])
         q, v, _, motion = state_at(system, rows, panel, t)
         there = system.accelerations(motion, q, v, rows)
         sigma = (t - panel.t) / panel.h

@@ -304,7 +304,11 @@ def _forces(
     share = np.abs(left).max(axis=1) / size.max(axis=1)
     yield from beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
     if rows.stops:
-        pull = -(forces.la_N / size[:, list(rows.stops)].max(axis=0)).min()
+        # The pull of a strut is one of a difference of lengths, and has their round-off.
+        reach = system.body.reach_m
+        stiffness = sum(strut.stiffness for strut in solution.mechanism.struts)
+        pushed = forces.la_N + 64.0 * EPS * stiffness * reach * max(reach, 1.0)
+        pull = -(pushed / size[:, list(rows.stops)].max(axis=0)).min()
         # Forces are second derivatives: they are resolved less far than positions.
         most = 10.0 * tolerance**0.5 + 1e-9
         yield from beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
