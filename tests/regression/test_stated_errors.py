@@ -297,7 +297,8 @@ def test_a_release_has_the_errors_of_the_whole_flight_before_it(
         link("rod", 1.0, 1e-3, (1.0, 0.0)), hinge("swing", "frame", "rod"),
         link("lid", 0.01, 1e-6, centre), hinge("lid_axis", "rod", "lid", (0.1, 0.0)),
     ]  # fmt: skip
-    both = machine(parts, 2, gravity=9.81, stops={"seat": {"joint": "lid_axis", "restitution": 0.0}},
+    seat = {"joint": "lid_axis", "restitution": 0.0}
+    both = machine(parts, 2, gravity=9.81, stops={"seat": seat},
                    phases=[{"number": 1, "name": "seated", "closed": ["seat"]},
                            {"number": 2, "name": "thrown", "closed": []}])  # fmt: skip
 
