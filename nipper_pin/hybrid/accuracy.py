@@ -88,8 +88,10 @@ def event_errors(
         beyond = event.t - segments[place - 1].t_end if place else 0.0
         left = max(beyond, 0.0) * error.impulse + event.series_error
         if event.kind is EventKind.RELEASE and place:
-            # What follows starts with a force of zero, wherever it starts: nothing is carried on.
             left = _release(system, segments[place - 1], stop.index, open_gaps)
+            if not segments[place - 1].kinematic:
+                # A motion that comes too late to its release comes too late to what follows.
+                error, left = replace(error, time=error.time + left), 0.0
         struck = stop if event.kind is EventKind.COLLISION else None
         if struck is not None:
             error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
