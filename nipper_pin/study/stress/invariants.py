@@ -271,6 +271,11 @@ def _motion(solution: Solution) -> Iterator[str]:
             start, still = panel.q[:1], np.zeros_like(panel.v[:1])
             pulls = system.applied_forces(start, still)
             pulls = np.abs(pulls) + np.abs(system.body.inverse_dynamics(start, still, still))
+            if not system.held:
+                # So have drive trains that wind up against closed stops.
+                motion = system.shaft.driven(panel.times[-1:])
+                torques = system.train_torques(motion, start, still)
+                pulls[:, system.driven_columns] += np.abs(torques)
             size += 1e7 * EPS * _most(pulls / np.diag(system.body.mass_matrix(start[0])))
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(slope - panel.a) / float(size + 1e-300),
