@@ -35,7 +35,12 @@ def elements(solution: Solution) -> Iterator[str]:
             terms = [-s.stiffness * (s.preload + q[s.index]) * v[s.index]
                      for s in mechanism.springs]  # fmt: skip
             lost = [damper.damping * v[damper.index] ** 2 for damper in mechanism.dampers]
-            unsure = 0.0
+            # Where a spring is at its free length, preload and deflection make up for each other.
+            full = sum(
+                s.stiffness * (abs(s.preload) + abs(q[s.index])) * abs(v[s.index])
+                for s in mechanism.springs
+            )
+            unsure = 8.0 * EPS * full
             for table in mechanism.tabulated_springs:
                 x, rows = float(q[table.index]), table.characteristic
                 force = float(rows.forces(np.array([x]))[0])
