@@ -60,7 +60,7 @@ class OpenGaps:
         before = self._own
         goes_on = rows.freedom > 1 or end.name in segment.closed
         found = {
-            stop.name: self._grown(rows, segment, stop, before.get(stop.name, (0.0, 0.0)))
+            stop.name: self._grown(segment, stop, before.get(stop.name, (0.0, 0.0)))
             for stop in rows.open
             if not segment.kinematic and (goes_on or stop.name in (end.name, *before))
         }
@@ -69,13 +69,11 @@ class OpenGaps:
 
     def along(self, segment: Segment) -> tuple[FloatArray, FloatArray]:
         """Errors of all positions and velocities that a flight has made at its end, each (nv,)."""
-        rows = self._system.constraint_set(segment.closed)
-        coupled = _COUPLED if rows.freedom > 1 else 1.0
         eps, eta = np.zeros((2, self._system.body.nv))
-        for panel in segment.panels:
-            position, velocity = self._alone(rows, panel)
-            eps += coupled * position + (min(panel.t + panel.h, segment.t_end) - panel.t) * eta
-            eta += coupled * velocity
+        for panel, begin, end in segment.pieces():
+            position, velocity = self._alone(segment, panel)
+            eps += position + (end - begin) * eta
+            eta += velocity
         return eps, eta
 
     def forget(self, event: Event) -> None:
@@ -84,29 +82,34 @@ class OpenGaps:
             self._own.pop(name, None)
 
     def _grown(
-        self, rows: ConstraintSet, segment: Segment, stop: Stop, before: tuple[float, float]
+        self, segment: Segment, stop: Stop, before: tuple[float, float]
     ) -> tuple[float, float]:
         """Errors of a gap and of its rate at the end of a flight, from those at its start."""
         system, index, (eps, eta) = self._system, stop.index, before
-        coupled = _COUPLED if rows.freedom > 1 else 1.0
-        start = segment.panels[0]
+        coupled, start = self._coupled(segment), segment.panels[0]
         if start.q[0, index] != stop.at:
             # Where a gap has not just opened its start has the round-off of the closures.
             eps += coupled * float(round_off(system, start, start.q[:1])[index])
-        for panel in segment.panels:
+        for panel, begin, end in segment.pieces():
             if panel is not start:
                 # Where panels meet a gap has the round-off of its coordinate, however small it is.
                 eps += coupled * _EPS * abs(float(panel.q[0, index]))
-            gap, slope = _in_gap(system, panel, index, *self._alone(rows, panel))
-            eps += coupled * gap + (min(panel.t + panel.h, segment.t_end) - panel.t) * eta
-            eta += coupled * slope
+            gap, slope = _in_gap(system, panel, index, *self._alone(segment, panel))
+            eps += gap + (end - begin) * eta
+            eta += slope
         return eps, eta
 
-    def _alone(self, rows: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
+    def _coupled(self, segment: Segment) -> float:
+        rows = self._system.constraint_set(segment.closed)
+        return _COUPLED if rows.freedom > 1 else 1.0
+
+    def _alone(self, segment: Segment, panel: Panel) -> tuple[FloatArray, FloatArray]:
         """What a panel leaves unresolved in all positions and velocities, each (nv,)."""
         key = id(panel.q)
         if key not in self._panels:
-            self._panels[key] = _unresolved(self._system, rows, panel)
+            rows, coupled = self._system.constraint_set(segment.closed), self._coupled(segment)
+            position, velocity = _unresolved(self._system, rows, panel)
+            self._panels[key] = coupled * position, coupled * velocity
         return self._panels[key]
 
 

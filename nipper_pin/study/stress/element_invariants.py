@@ -139,9 +139,6 @@ def flights(solution: Solution) -> Iterator[str]:
         drift[list(panel.split.independent)] = 0.0
         drifted = system.accelerations(motion, q, v + drift, rows)
         off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there)) + np.abs(drifted - there)
-        # They follow from the others at every time that is looked at, and accelerations of a light
-        # one have the round-off of the heavy ones, in steps that no state nearby shows.
-        off[:, panel.split.columns] = 0.0
         moved = _moved(system, panel)
         share = float((off * panel.h**2 / moved).max(initial=0.0, where=rows.moving > 0.0))
         most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
