@@ -12,6 +12,8 @@ from ...hybrid.segment import Segment
 from ...hybrid.solution import Solution
 
 EPS = float(np.finfo(float).eps)
+EVENTS = 100
+"""Of many events and borders of panels that many are looked at, evenly chosen."""
 # Of many segments and of their panels that many are looked at, evenly chosen.
 _SEGMENTS, _PANELS, _POINTS = 24, 3, 5
 
