@@ -1,43 +1,34 @@
 """Estimated errors of event times and impulses, from what a run has left unresolved.
 
-A flight of length T that leaves a stop at the rate w ends with a gap error eps and a rate error
-eta of its own, and finds its end to an error delta = eps/|w-| plus the round-off of time. The next
-collision then is off by
-
-    dt' = dt + T dw/w + delta,      dw'/w' = dw/w + (eta + |a| delta)/|w-|,
-
-since time and final rate of a ballistic flight are proportional to w. Flights with one freedom are
-followed more closely: the fundamental matrix of their variational equation (``propagation.py``)
-carries an error of the rate, and a start that is late by dt, to their end. Elsewhere a stop that
-arrives slower than it moved before is taken to arrive later by as much more.
-
-What flights leave unresolved, eps and eta, is found in ``unresolved.py``. In a phase without
-freedom the past is forgotten: only the round-off of its closures and of time is left.
+What flights leave unresolved (``unresolved.py``) and round-off are the sources of deviations
+(``deviations.py``) of the computed motion. The variational equation carries them over flights
+(``propagation.py``), the saltation matrix over collisions (``saltation.py``). A deviation (dq, dv)
+reaches a stop of the coordinate x late by dt = -dx/v-, with a rate that is wrong by dv + a- dt and
+an impulse that is wrong by the derivative of the impact law. A phase without freedom forgets the
+past: only the round-off of its closures and of time is left.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.impact import impact_condition
-from ..dynamics.multipliers import multipliers
 from ..dynamics.system import System
-from ..mechanism import Stop
-from .collocation import evaluate
+from .deviations import Deviations
 from .event import Event, EventKind
-from .panel import NEARBY, forces_at
-from .propagation import fundamental_matrix
+from .let_go import release_error
+from .linear_maps import LinearMaps, pushing
+from .propagation import free_coordinates
 from .segment import Segment
-from .unresolved import OpenGaps, round_off
+from .unresolved import round_off
 
 _EPS = float(np.finfo(float).eps)
-# Part of a panel over which the slope of a stop force is taken.
-_SLOPE_STEP = 1e-3
+# Round-off of rates that follow from drives and closures, and of the clock, relative.
+_RATE, _CLOCK = 16.0 * _EPS, 2.0 * _EPS
 
 
 @dataclass(frozen=True)
@@ -53,16 +44,6 @@ class EventError:
     impulse: float
 
 
-@dataclass(frozen=True)
-class _Known:
-    """What has been found of panels and flights, by their arrays: copies share theirs."""
-
-    matrices: dict[tuple[int, int], tuple[FloatArray, FloatArray] | None] = field(
-        default_factory=dict
-    )
-    impacts: dict[int, float] = field(default_factory=dict)
-
-
 def event_errors(
     system: System, segments: Sequence[Segment], events: Sequence[Event]
 ) -> tuple[EventError, ...]:
@@ -73,185 +54,160 @@ def event_errors(
         segments: Segments in order of time.
         events: Events in order of time.
     """
-    found: list[EventError] = []
-    error = EventError(0.0, 16.0 * _EPS)
-    known, open_gaps = _Known(), OpenGaps(system)
-    place, struck = 0, None
+    if not events:
+        return ()
+    known = LinearMaps(system)
+    start = segments[0].panels[0].v[0] if segments else events[0].v_before
+    deviations, error = _of_rates(start), EventError(0.0, _RATE)
+    found, place, last = [], 0, None
     for event in events:
-        stop = system.mechanism.stop(event.stops[0])
-        while place < len(segments) and segments[place].t_end <= event.t:
-            own = open_gaps.after(segments[place], stop)
-            error = _carried(system, segments[place], stop, struck, error, own, known)
+        flown = 0.0
+        # A rest lies beyond the end of the motion before it.
+        while (
+            event.kind is not EventKind.REST
+            and place < len(segments)
+            and segments[place].t_end <= event.t
+        ):
+            last = segments[place]
             place += 1
-        # A rest lies beyond the end of the motion: what is left of its series has the error of its
-        # rate.
-        beyond = event.t - segments[place - 1].t_end if place else 0.0
-        left = max(beyond, 0.0) * error.impulse + event.series_error
-        if event.kind is EventKind.RELEASE and place:
-            left = _release(system, segments[place - 1], stop.index, open_gaps)
-            if not segments[place - 1].kinematic:
-                # A motion that comes too late to its release comes too late to what follows.
-                error, left = replace(error, time=error.time + left), 0.0
-        struck = stop if event.kind is EventKind.COLLISION else None
-        if struck is not None:
-            error = replace(error, impulse=min(error.impulse + _impact(system, event, known), 1.0))
-        open_gaps.forget(event)
-        found.append(replace(error, time=error.time + left))
+            if last.kinematic:
+                error = EventError(0.0, _RATE)
+            flown += last.t_end - last.t_start
+            deviations = _flown(system, known, last, deviations)
+        arrival = _Arrival(event, last, flown, error)
+        if event.kind is EventKind.COLLISION:
+            deviations, error = _struck(system, known, arrival, deviations)
+            found.append(error)
+        elif event.kind is EventKind.REST:
+            deviations, stated = _rested(system, known, arrival, deviations)
+            found.append(stated)
+        else:
+            error = _released(system, arrival, deviations)
+            found.append(error)
     return tuple(found)
 
 
-def _carried(
-    system: System,
-    segment: Segment,
-    stop: Stop,
-    struck: Stop | None,
-    before: EventError,
-    own: tuple[float, float],
-    known: _Known,
-) -> EventError:
-    """Errors at the end of a segment, at a stop, from those at its start, where one was struck.
-
-    Args:
-        system: The system.
-        segment: The segment.
-        stop: The stop that it ends at.
-        struck: The stop that was struck at its start, if one was.
-        before: Errors at its start.
-        own: What the gap of the stop and its rate have got wrong since it was struck itself.
-        known: What has been found before.
-    """
-    index = stop.index
-    if segment.t_end - segment.t_start <= 0.0:
-        return before
-    last = segment.panels[-1]
-    q, v = last.interpolate(np.array([segment.t_end]))
-    velocity = float(v[0, index])
-    if velocity == 0.0:
-        return before
-    end = np.array([(segment.t_end - last.t) / last.h])
-    braking = float(evaluate(last.a[:, index], end, 0)[0])
-    clock = 2.0 * _EPS * segment.t_end
-    if segment.kinematic:
-        rate = abs(velocity)
-        shift = float(round_off(system, last, q)[index]) / rate + clock
-        return EventError(shift, 16.0 * _EPS + abs(braking) * shift / rate)
-    rows = system.constraint_set(segment.closed)
-    arrival = _Arrival(velocity, braking, clock, *own)
-    key = (id(segment.panels[0].q), index)
-    if key not in known.matrices:
-        known.matrices[key] = fundamental_matrix(system, rows, segment, index)
-    propagation = known.matrices[key]
-    if propagation is None:
-        return _after_ballistic_flight(segment, stop, arrival, before)
-    origin = index if struck is None else struck.index
-    return _after_propagation(segment, origin, propagation, arrival, before)
-
-
 class _Arrival(NamedTuple):
-    """How a flight comes to a stop, and what it is wrong by of its own.
+    """How a run comes to an event.
 
     Attributes:
-        velocity: Of the stop's coordinate at the end [rad/s or m/s].
-        braking: Its acceleration there [rad/s^2 or m/s^2].
-        clock: Round-off of the time [s].
-        eps: Error of the gap [rad or m].
-        eta: Error of its rate [rad/s or m/s].
+        event: The event.
+        segment: The last segment before it; None if there is none.
+        flown: Time since the event before [s].
+        before: Errors of that event.
     """
 
-    velocity: float
-    braking: float
-    clock: float
-    eps: float
-    eta: float
+    event: Event
+    segment: Segment | None
+    flown: float
+    before: EventError
 
 
-def _after_propagation(
-    segment: Segment,
-    origin: int,
-    propagation: tuple[FloatArray, FloatArray],
-    arrival: _Arrival,
-    before: EventError,
-) -> EventError:
-    """Errors after a flight with one freedom, whose variational equation carries those before.
-
-    Args:
-        segment: The flight.
-        origin: Coordinate of the stop that was struck at its start.
-        propagation: Its fundamental matrix, and the direction of its one freedom.
-        arrival: Its end.
-        before: Errors at its start.
-    """
-    matrix, direction = propagation
-    first, rate = segment.panels[0], abs(arrival.velocity)
-    # An error of the rate of the stop that was struck, and a start that is late.
-    w, slowing = float(first.v[0, origin]), float(first.a[0, origin])
-    errors = np.array([[0.0, before.time * w], [before.impulse * w, before.time * slowing]])
-    ends = matrix @ errors / max(abs(float(direction[origin])), _EPS)
-    lates = ends[0] / -arrival.velocity
-    late = float(np.abs(lates).sum())
-    slower = float(np.abs(ends[1] + arrival.braking * lates).sum()) / rate
-    grown = max(1.0, abs(float(matrix[1, 1])))
-    shift = grown * arrival.eps / rate + arrival.clock
-    relative = slower + (grown * arrival.eta + abs(arrival.braking) * shift) / rate
-    length = segment.t_end - segment.t_start
-    return EventError(min(late, before.time + length) + shift, min(relative, 1.0))
+def _of_rates(v: FloatArray) -> Deviations:
+    """Round-off of rates that follow from drives and closures."""
+    return Deviations.independent(np.zeros_like(v), _RATE * np.abs(v))
 
 
-def _after_ballistic_flight(
-    segment: Segment, stop: Stop, arrival: _Arrival, before: EventError
-) -> EventError:
-    """Errors after a flight whose length and final rate are taken to go with its first rate.
-
-    Args:
-        segment: The flight.
-        stop: The stop that it ends at.
-        arrival: Its end.
-        before: Errors at its start.
-    """
-    rate, length = abs(arrival.velocity), segment.t_end - segment.t_start
-    fastest = max(float(np.abs(panel.v[:, stop.index]).max()) for panel in segment.panels)
-    shift = arrival.eps / rate + arrival.clock
-    # 1 in a ballistic flight.
-    slower = max(fastest / rate, 1.0)
-    late = min(length * before.impulse * slower, length)
-    wrong = arrival.eta + abs(arrival.braking) * (shift + late * (1.0 - 1.0 / slower))
-    # At 1 nothing is known any more.
-    relative = min(before.impulse * slower + wrong / rate, 1.0)
-    return EventError(before.time + late + shift, relative)
-
-
-def _impact(system: System, event: Event, known: _Known) -> float:
-    """Relative round-off of the rates after a collision: the digits that its matrix loses."""
-    key = id(event.delta)
-    if key not in known.impacts:
-        _, jacobian = system.body.closures(event.q[None])
-        struck = [system.mechanism.stop(n).index for n, P in event.P_N.items() if P > 0.0]
-        condition = impact_condition(system, event.q, jacobian[0], struck)
-        known.impacts[key] = min(_EPS * condition, 1.0)
-    return known.impacts[key]
+def _flown(
+    system: System, known: LinearMaps, segment: Segment, deviations: Deviations
+) -> Deviations:
+    """Deviations at the end of a segment from those at its start."""
+    if segment.kinematic:
+        return _of_rates(segment.panels[-1].v[-1])
+    if segment.t_end <= segment.t_start:
+        return deviations
+    rows, first = system.constraint_set(segment.closed), segment.panels[0]
+    found = deviations.later(-deviations.late, np.concatenate([first.v[0], first.a[0]]))
+    touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
+    for panel, begin, end in segment.pieces():
+        free = free_coordinates(rows, panel.split)
+        loose = np.zeros(system.body.nv)
+        if panel is first:
+            # Where a gap has not just opened its start has the round-off of the closures.
+            loose[free] = round_off(system, panel, panel.q[:1])[free]
+            loose[touching] = 0.0
+        else:
+            # Where panels meet a gap has the round-off of its coordinate, however small it is.
+            loose[free] = _EPS * np.abs(panel.q[0, free])
+        flight = known.flight(rows, panel, end - begin)
+        own = Deviations(flight.own, np.zeros(flight.own.shape[1]))
+        found = found.joined(Deviations.independent(loose, np.zeros_like(loose)))
+        found = found.through(flight.matrix).joined(own).merged()
+    return found
 
 
-def _release(system: System, segment: Segment, index: int, open_gaps: OpenGaps) -> float:
-    """Error of the time at which a stop force vanishes: what it is wrong by over its slope [s]."""
-    rows = system.constraint_set(segment.closed)
-    panel, t = segment.panels[-1], segment.t_end
-    if index not in rows.stops or segment.t_start >= t:
+def _struck(
+    system: System, known: LinearMaps, arrival: _Arrival, deviations: Deviations
+) -> tuple[Deviations, EventError]:
+    """Deviations after a collision and its errors, from the deviations before it."""
+    event, nv = arrival.event, system.body.nv
+    index = system.mechanism.stop(event.stops[0]).index
+    rate = float(event.v_before[index])
+    if rate == 0.0:
+        return deviations, arrival.before
+    impact = known.impact(event)
+    # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
+    most = arrival.before.time + arrival.flown
+    late = -deviations.states[index] / rate
+    total = float(np.abs(late).sum())
+    if total > most:
+        late *= most / total
+    rates = np.concatenate([event.v_before, impact.a])
+    seen = min(_seen_late(system, known, arrival, index), most)
+    found = deviations.later(late, rates)
+    found = found.joined(Deviations((seen * rates)[:, None], np.array([seen])))
+    time = float(np.abs(found.late).sum())
+    found = found.within(index, 0.0)
+    relative = found.size(nv + index) / abs(rate)
+    found = found.within(nv + index, abs(rate))
+    if stops := pushing(system, event):
+        pushed = np.abs(impact.pushes @ found.states).sum(axis=1)
+        relative = max(relative, float(pushed[0]) / abs(event.P_N[stops[0].name])) + impact.lost
+        # The law itself determines the rates of the stops that are struck.
+        rough = impact.lost * np.abs(event.delta)
+        rough[[stop.index for stop in stops]] = 0.0
+        loose = Deviations.independent(np.zeros_like(rough), rough)
+        found = found.through(impact.matrix).joined(loose)
+    return found.merged(), EventError(time, min(relative, 1.0))
+
+
+def _seen_late(system: System, known: LinearMaps, arrival: _Arrival, index: int) -> float:
+    """By how much a gap is seen to close late: round-off of time, and of a dependent gap [s]."""
+    event, segment = arrival.event, arrival.segment
+    if segment is None or arrival.flown <= 0.0:
         return 0.0
-    column, step = rows.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
-    q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
-    slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step if step else 0.0
-    nv = q.shape[1]
-    position, velocity = round_off(system, panel, q[1:]), NEARBY * _EPS * np.abs(v[1])
-    if panel.integrated:
-        left_over = open_gaps.along(segment)
-        position, velocity = position + left_over[0], velocity + left_over[1]
-    # One coordinate, then one rate at a time.
-    moved = q[1] + np.vstack([np.diag(position), np.zeros((nv, nv))])
-    moving = v[1] + np.vstack([np.zeros((nv, nv)), np.diag(velocity)])
-    _, jacobian = system.body.closures(moved)
-    motion = system.shaft.driven(np.full(2 * nv, t))
-    a = system.accelerations(motion, moved, moving, rows)
-    there = multipliers(system, motion, moved, moving, a, jacobian, rows, panel.split)
-    wrong = float(np.abs(there.la_N[:, column] - forces.la_N[1, column]).sum())
-    length = t - segment.t_start
-    return min(wrong / abs(slope), length) if slope else length
+    panel, wrong = segment.panels[-1], 0.0
+    if index in panel.split.dependent:
+        wrong = float(round_off(system, panel, event.q[None])[index])
+        if panel.integrated:
+            wrong += float(known.position(panel)[index])
+    return _CLOCK * event.t + wrong / abs(float(event.v_before[index]))
+
+
+def _rested(
+    system: System, known: LinearMaps, arrival: _Arrival, deviations: Deviations
+) -> tuple[Deviations, EventError]:
+    """Deviations after a rest and its errors, from the deviations after the last collision."""
+    event, late = arrival.event, deviations.late
+    index = system.mechanism.stop(event.stops[0]).index
+    rate = float(event.v_before[index])
+    if rate != 0.0 and pushing(system, event):
+        # What is left of the series lasts in proportion to its rate.
+        beyond = event.t - (arrival.segment.t_end if arrival.segment is not None else 0.0)
+        late = late + beyond * deviations.states[system.body.nv + index] / rate
+        deviations = deviations.through(known.impact(event).matrix).merged()
+    time = float(np.abs(late).sum()) + event.series_error
+    return deviations, EventError(time, arrival.before.impulse)
+
+
+def _released(system: System, arrival: _Arrival, deviations: Deviations) -> EventError:
+    """Errors of a release, from the deviations there; it changes none of them."""
+    event, segment = arrival.event, arrival.segment
+    if segment is None or arrival.flown <= 0.0:
+        return arrival.before
+    rows = system.constraint_set(segment.closed)
+    index = system.mechanism.stop(event.stops[0]).index
+    if index not in rows.stops:
+        return arrival.before
+    late = release_error(system, rows, segment.panels[-1], event.t, deviations, index)
+    return EventError(min(late, arrival.flown) + _CLOCK * event.t, arrival.before.impulse)

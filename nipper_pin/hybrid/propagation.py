@@ -1,12 +1,12 @@
-"""How a small error at the start of a flight has grown at its end: the variational equation.
+"""How a small deviation at the start of a panel has grown at its end: the variational equation.
 
-A flight with one freedom has one direction n(t) in which configurations may differ, scaled to 1 in
-the gap x of a stop. Neighbouring flights differ by dx, with
+The free independent coordinates y of a panel tell the others, q(y) and v(y, y'). Neighbouring
+motions differ in them by dy, with
 
-    ddx = A(t) dx + B(t) dx',    A = da/dx at x' held,  B = da/dx',
+    ddy = A(t) dy + B(t) dy',    A = da/dy at y' held,  B = da/dy',
 
-A and B being differences of accelerations at the nodes. Its fundamental matrix over the flight
-carries (dx, dx') from start to end; (1, T; 0, 1) for a ballistic one of length T.
+A and B being differences of accelerations at the nodes. The collocation that integrates the panel
+solves this linear equation, too: for the accelerations of dy at the nodes, a small linear system.
 """
 
 from __future__ import annotations
@@ -14,93 +14,115 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
+from ..dynamics.assembly import Partition, close_velocities
 from ..dynamics.system import ConstraintSet, System
-from .collocation import evaluate
+from .collocation import evaluate_motion, nodes
 from .panel import Panel
-from .segment import Segment
 
-# Flights of more panels swing to and fro; what they lose is no matter of one linear map.
-_MOST_PANELS = 64
-_SUBSTEPS = 16
 # Steps of the differences, as a share of a radian or metre and of the largest rate.
 _STEP = 1e-6
+_TINY = 1e-300
 
 
-def fundamental_matrix(
-    system: System, rows: ConstraintSet, segment: Segment, index: int
-) -> tuple[FloatArray, FloatArray] | None:
-    """Carries errors of a gap and of its rate from the start of a flight to its end.
+def free_coordinates(rows: ConstraintSet, split: Partition) -> list[int]:
+    """Independent coordinates that forces move: one for each freedom of a phase."""
+    return [k for k in split.independent if rows.moving[k]]
+
+
+def tangents(
+    system: System, q: FloatArray, v: FloatArray, split: Partition, columns: list[int]
+) -> tuple[FloatArray, FloatArray]:
+    """How all coordinates and rates follow some independent ones, at N states.
+
+    Args:
+        system: The system.
+        q: Configurations, shape (N, nv).
+        v: Velocities, shape (N, nv).
+        split: Dependent and independent coordinates.
+        columns: The independent ones that count, K of them.
+
+    Returns:
+        dq/dy = dv/dy' and dv/dy at independent rates held, shapes (N, nv, K).
+    """
+    count, nv = q.shape
+    units = np.zeros((count, nv, len(columns)))
+    units[:, columns, range(len(columns))] = 1.0
+    turned = np.zeros_like(units)
+    _, jacobian = system.body.closures(q)
+    for k in range(len(columns)):
+        units[:, :, k] = close_velocities(units[:, :, k], jacobian, split)
+        step = _STEP / max(float(np.abs(units[:, :, k]).max()), 1.0)
+        _, moved = system.body.closures(q + step * units[:, :, k])
+        turned[:, :, k] = (close_velocities(v, moved, split) - v) / step
+    return units, turned
+
+
+def flight_map(
+    system: System, rows: ConstraintSet, panel: Panel, length: float
+) -> tuple[FloatArray, FloatArray]:
+    """Carries deviations of positions and velocities over the first part of a flight panel.
 
     Args:
         system: The system.
         rows: The phase.
-        segment: The flight.
-        index: Coordinate of the stop that counts.
+        panel: The panel.
+        length: How much of it belongs to the segment [s].
 
     Returns:
-        The matrix, shape (2, 2), and n at the start, shape (nv,); None for a phase with another
-        number of freedoms, a very long one, or one in which the coordinate does not determine the
-        others.
+        Deviations (dq, dv) at the end by those at the start, shape (2 nv, 2 nv); and by dy and dy'
+        at the end, shape (2 nv, 2 f).
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
-    if rows.freedom != 1 or len(segment.panels) > _MOST_PANELS:
-        return None
-    whole, start = np.eye(2), np.empty(0)
-    for panel in segment.panels:
-        found = _slopes(system, rows, panel, index)
-        if found is None:
-            return None
-        slopes, direction = found
-        if not start.size:
-            start = direction
-        length = min(panel.t + panel.h, segment.t_end) - panel.t
-        whole = _solved(slopes, panel.h, length) @ whole
-    return whole, start
+    free = free_coordinates(rows, panel.split)
+    slopes = _slopes(system, rows, panel, free)
+    accelerations = _variations(slopes, panel.h)
+    f = len(free)
+    flat = accelerations.reshape(panel.order, -1)
+    integrals = evaluate_motion(flat, np.array([length / panel.h]))
+    twice, once = (integral.reshape(f, 2 * f) for integral in integrals)
+    unit = np.eye(f)
+    found = np.block([[unit, length * unit], [np.zeros((f, f)), unit]])
+    found += np.vstack([panel.h**2 * twice, panel.h * once])
+    q, v = panel.interpolate(np.array([panel.t + length]))
+    units, turned = tangents(system, q, v, panel.split, free)
+    nv = system.body.nv
+    whole = np.zeros((2 * nv, 2 * nv))
+    lifted = np.block([[units[0], np.zeros((nv, f))], [turned[0], units[0]]])
+    whole[:, [*free, *(nv + k for k in free)]] = lifted @ found
+    return whole, lifted
 
 
 def _slopes(
-    system: System, rows: ConstraintSet, panel: Panel, index: int
-) -> tuple[FloatArray, FloatArray] | None:
-    """A and B at the nodes of a panel, shape (N, 2) [1/s^2, 1/s], and n at its start, (nv,)."""
-    held = {*system.held_coordinates, *rows.stops, index}
-    others = [column for column in range(system.body.nv) if column not in held]
-    motion = system.shaft.driven(panel.times)
-
-    def closed(q: FloatArray, v: FloatArray) -> FloatArray:
-        _, jacobian = system.body.closures(q)
-        found = v.copy()
-        found[:, others] = 0.0
-        left = jacobian @ found[:, :, None]
-        found[:, others] = -np.linalg.solve(jacobian[:, :, others], left)[:, :, 0]
-        return found
-
-    try:
-        tangent = np.zeros_like(panel.q)
-        tangent[:, index] = 1.0
-        tangent = closed(panel.q, tangent)
-        x = _STEP / float(np.abs(tangent).max())
-        w = x * max(float(np.abs(panel.v).max()), 1e-300)
-        here = system.accelerations(motion, panel.q, closed(panel.q, panel.v), rows)[:, index]
-        aside = panel.q + x * tangent
-        moved = system.accelerations(motion, aside, closed(aside, panel.v), rows)[:, index]
-        faster = panel.v + w * tangent
-        hurried = system.accelerations(motion, panel.q, closed(panel.q, faster), rows)[:, index]
-    except np.linalg.LinAlgError:
-        return None
-    slopes = np.column_stack([(moved - here) / x, (hurried - here) / w])
-    return (slopes, tangent[0]) if np.isfinite(slopes).all() else None
+    system: System, rows: ConstraintSet, panel: Panel, free: list[int]
+) -> tuple[FloatArray, FloatArray]:
+    """A and B at the nodes of a panel, each of shape (N, f, f) [1/s^2, 1/s]."""
+    count, f = panel.order, len(free)
+    units, turned = tangents(system, panel.q, panel.v, panel.split, free)
+    x = _STEP / np.maximum(np.abs(units).max(axis=(0, 1)), 1.0)
+    w = x * max(float(np.abs(panel.v).max()), _TINY)
+    aside = [panel.q + x[k] * units[:, :, k] for k in range(f)]
+    hurried = [panel.v + x[k] * turned[:, :, k] for k in range(f)]
+    hurried += [panel.v + w[k] * units[:, :, k] for k in range(f)]
+    q = np.concatenate([panel.q, *aside, *(panel.q for _ in range(f))])
+    v = np.concatenate([panel.v, *hurried])
+    # One call for all; the forces of the drives are those of the nodes.
+    forcing = np.tile(system.forcing(system.shaft.driven(panel.times), rows), (2 * f + 1, 1))
+    a = system.respond(forcing, q, v, rows)[:, free].reshape(2 * f + 1, count, f)
+    differences = np.moveaxis(a[1:] - a[0], 0, 2)
+    return differences[:, :, :f] / x, differences[:, :, f:] / w
 
 
-def _solved(slopes: FloatArray, h: float, length: float) -> FloatArray:
-    """Fundamental matrix over the first part of a panel, by RK4 steps."""
-    places = np.linspace(0.0, length / h, 2 * _SUBSTEPS + 1)
-    matrices = np.zeros((len(places), 2, 2))
-    matrices[:, 0, 1] = 1.0
-    matrices[:, 1] = evaluate(slopes, places, 0)
-    step, found = length / _SUBSTEPS, np.eye(2)
-    for left, middle, right in zip(matrices[:-1:2], matrices[1::2], matrices[2::2], strict=True):
-        k1 = left @ found
-        k2 = middle @ (found + 0.5 * step * k1)
-        k3 = middle @ (found + 0.5 * step * k2)
-        k4 = right @ (found + step * k3)
-        found = found + step / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
-    return np.asarray(found)
+def _variations(slopes: tuple[FloatArray, FloatArray], h: float) -> FloatArray:
+    """Accelerations of dy at the nodes for unit dy and dy' at the start, shape (N, f, 2 f)."""
+    places, rates = slopes
+    count, f = places.shape[:2]
+    grid = nodes(count)
+    matrix = np.eye(count * f).reshape(count, f, count, f)
+    matrix -= h**2 * np.einsum("jik,jl->jilk", places, grid.twice)
+    matrix -= h * np.einsum("jik,jl->jilk", rates, grid.once)
+    later = h * grid.sigma[:, None, None] * places + rates
+    right = np.concatenate([places, later], axis=2)
+    found = np.linalg.solve(matrix.reshape(count * f, -1), right.reshape(count * f, -1))
+    return np.asarray(found.reshape(count, f, 2 * f))

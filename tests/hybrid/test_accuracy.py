@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
-from nipper_pin.hybrid.accuracy import EventError, _carried, _Known
-from nipper_pin.hybrid.unresolved import OpenGaps
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text()
@@ -83,18 +81,3 @@ def test_the_error_of_a_release_is_that_of_the_force_over_its_slope() -> None:
         stated.append(solution.errors[number - 1].time)
     assert max(times) - min(times) <= 2.0 * max(stated)
     assert 0.0 < max(stated) < 1e-12 * max(times)
-
-
-def test_a_relative_error_never_exceeds_one() -> None:
-    """At 1 nothing is known any more: a flight that starts with such an error ends with it.
-
-    Unlimited, it would end with more, as every flight adds something, and grow from bounce to
-    bounce until it overflows.
-    """
-    solution = simulate(load("e62"), Case(speed_rpm=650.0))
-    flight, jaw = solution.segments[0], solution.mechanism.stop("jaw")
-    unknown = EventError(0.0, 1.0)
-    own = OpenGaps(solution.system).after(flight, jaw)
-    assert _carried(solution.system, flight, jaw, jaw, unknown, own, _Known()).impulse == 1.0
-    some = EventError(0.0, 0.1)
-    assert 0.1 < _carried(solution.system, flight, jaw, jaw, some, own, _Known()).impulse < 1.0

@@ -9,19 +9,21 @@ import pytest
 
 from nipper_pin import Case, Resolution, Solution, Window, load, simulate
 from nipper_pin.hybrid.collocation import evaluate
-from nipper_pin.hybrid.propagation import fundamental_matrix
+from nipper_pin.hybrid.propagation import flight_map, free_coordinates
 
 BENCHMARKS = Path(__file__).parents[2] / "models" / "benchmarks"
 
 
 def _matrix(solution: Solution, number: int, stop: str) -> np.ndarray:
-    segment = solution.segments[number]
-    rows = solution.system.constraint_set(segment.closed)
-    found = fundamental_matrix(solution.system, rows, segment, solution.mechanism.stop(stop).index)
-    assert found is not None
-    matrix, direction = found
-    assert direction[solution.mechanism.stop(stop).index] == 1.0
-    return matrix
+    """Gap and rate of a stop at the end of a flight with one freedom by those at its start."""
+    segment, system = solution.segments[number], solution.system
+    rows = system.constraint_set(segment.closed)
+    index, nv = solution.mechanism.stop(stop).index, system.body.nv
+    whole = np.eye(2 * nv)
+    for panel, begin, end in segment.pieces():
+        assert free_coordinates(rows, panel.split) == [index]
+        whole = flight_map(system, rows, panel, end - begin)[0] @ whole
+    return whole[np.ix_([index, nv + index], [index, nv + index])]
 
 
 def test_errors_of_a_ballistic_flight_grow_with_its_length() -> None:
@@ -70,11 +72,3 @@ def test_errors_along_the_e62_are_those_of_a_neighbouring_motion() -> None:
     assert measured == pytest.approx(faster, rel=1e-4)
     ballistic = (segment.t_end - segment.t_start) * change
     assert late != pytest.approx(ballistic, rel=1e-2)
-
-
-def test_a_phase_without_freedom_has_no_such_matrix() -> None:
-    """Its motion follows from the drives: nothing grows, and nothing is computed."""
-    solution = simulate(load("e62"), Case(speed_rpm=450.0, window=Window.CYCLE))
-    segment = next(item for item in solution.segments if item.kinematic)
-    rows = solution.system.constraint_set(segment.closed)
-    assert fundamental_matrix(solution.system, rows, segment, 2) is None

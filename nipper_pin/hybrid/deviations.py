@@ -1,0 +1,97 @@
+"""Deviations of a computed motion from the true one: a set that linear maps carry along.
+
+Errors come from many independent sources, each of a size that is known and of a sign that is not.
+So the deviation (dq, dv) is one of a zonotope, the sum of columns of which each counts with a
+factor between -1 and 1. Maps act on the columns with their signs; only where an error is stated are
+their sizes added. Small columns are merged along the principal directions of their sum, which makes
+the set a little larger and never smaller.
+
+Source: M. Althoff, O. Stursberg, M. Buss, Nonlinear Analysis: Hybrid Systems 4 (2010) 233.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import FloatArray
+
+# Columns before some are merged, and how many of them are kept as they are.
+_MOST, _KEPT = 64, 32
+_ROUND_OFF = 1e-12
+NOTHING_KNOWN = 1e100
+"""Beyond any motion: a deviation that has grown to this says nothing, and may not overflow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deviations:
+    """Deviations of positions and velocities, at the time of an event of their own.
+
+    Attributes:
+        states: (dq, dv), one column a source, shape (2 nv, K).
+        late: By how much each source makes the last event late [s], shape (K,); zero in flight,
+            where states are compared at one time.
+    """
+
+    states: FloatArray
+    late: FloatArray
+
+    @classmethod
+    def independent(cls, q: FloatArray, v: FloatArray) -> Deviations:
+        """Deviations of every position and every velocity of their own, each of shape (nv,)."""
+        states = np.diag(np.concatenate([q, v]))
+        return cls(states, np.zeros(len(states)))
+
+    def through(self, matrix: FloatArray) -> Deviations:
+        """Return them after a linear map of the states."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            states = np.nan_to_num(matrix @ self.states, nan=NOTHING_KNOWN)
+        return Deviations(np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN), self.late)
+
+    def joined(self, other: Deviations) -> Deviations:
+        """Return the sum of two sets whose sources are independent."""
+        counts = np.abs(other.states).any(axis=0) | (other.late != 0.0)
+        return Deviations(
+            np.hstack([self.states, other.states[:, counts]]),
+            np.concatenate([self.late, other.late[counts]]),
+        )
+
+    def later(self, late: FloatArray, rates: FloatArray) -> Deviations:
+        """Return them at times that are later by so much for each source.
+
+        Args:
+            late: The times [s], shape (K,).
+            rates: Velocities and accelerations there, shape (2 nv,).
+        """
+        return Deviations(self.states + np.outer(rates, late), self.late + late)
+
+    def size(self, row: int) -> float:
+        """How far one position or velocity may deviate."""
+        return float(np.abs(self.states[row]).sum())
+
+    def within(self, row: int, most: float) -> Deviations:
+        """Return them with this position or velocity deviating by no more."""
+        size = self.size(row)
+        if size <= most:
+            return self
+        states = self.states.copy()
+        states[row] *= most / size
+        return Deviations(states, self.late)
+
+    def merged(self) -> Deviations:
+        """Return a set that contains this one and has few columns."""
+        count = self.states.shape[1]
+        if count <= _MOST:
+            return self
+        columns = np.vstack([self.states, self.late])
+        sizes = np.abs(columns).sum(axis=1, keepdims=True)
+        scaled = columns / np.where(sizes > 0.0, sizes, 1.0)
+        order = np.argsort(-np.abs(scaled).sum(axis=0), kind="stable")
+        kept, small = columns[:, order[:_KEPT]], scaled[:, order[_KEPT:]]
+        directions, lengths, _ = np.linalg.svd(small, full_matrices=False)
+        # The closures leave only some: the others are round-off.
+        directions = directions[:, lengths > _ROUND_OFF * lengths[0]]
+        box = directions * np.abs(directions.T @ small).sum(axis=1)
+        columns = np.hstack([kept, box * sizes])
+        return Deviations(columns[:-1], columns[-1])

@@ -1,0 +1,90 @@
+"""How a small deviation before a collision becomes one after it: the saltation matrix.
+
+A neighbouring motion strikes later by dt, at another place and with other rates. At its own time it
+deviates by (dq + v- dt, dv + a- dt); the impact law carries that over to the rates after, and back
+at the time of the collision it deviates by that less (v+, a+) dt.
+
+Source: M. A. Aizerman and F. R. Gantmakher, Q. J. Mech. Appl. Math. 11 (1958) 225.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.assembly import Partition
+from ..dynamics.system import System
+from ..mechanism import Stop
+from .propagation import tangents
+
+# Step of the differences of configurations [rad or m].
+_STEP = 1e-6
+
+
+def impact_map(
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    struck: Sequence[Stop],
+    restitution: Sequence[float],
+) -> tuple[FloatArray, FloatArray]:
+    """Derivative of the impact law at stops that receive an impulse.
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        v: Velocity before, shape (nv,).
+        struck: The stops.
+        restitution: e_N of each; zero takes their rates away.
+
+    Returns:
+        Deviations (dq, dv) after by those before, both at the time at which the neighbouring motion
+        strikes, shape (2 nv, 2 nv); and those of the impulses, shape (struck, 2 nv).
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the dependent coordinates.
+    """
+    nv = system.body.nv
+    _, jacobian = system.body.closures(q[None])
+    columns = tuple(stop.index for stop in struck)
+    split = system.split(jacobian[0], system.held_coordinates, columns)
+    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
+    units, turned = (
+        matrix[0] for matrix in tangents(system, q[None], v[None], split, list(split.independent))
+    )
+    law, impulses = _law(system, q, split, struck, restitution)
+    for k, unit, turn in zip(split.independent, units.T, turned.T, strict=True):
+        step = _STEP / max(float(np.abs(unit).max()), 1.0)
+        aside, neighbour = q + step * unit, v + step * turn
+        there, pushed = _law(system, aside, split, struck, restitution)
+        whole[:nv, k] = unit
+        whole[nv:, k] = (there @ neighbour - law @ v) / step
+        pushes[:, k] = (pushed @ neighbour - impulses @ v) / step
+        whole[nv:, nv + k] = law @ unit
+        pushes[:, nv + k] = impulses @ unit
+    return whole, pushes
+
+
+def _law(
+    system: System,
+    q: FloatArray,
+    split: Partition,
+    struck: Sequence[Stop],
+    restitution: Sequence[float],
+) -> tuple[FloatArray, FloatArray]:
+    """Velocity after and impulses of the stops by the velocity before, (nv, nv), (struck, nv)."""
+    nv = system.body.nv
+    free = [k for k in split.independent if k not in system.held_coordinates]
+    units = tangents(system, q[None], np.zeros((1, nv)), split, free)[0][0]
+    mass = system.body.mass_matrix(q)
+    if not system.held:
+        mass[np.diag_indices(nv)] += system.drive_armature
+    gaps = np.zeros((len(struck), nv))
+    gaps[range(len(struck)), [stop.index for stop in struck]] = [stop.sense for stop in struck]
+    rows = gaps @ units
+    response = np.linalg.solve(units.T @ mass @ units, rows.T)
+    wanted = -(1.0 + np.array(restitution))[:, None] * gaps
+    impulses = np.linalg.solve(rows @ response, wanted)
+    return np.eye(nv) + units @ response @ impulses, impulses
