@@ -31,6 +31,9 @@ _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
 # body, divided by the square of the closures' condition near a dead centre: beside it the
 # regularisation must be small, or the iteration does not get there.
 _REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
+# A body that resists with less than this share of the heaviest one's mass is light: forces that
+# balance but for round-off accelerate it.
+_LIGHT = 1e-7
 _OF_THREAD = threading.local()
 _NO_FORCES = np.empty((0, 2))
 
@@ -75,6 +78,10 @@ class Multibody:
         self._impact_data = self._impact.createData()
         self._pins = pin.StdVec_RigidConstraintModel()
         self._pin_data = pin.StdVec_RigidConstraintData()
+        self._ends_of_closures = [
+            [mechanism.model.getFrameId(name) for name in (closure.frame_a, closure.frame_b)]
+            for closure in mechanism.closures
+        ]
         for closure in mechanism.closures:
             frame_a, frame_b = (
                 mechanism.model.frames[mechanism.model.getFrameId(name)]
@@ -121,6 +128,10 @@ class Multibody:
             moving[0, [mechanism.model.idx_vs[j] for j in mechanism.model.supports[joint] if j]] = 1
         self.reach_m = mechanism.reach_m
         self.evaluations = 0
+        sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
+        self._refines = (
+            self.closure_rows > 0 and self._lightest(np.array(sizes)) < _LIGHT * heaviest
+        )
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Closure gaps and their Jacobian.
@@ -178,7 +189,50 @@ class Multibody:
         # A sum of infinities of both signs would warn, and so would `dot` of what overflows.
         if not math.isfinite(np.vdot(a, a)):
             raise _singular(q)
-        return a
+        return self._refined(q, v, a, armature) if self._refines else a
+
+    def _refined(
+        self, q: FloatArray, v: FloatArray, a: FloatArray, armature: FloatArray
+    ) -> FloatArray:
+        """Accelerations without what round-off leaves of the closures in them.
+
+        One step of iterative refinement, a - M^-1 G' (G M^-1 G')^-1 (G a + G_dot v): a light body
+        moves as the heavy ones let it, which their accelerations tell better than its forces.
+        """
+        model, data = self._plain, self._plain_data
+        _, jacobians = self.closures(q)
+        masses = np.empty((len(q), self.nv, self.nv))
+        residuals = np.empty((len(q), self.closure_rows, 1))
+        for row, mass, residual in zip(range(len(q)), masses, residuals, strict=True):
+            mass[:] = pin.crba(model, data, q[row])
+            pin.forwardKinematics(model, data, q[row], v[row], a[row])
+            for place, (frame_a, frame_b) in enumerate(self._ends_of_closures):
+                frame = model.frames[frame_a]
+                axes = data.oMi[frame.parentJoint].rotation @ frame.placement.rotation
+                apart = _acceleration(model, data, frame_a) - _acceleration(model, data, frame_b)
+                residual[2 * place : 2 * place + 2, 0] = (apart @ axes)[[0, 2]]
+        upper = np.triu(masses)
+        masses = upper + np.swapaxes(np.triu(upper, 1), 1, 2)
+        places = np.arange(self.nv)
+        masses[:, places, places] += armature
+        try:
+            response = np.linalg.solve(masses, np.swapaxes(jacobians, 1, 2))
+            impulses = np.linalg.solve(jacobians @ response, residuals)
+        except np.linalg.LinAlgError as error:
+            raise _singular(q) from error
+        return np.asarray(a - (response @ impulses)[:, :, 0])
+
+    def _lightest(self, sizes: FloatArray) -> float:
+        """Smallest mass with which a coordinate resists in the touch configuration [kg].
+
+        Args:
+            sizes: Metres by which a unit of each coordinate moves its link, shape (nv,).
+        """
+        try:
+            inverse = np.linalg.inv(self.mass_matrix(np.zeros(self.nv)))
+        except np.linalg.LinAlgError:
+            return 0.0
+        return float((1.0 / np.diag(inverse) / sizes**2).min(initial=np.inf))
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Generalised forces M a + h of the bare links (no armature), shape (N, nv)."""
@@ -343,6 +397,13 @@ class Multibody:
         """Add a force at a world point to the outer forces on the body behind a joint, in place."""
         acting = pin.SE3(np.eye(3), point).act(pin.Force(force, np.zeros(3)))
         outer[joint] = outer[joint] + self._plain_data.oMi[joint].actInv(acting)
+
+
+def _acceleration(model: pin.Model, data: pin.Data, frame: int) -> FloatArray:
+    """Acceleration of a frame's origin in world axes, shape (3,)."""
+    axes = pin.LOCAL_WORLD_ALIGNED
+    found: FloatArray = pin.getFrameClassicalAcceleration(model, data, frame, axes).linear
+    return found
 
 
 def _singular(q: FloatArray) -> SingularConfigurationError:
