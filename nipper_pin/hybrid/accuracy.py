@@ -24,7 +24,7 @@ from .let_go import release_error
 from .linear_maps import LinearMaps, pushing
 from .propagation import free_coordinates
 from .segment import Segment
-from .unresolved import round_off
+from .unresolved import of_closures, round_off
 
 _EPS = float(np.finfo(float).eps)
 # Round-off of rates that follow from drives and closures, and of the clock, relative.
@@ -113,7 +113,10 @@ def _flown(
 ) -> Deviations:
     """Deviations at the end of a segment from those at its start."""
     if segment.kinematic:
-        return _of_rates(segment.panels[-1].v[-1])
+        panel = segment.panels[-1]
+        q, v = panel.interpolate_at(segment.t_end)
+        opened = of_closures(system, panel, q, v)
+        return _of_rates(v).joined(Deviations(opened, np.zeros(opened.shape[1])))
     if segment.t_end <= segment.t_start:
         return deviations
     rows, first = system.constraint_set(segment.closed), segment.panels[0]
@@ -177,10 +180,9 @@ def _seen_late(system: System, known: LinearMaps, arrival: _Arrival, index: int)
     if segment is None or arrival.flown <= 0.0:
         return 0.0
     panel, wrong = segment.panels[-1], 0.0
-    if index in panel.split.dependent:
+    if panel.integrated and index in panel.split.dependent:
         wrong = float(round_off(system, panel, event.q[None])[index])
-        if panel.integrated:
-            wrong += float(known.position(panel)[index])
+        wrong += float(known.position(panel)[index])
     return _CLOCK * event.t + wrong / abs(float(event.v_before[index]))
 
 

@@ -23,6 +23,8 @@ _EASY_SWEEPS = 14
 # The error of sweep k behaves like (L h)^k / k!, so the first sweeps may gain little; later ones
 # that gain less than this show a panel too long for the iteration.
 _FREE_SWEEPS = 4
+# But none of them a change by this multiple of the motion, whose square and cube would follow.
+_DIVERGED = 1e9
 _WORST_CONTRACTION = 0.5
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
@@ -196,6 +198,8 @@ class _Picard:
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
+            if not change < _DIVERGED:
+                return False
             unknown[:] = new
             self.sweeps += 1
             # The first sweep of a grid shows what the one before did not hold.

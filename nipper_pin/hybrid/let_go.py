@@ -9,7 +9,7 @@ from ..dynamics.system import ConstraintSet, System
 from .deviations import Deviations
 from .panel import NEARBY, Panel, forces_at
 from .propagation import free_coordinates, tangents
-from .unresolved import round_off
+from .unresolved import of_closures
 
 _EPS = float(np.finfo(float).eps)
 # Part of a panel over which the slope of the force is taken.
@@ -46,9 +46,9 @@ def release_error(
     x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
     w = x * max(float(np.abs(v).max()), _TINY)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
-    none = np.zeros((nv, nv))
-    places = [np.diag(round_off(system, panel, q)), none, x * units, 0.0 * units]
-    rates = [none, np.diag(NEARBY * _EPS * np.abs(v[0])), x * turned, w * units]
+    opened = of_closures(system, panel, q[0], v[0]).T
+    places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
+    rates = [opened[:, nv:], np.diag(NEARBY * _EPS * np.abs(v[0])), x * turned, w * units]
     moved, moving = q + np.vstack(places), v + np.vstack(rates)
     _, jacobian = system.body.closures(moved)
     motion = system.shaft.driven(np.full(len(moved), t))

@@ -71,8 +71,10 @@ class LinearMaps:
         return self._flights[id(panel.q)]
 
     def position(self, panel: Panel) -> FloatArray:
-        """What each position of a flight panel that is known is left unresolved by, (nv,)."""
-        return self._flights[id(panel.q)].position
+        """What each position of a flight panel is left unresolved by, shape (nv,)."""
+        known = self._flights.get(id(panel.q))
+        # A segment that ends where a panel starts has had no use for it.
+        return np.zeros(self._system.body.nv) if known is None else known.position
 
     def impact(self, event: Event) -> ImpactMap:
         """An event with impulses at some of its stops."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import inverted
+from ..dynamics.assembly import close_velocities, inverted
 from ..dynamics.system import ConstraintSet, System
 from .collocation import nodes
 from .panel import Panel, defect, nearby
@@ -19,6 +19,8 @@ _EPS = float(np.finfo(float).eps)
 # True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances; with masses
 # that differ by 1e8 up to 11 times.
 _SAFETY = 8.0
+# Step of differences of positions [rad or m].
+_STEP = 1e-6
 # Round-off of a polynomial, in units of that of its largest term.
 _OPERATIONS = 4.0
 
@@ -31,6 +33,27 @@ def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
         _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
         lever[panel.split.columns] = np.abs(inverse).sum(axis=1)
     return np.asarray(8.0 * _EPS * system.body.reach_m * lever)
+
+
+def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> FloatArray:
+    """Deviations by round-off of each position, with the rates that closures have at that place.
+
+    Near a dead centre rates change with the square of what positions do.
+
+    Args:
+        system: The system.
+        panel: The panel that the state lies on.
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+
+    Returns:
+        (dq, dv), one column a position, shape (2 nv, nv).
+    """
+    sizes, nv = round_off(system, panel, q[None]), len(q)
+    rates = np.tile(v, (nv, 1))
+    _, jacobian = system.body.closures(q + _STEP * np.eye(nv))
+    turned = (close_velocities(rates, jacobian, panel.split) - v) / _STEP
+    return np.vstack([np.diag(sizes), turned.T * sizes])
 
 
 def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:

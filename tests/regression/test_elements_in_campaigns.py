@@ -4,7 +4,9 @@
 joint. "invalid value encountered in subtract": two tables on one joint, in an iteration that ran
 away. "energy that is left over: 4.66e-06, at most 3.82e-07" and "1.35e-05, at most 2.66e-06":
 points of a damper that pass each other closely, in flight and in a phase without freedom. "one
-phase needs more than 10000 panels": panels that had been short once stayed short.
+phase needs more than 10000 panels": panels that had been short once stayed short. Case 125 of seed
+251: "invalid value encountered in multiply": an iteration on a panel that is too long for a stiff
+strut grew by 1e16 with every sweep, to changes of 1e127 and rates that are infinite.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
-from nipper_pin import Case, ElementError, Window, simulate
+from nipper_pin import Case, DriveMode, ElementError, Resolution, Window, simulate
 from nipper_pin.study.stress.invariants import violations
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
@@ -53,6 +55,50 @@ def test_tables_that_an_iteration_leaves_far_behind() -> None:
         warnings.simplefilter("error")
         with pytest.raises(ElementError, match="add rows"):
             simulate(machine(parts, 1, springs=tables, gravity=9.81), replace(TURN, cycles=2))
+
+
+def test_iterations_that_diverge_end_before_they_overflow() -> None:
+    """A strut of 1e9 N/m and 9e4 N s/m between frame and the end of two links on a Scotch yoke.
+
+    Its first panel is a thousand times too long; warnings are errors here.
+    """
+    centre = 0.024085381177609794
+    parts = [
+        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank"),
+        frame("pin", "crank", (centre, 0.0)),
+        link("yoke", 1.5, 0.01), slide("yoke_x", "frame", "yoke", at=(centre, 0.0)),
+        frame("line", "yoke", (0.0, 0.0), 0.041150570266961894),
+        link("arm", 10.0, 0.5143929972553989, (-0.08462270260654017, -0.03981860968102241)),
+        hinge("arm", "yoke", "arm", (0.175373928131643, -0.13848149175702068)),
+        link("sled", 1.9825045124307892, 0.0903087568287331,
+             (0.030108024995285754, -0.1689056678566432)),
+        slide("sled", "arm", "sled", (0.41005253350244125, 0.9120619056666216),
+              (0.16245494610588473, -0.1490637210152893)),
+        frame("wall", "frame", (-0.1063306157700345, -0.16266237284509535)),
+        frame("eye", "sled", (-0.46650720116545713, 0.19731262754767562)),
+    ]  # fmt: skip
+    ends = {"frame_a": "wall", "frame_b": "eye"}
+    yoke = machine(
+        parts, 3,
+        drives={"shaft": {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+        closures={"slot": {"frame_a": "line", "frame_b": "pin", "slot_axis": "z",
+                           "block_mass_kg": 0.4329644866438884}},
+        springs={"arm": {"joint": "arm", "stiffness_N_m_per_rad": 199835.8162529677,
+                         "preload_deg": 5.731931159194118},
+                 "strut": {**ends, "stiffness_N_per_m": 1e9, "free_length_mm": 0.0}},
+        dampers={"strut": {**ends, "damping_N_s_per_m": 89050.64878889517}},
+        stops={
+            "lower": {"joint": "sled", "restitution": 0.635619226326166, "side": "lower",
+                      "at_mm": -0.0032803008814383614},
+            "arm": {"joint": "arm", "restitution": 1.0, "side": "lower",
+                    "at_deg": -0.0015318129110961408},
+        },
+    )  # fmt: skip
+    case = replace(TURN, speed_rpm=594.7886106682569, drive=DriveMode.INERTIAL, max_collisions=3,
+                   resolution=Resolution(tolerance=1e-9))  # fmt: skip
+    solution = simulate(yoke, case)
+    assert len(solution.collisions) == 3
+    assert solution.energy.relative < 1e-8
 
 
 @pytest.mark.parametrize("distance", [1e-3, 1e-5, 1e-7])
