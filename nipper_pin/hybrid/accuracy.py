@@ -11,24 +11,22 @@ past: only the round-off of its closures and of time is left.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import FloatArray
 from ..dynamics.system import System
 from .deviations import Deviations
 from .event import Event, EventKind
 from .let_go import release_error
-from .linear_maps import LinearMaps, pushing
-from .propagation import free_coordinates
+from .linear_maps import RATE, LinearMaps, of_rates, pushing
 from .segment import Segment
-from .unresolved import of_closures, round_off
+from .unresolved import round_off
 
 _EPS = float(np.finfo(float).eps)
-# Round-off of rates that follow from drives and closures, and of the clock, relative.
-_RATE, _CLOCK = 16.0 * _EPS, 2.0 * _EPS
+# Round-off of the clock, relative.
+_CLOCK = 2.0 * _EPS
 
 
 @dataclass(frozen=True)
@@ -44,6 +42,10 @@ class EventError:
     impulse: float
 
 
+# Where drives determine the motion, or nothing has happened yet.
+_FRESH = EventError(0.0, RATE)
+
+
 def event_errors(
     system: System, segments: Sequence[Segment], events: Sequence[Event]
 ) -> tuple[EventError, ...]:
@@ -56,35 +58,64 @@ def event_errors(
     """
     if not events:
         return ()
-    known = LinearMaps(system)
+    maps = LinearMaps(system)
     start = segments[0].panels[0].v[0] if segments else events[0].v_before
-    deviations, error = _of_rates(start), EventError(0.0, _RATE)
-    found, place, last = [], 0, None
+    state, place = _State(of_rates(start), _FRESH), 0
+    last: dict[int, _Step] = {}
+    found = []
     for event in events:
-        flown = 0.0
+        first = place
         # A rest lies beyond the end of the motion before it.
         while (
             event.kind is not EventKind.REST
             and place < len(segments)
             and segments[place].t_end <= event.t
         ):
-            last = segments[place]
+            if segments[place].kinematic:
+                state = _State(maps.end(segments[place]), _FRESH)
             place += 1
-            if last.kinematic:
-                error = EventError(0.0, _RATE)
-            flown += last.t_end - last.t_start
-            deviations = _flown(system, known, last, deviations)
-        arrival = _Arrival(event, last, flown, error)
-        if event.kind is EventKind.COLLISION:
-            deviations, error = _struck(system, known, arrival, deviations)
-            found.append(error)
-        elif event.kind is EventKind.REST:
-            deviations, stated = _rested(system, known, arrival, deviations)
-            found.append(stated)
-        else:
-            error = _released(system, arrival, deviations)
-            found.append(error)
+        step = last.get(id(event.delta))
+        if step is None or not step.starts_from(state):
+            arrival = _Arrival(event, segments[max(first - 1, 0) : place], place - first)
+            step = last[id(event.delta)] = _stepped(system, maps, state, arrival)
+        state = step.after
+        # What a copy is wrong by is what it is a copy of, and round-off of its time.
+        shifted = _CLOCK * (event.t - step.t)
+        found.append(replace(step.stated, time=step.stated.time + shifted))
     return tuple(found)
+
+
+class _State(NamedTuple):
+    """What is known after an event, or after motion that forgets what was before.
+
+    Attributes:
+        deviations: Of the motion, at the time of the event of each source.
+        error: Errors of the event.
+    """
+
+    deviations: Deviations
+    error: EventError
+
+
+class _Step(NamedTuple):
+    """An event with what was known before and after it: the same for all copies of a turn.
+
+    Attributes:
+        t: Time of the event [s].
+        before: What was known before it.
+        after: What is known after it.
+        stated: Its errors.
+    """
+
+    t: float
+    before: _State
+    after: _State
+    stated: EventError
+
+    def starts_from(self, state: _State) -> bool:
+        """True if this is what was known before."""
+        deviations, error = self.before
+        return deviations is state.deviations and error is state.error
 
 
 class _Arrival(NamedTuple):
@@ -92,73 +123,78 @@ class _Arrival(NamedTuple):
 
     Attributes:
         event: The event.
-        segment: The last segment before it; None if there is none.
-        flown: Time since the event before [s].
-        before: Errors of that event.
+        segments: The last segments before it.
+        new: How many of them there are since the event before.
     """
 
     event: Event
-    segment: Segment | None
-    flown: float
-    before: EventError
+    segments: Sequence[Segment]
+    new: int
+
+    @property
+    def last(self) -> Segment | None:
+        """The segment that ends there, if there is one."""
+        return self.segments[-1] if self.segments else None
+
+    @property
+    def since(self) -> Sequence[Segment]:
+        """The segments since the event before."""
+        return self.segments[len(self.segments) - self.new :]
+
+    @property
+    def flown(self) -> float:
+        """Time since the event before [s]."""
+        return sum(segment.t_end - segment.t_start for segment in self.since)
+
+    @property
+    def flights(self) -> list[Segment]:
+        """Flights of some length since the event before, or since a segment without freedom."""
+        found: list[Segment] = []
+        for segment in self.since:
+            if segment.kinematic:
+                found.clear()
+            elif segment.t_end > segment.t_start:
+                found.append(segment)
+        return found
 
 
-def _of_rates(v: FloatArray) -> Deviations:
-    """Round-off of rates that follow from drives and closures."""
-    return Deviations.independent(np.zeros_like(v), _RATE * np.abs(v))
-
-
-def _flown(
-    system: System, known: LinearMaps, segment: Segment, deviations: Deviations
-) -> Deviations:
-    """Deviations at the end of a segment from those at its start."""
-    if segment.kinematic:
-        panel = segment.panels[-1]
-        q, v = panel.interpolate_at(segment.t_end)
-        opened = of_closures(system, panel, q, v)
-        return _of_rates(v).joined(Deviations(opened, np.zeros(opened.shape[1])))
-    if segment.t_end <= segment.t_start:
-        return deviations
-    rows, first = system.constraint_set(segment.closed), segment.panels[0]
-    found = deviations.later(-deviations.late, np.concatenate([first.v[0], first.a[0]]))
-    touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
-    for panel, begin, end in segment.pieces():
-        free = free_coordinates(rows, panel.split)
-        loose = np.zeros(system.body.nv)
-        if panel is first:
-            # Where a gap has not just opened its start has the round-off of the closures.
-            loose[free] = round_off(system, panel, panel.q[:1])[free]
-            loose[touching] = 0.0
-        else:
-            # Where panels meet a gap has the round-off of its coordinate, however small it is.
-            loose[free] = _EPS * np.abs(panel.q[0, free])
-        flight = known.flight(rows, panel, end - begin)
-        own = Deviations(flight.own, np.zeros(flight.own.shape[1]))
-        found = found.joined(Deviations.independent(loose, np.zeros_like(loose)))
-        found = found.through(flight.matrix).joined(own).merged()
-    return found
+def _stepped(system: System, maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
+    """From one event to the next."""
+    event, (deviations, error) = arrival.event, before
+    for segment in arrival.flights:
+        flight = maps.flight(segment)
+        deviations = deviations.later(-deviations.late, flight.rates)
+        deviations = deviations.through(flight.matrix).joined(flight.own).merged()
+    arrived = _State(deviations, error)
+    if event.kind is EventKind.REST:
+        deviations, stated = _rested(system, maps, arrived, arrival)
+        return _Step(event.t, before, _State(deviations, error), stated)
+    if event.kind is EventKind.COLLISION:
+        deviations, error = _struck(system, maps, arrived, arrival)
+    else:
+        error = _released(system, arrived, arrival)
+    return _Step(event.t, before, _State(deviations, error), error)
 
 
 def _struck(
-    system: System, known: LinearMaps, arrival: _Arrival, deviations: Deviations
+    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
 ) -> tuple[Deviations, EventError]:
     """Deviations after a collision and its errors, from the deviations before it."""
-    event, nv = arrival.event, system.body.nv
+    event, nv, flown = arrival.event, system.body.nv, arrival.flown
     index = system.mechanism.stop(event.stops[0]).index
     rate = float(event.v_before[index])
     if rate == 0.0:
-        return deviations, arrival.before
-    impact = known.impact(event)
+        return before.deviations, before.error
+    impact = maps.impact(event)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
-    most = arrival.before.time + arrival.flown
-    late = -deviations.states[index] / rate
+    most = before.error.time + flown
+    late = -before.deviations.states[index] / rate
     total = float(np.abs(late).sum())
     if total > most:
         late *= most / total
-    rates = np.concatenate([event.v_before, impact.a])
-    seen = min(_seen_late(system, known, arrival, index), most)
-    found = deviations.later(late, rates)
-    found = found.joined(Deviations((seen * rates)[:, None], np.array([seen])))
+    seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
+    found = before.deviations.later(late, impact.rates)
+    found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen])))
     time = float(np.abs(found.late).sum())
     found = found.within(index, 0.0)
     relative = found.size(nv + index) / abs(rate)
@@ -166,50 +202,44 @@ def _struck(
     if stops := pushing(system, event):
         pushed = np.abs(impact.pushes @ found.states).sum(axis=1)
         relative = max(relative, float(pushed[0]) / abs(event.P_N[stops[0].name])) + impact.lost
-        # The law itself determines the rates of the stops that are struck.
-        rough = impact.lost * np.abs(event.delta)
-        rough[[stop.index for stop in stops]] = 0.0
-        loose = Deviations.independent(np.zeros_like(rough), rough)
-        found = found.through(impact.matrix).joined(loose)
+        found = found.through(impact.matrix).joined(impact.own)
     return found.merged(), EventError(time, min(relative, 1.0))
 
 
-def _seen_late(system: System, known: LinearMaps, arrival: _Arrival, index: int) -> float:
+def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
     """By how much a gap is seen to close late: round-off of time, and of a dependent gap [s]."""
-    event, segment = arrival.event, arrival.segment
-    if segment is None or arrival.flown <= 0.0:
-        return 0.0
-    panel, wrong = segment.panels[-1], 0.0
-    if panel.integrated and index in panel.split.dependent:
-        wrong = float(round_off(system, panel, event.q[None])[index])
-        wrong += float(known.position(panel)[index])
+    event, segment, wrong = arrival.event, arrival.segments[-1], 0.0
+    split = segment.panels[-1].split
+    if not segment.kinematic and index in split.dependent:
+        wrong = float(round_off(system, split, event.q)[index])
+        wrong += float(maps.flight(segment).position[index])
     return _CLOCK * event.t + wrong / abs(float(event.v_before[index]))
 
 
 def _rested(
-    system: System, known: LinearMaps, arrival: _Arrival, deviations: Deviations
+    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
 ) -> tuple[Deviations, EventError]:
     """Deviations after a rest and its errors, from the deviations after the last collision."""
-    event, late = arrival.event, deviations.late
+    event, deviations, late = arrival.event, before.deviations, before.deviations.late
     index = system.mechanism.stop(event.stops[0]).index
     rate = float(event.v_before[index])
     if rate != 0.0 and pushing(system, event):
         # What is left of the series lasts in proportion to its rate.
-        beyond = event.t - (arrival.segment.t_end if arrival.segment is not None else 0.0)
+        beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
         late = late + beyond * deviations.states[system.body.nv + index] / rate
-        deviations = deviations.through(known.impact(event).matrix).merged()
+        deviations = deviations.through(maps.impact(event).matrix).merged()
     time = float(np.abs(late).sum()) + event.series_error
-    return deviations, EventError(time, arrival.before.impulse)
+    return deviations, EventError(time, before.error.impulse)
 
 
-def _released(system: System, arrival: _Arrival, deviations: Deviations) -> EventError:
+def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
     """Errors of a release, from the deviations there; it changes none of them."""
-    event, segment = arrival.event, arrival.segment
-    if segment is None or arrival.flown <= 0.0:
-        return arrival.before
+    event, segment, flown = arrival.event, arrival.last, arrival.flown
+    if segment is None or flown <= 0.0:
+        return before.error
     rows = system.constraint_set(segment.closed)
     index = system.mechanism.stop(event.stops[0]).index
     if index not in rows.stops:
-        return arrival.before
-    late = release_error(system, rows, segment.panels[-1], event.t, deviations, index)
-    return EventError(min(late, arrival.flown) + _CLOCK * event.t, arrival.before.impulse)
+        return before.error
+    late = release_error(system, rows, segment.panels[-1], event.t, before.deviations, index)
+    return EventError(min(late, flown) + _CLOCK * event.t, before.error.impulse)

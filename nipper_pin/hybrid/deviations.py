@@ -38,23 +38,30 @@ class Deviations:
     late: FloatArray
 
     @classmethod
+    def of(cls, states: FloatArray) -> Deviations:
+        """Sources of deviations at one time, shape (2 nv, K); those that are nothing are none."""
+        counting = states[:, np.abs(states).any(axis=0)]
+        return cls(counting, np.zeros(counting.shape[1]))
+
+    @classmethod
     def independent(cls, q: FloatArray, v: FloatArray) -> Deviations:
         """Deviations of every position and every velocity of their own, each of shape (nv,)."""
-        states = np.diag(np.concatenate([q, v]))
-        return cls(states, np.zeros(len(states)))
+        return cls.of(np.diag(np.concatenate([q, v])))
 
     def through(self, matrix: FloatArray) -> Deviations:
         """Return them after a linear map of the states."""
         with np.errstate(over="ignore", invalid="ignore"):
-            states = np.nan_to_num(matrix @ self.states, nan=NOTHING_KNOWN)
-        return Deviations(np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN), self.late)
+            states = matrix @ self.states
+            if not np.vdot(states, states) < NOTHING_KNOWN**2:
+                states = np.nan_to_num(states, nan=NOTHING_KNOWN)
+                states = np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN)
+        return Deviations(states, self.late)
 
     def joined(self, other: Deviations) -> Deviations:
         """Return the sum of two sets whose sources are independent."""
-        counts = np.abs(other.states).any(axis=0) | (other.late != 0.0)
         return Deviations(
-            np.hstack([self.states, other.states[:, counts]]),
-            np.concatenate([self.late, other.late[counts]]),
+            np.concatenate([self.states, other.states], axis=1),
+            np.concatenate([self.late, other.late]),
         )
 
     def later(self, late: FloatArray, rates: FloatArray) -> Deviations:

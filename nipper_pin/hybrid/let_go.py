@@ -42,7 +42,7 @@ def release_error(
     slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step
     q, v, nv = q[1:], v[1:], system.body.nv
     free = free_coordinates(rows, panel.split) if panel.integrated else []
-    units, turned = (matrix[0].T for matrix in tangents(system, q, v, panel.split, free))
+    units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
     x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
     w = x * max(float(np.abs(v).max()), _TINY)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.

@@ -1,4 +1,7 @@
-"""The linear maps that carry deviations along one run: over panels and over impacts."""
+"""The linear maps that carry deviations along one run, over flights and over impacts.
+
+Neither depends on the deviations that come in, nor do those that a flight makes itself.
+"""
 
 from __future__ import annotations
 
@@ -8,30 +11,34 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.impact import impact_condition
-from ..dynamics.system import ConstraintSet, System
+from ..dynamics.system import System
 from ..errors import SingularConfigurationError
 from ..mechanism import Stop
-from .deviations import NOTHING_KNOWN
+from .deviations import NOTHING_KNOWN, Deviations
 from .event import Event, EventKind
-from .panel import Panel
 from .propagation import flight_map, free_coordinates
 from .saltation import impact_map
-from .unresolved import unresolved
+from .segment import Segment
+from .unresolved import independent_round_off, of_closures, unresolved
 
 _EPS = float(np.finfo(float).eps)
+RATE = 16.0 * _EPS
+"""Round-off of rates that follow from drives and closures, relative."""
 
 
 class FlightMap(NamedTuple):
-    """A panel of a flight.
+    """A flight, from one event to the next.
 
     Attributes:
         matrix: Carries deviations to its end, shape (2 nv, 2 nv).
-        own: Deviations there that it makes itself, one column each, shape (2 nv, 2 f).
-        position: What each position is left unresolved by, shape (nv,).
+        own: Deviations there that it makes itself.
+        rates: Velocities and accelerations at its start, shape (2 nv,).
+        position: What each position is left unresolved by on its last panel, shape (nv,).
     """
 
     matrix: FloatArray
-    own: FloatArray
+    own: Deviations
+    rates: FloatArray
     position: FloatArray
 
 
@@ -40,19 +47,21 @@ class ImpactMap(NamedTuple):
 
     Attributes:
         matrix: Carries deviations over it, shape (2 nv, 2 nv).
+        own: Deviations after it that it makes itself.
         pushes: Deviations of impulses by those before, shape (stops, 2 nv).
-        a: Acceleration before, shape (nv,).
+        rates: Velocities and accelerations before, shape (2 nv,).
         lost: Relative round-off: the digits that the impact matrix loses.
     """
 
     matrix: FloatArray
+    own: Deviations
     pushes: FloatArray
-    a: FloatArray
+    rates: FloatArray
     lost: float
 
 
 class LinearMaps:
-    """Maps of panels and impacts, each found once: copies of a turn share arrays, and maps.
+    """Maps of flights and impacts, each found once: copies of a turn share arrays, and maps.
 
     Args:
         system: The system.
@@ -62,19 +71,24 @@ class LinearMaps:
         """Begin with none."""
         self._system = system
         self._flights: dict[int, FlightMap] = {}
+        self._ends: dict[int, Deviations] = {}
         self._impacts: dict[int, ImpactMap] = {}
 
-    def flight(self, rows: ConstraintSet, panel: Panel, length: float) -> FlightMap:
-        """A panel of which this length belongs to a segment [s]."""
-        if id(panel.q) not in self._flights:
-            self._flights[id(panel.q)] = self._flight(rows, panel, length)
-        return self._flights[id(panel.q)]
+    def flight(self, segment: Segment) -> FlightMap:
+        """A segment with freedom, and of some length."""
+        key = id(segment.panels[0].q)
+        if key not in self._flights:
+            self._flights[key] = self._flight(segment)
+        return self._flights[key]
 
-    def position(self, panel: Panel) -> FloatArray:
-        """What each position of a flight panel is left unresolved by, shape (nv,)."""
-        known = self._flights.get(id(panel.q))
-        # A segment that ends where a panel starts has had no use for it.
-        return np.zeros(self._system.body.nv) if known is None else known.position
+    def end(self, segment: Segment) -> Deviations:
+        """Deviations at the end of a segment without freedom, which forgets those before."""
+        panel = segment.panels[-1]
+        if id(panel.q) not in self._ends:
+            q, v = panel.interpolate_at(segment.t_end)
+            opened = Deviations.of(of_closures(self._system, panel, q, v))
+            self._ends[id(panel.q)] = of_rates(v).joined(opened)
+        return self._ends[id(panel.q)]
 
     def impact(self, event: Event) -> ImpactMap:
         """An event with impulses at some of its stops."""
@@ -82,18 +96,36 @@ class LinearMaps:
             self._impacts[id(event.delta)] = self._impact(event)
         return self._impacts[id(event.delta)]
 
-    def _flight(self, rows: ConstraintSet, panel: Panel, length: float) -> FlightMap:
-        free = free_coordinates(rows, panel.split)
-        try:
-            matrix, lifted = flight_map(self._system, rows, panel, length)
-        except (SingularConfigurationError, np.linalg.LinAlgError):
-            # A motion that a step of 1e-6 takes to a dead centre is known by no derivative.
-            nv = self._system.body.nv
-            unknown = np.full((2 * nv, 1), NOTHING_KNOWN)
-            return FlightMap(np.zeros((2 * nv, 2 * nv)), unknown, unknown[:nv, 0])
-        position, velocity = unresolved(self._system, rows, panel)
-        own = lifted * np.concatenate([position[free], velocity[free]])
-        return FlightMap(matrix, own, position)
+    def _flight(self, segment: Segment) -> FlightMap:
+        system, rows = self._system, self._system.constraint_set(segment.closed)
+        first, nv = segment.panels[0], system.body.nv
+        touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
+        matrix, own = np.eye(2 * nv), Deviations.of(np.empty((2 * nv, 0)))
+        position = np.zeros(nv)
+        for panel, begin, end in segment.pieces():
+            free = free_coordinates(rows, panel.split)
+            loose = np.zeros(nv)
+            # Where panels meet a gap has the round-off of its coordinate, however small it is; at
+            # the start, where it has not just opened, that of the closures.
+            loose[free] = _EPS * np.abs(panel.q[0, free])
+            if panel is first:
+                loose[free] = independent_round_off(system)
+                loose[touching] = 0.0
+            own = own.joined(Deviations.independent(loose, np.zeros(nv)))
+            try:
+                carried, lifted = flight_map(system, rows, panel, end - begin)
+            except (SingularConfigurationError, np.linalg.LinAlgError):
+                # A motion that a step of 1e-6 takes to a dead centre is known by no derivative.
+                carried, lifted = np.zeros((2 * nv, 2 * nv)), np.full((2 * nv, 1), NOTHING_KNOWN)
+                made, position = lifted, lifted[:nv, 0]
+            else:
+                position, velocity = unresolved(system, rows, panel)
+                made = lifted * np.concatenate([position[free], velocity[free]])
+            with np.errstate(over="ignore", invalid="ignore"):
+                matrix = np.nan_to_num(carried @ matrix)
+            own = own.through(carried).joined(Deviations.of(made)).merged()
+        rates = np.concatenate([first.v[0], first.a[0]])
+        return FlightMap(np.clip(matrix, -NOTHING_KNOWN, NOTHING_KNOWN), own, rates, position)
 
     def _impact(self, event: Event) -> ImpactMap:
         system = self._system
@@ -110,8 +142,18 @@ class LinearMaps:
             matrix = np.full((size, size), NOTHING_KNOWN)
             pushes = matrix[: len(stops)]
         _, jacobian = system.body.closures(event.q[None])
-        condition = impact_condition(system, event.q, jacobian[0], [stop.index for stop in stops])
-        return ImpactMap(matrix, pushes, a, min(_EPS * condition, 1.0))
+        struck = [stop.index for stop in stops]
+        lost = min(_EPS * impact_condition(system, event.q, jacobian[0], struck), 1.0)
+        # The law itself determines the rates of the stops that are struck.
+        rough = lost * np.abs(event.delta)
+        rough[struck] = 0.0
+        own = Deviations.independent(np.zeros_like(rough), rough)
+        return ImpactMap(matrix, own, pushes, np.concatenate([event.v_before, a]), lost)
+
+
+def of_rates(v: FloatArray) -> Deviations:
+    """Round-off of rates that follow from drives and closures, shape (nv,)."""
+    return Deviations.independent(np.zeros_like(v), RATE * np.abs(v))
 
 
 def pushing(system: System, event: Event) -> list[Stop]:

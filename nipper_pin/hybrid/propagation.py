@@ -29,6 +29,24 @@ def free_coordinates(rows: ConstraintSet, split: Partition) -> list[int]:
     return [k for k in split.independent if rows.moving[k]]
 
 
+def lifts(jacobian: FloatArray, split: Partition, columns: list[int]) -> FloatArray:
+    """How all coordinates follow some independent ones, dq/dy, at N states.
+
+    Args:
+        jacobian: Closure Jacobians G, shape (N, m, nv).
+        split: Dependent and independent coordinates.
+        columns: The independent ones that count, K of them.
+
+    Returns:
+        Shape (K, N, nv): one after another.
+    """
+    shape = len(columns), len(jacobian), jacobian.shape[2]
+    units = np.zeros(shape)
+    units[range(len(columns)), :, columns] = 1.0
+    repeated = np.tile(jacobian, (len(columns), 1, 1))
+    return close_velocities(units.reshape(-1, shape[2]), repeated, split).reshape(shape)
+
+
 def tangents(
     system: System, q: FloatArray, v: FloatArray, split: Partition, columns: list[int]
 ) -> tuple[FloatArray, FloatArray]:
@@ -42,19 +60,14 @@ def tangents(
         columns: The independent ones that count, K of them.
 
     Returns:
-        dq/dy = dv/dy' and dv/dy at independent rates held, shapes (N, nv, K).
+        dq/dy = dv/dy' and dv/dy at independent rates held, shapes (K, N, nv).
     """
-    count, nv = q.shape
-    units = np.zeros((count, nv, len(columns)))
-    units[:, columns, range(len(columns))] = 1.0
-    turned = np.zeros_like(units)
-    _, jacobian = system.body.closures(q)
-    for k in range(len(columns)):
-        units[:, :, k] = close_velocities(units[:, :, k], jacobian, split)
-        step = _STEP / max(float(np.abs(units[:, :, k]).max()), 1.0)
-        _, moved = system.body.closures(q + step * units[:, :, k])
-        turned[:, :, k] = (close_velocities(v, moved, split) - v) / step
-    return units, turned
+    units = lifts(system.body.closures(q)[1], split, columns)
+    step = _STEP / np.maximum(np.abs(units).max(axis=(1, 2), keepdims=True, initial=0.0), 1.0)
+    moved = (q + step * units).reshape(-1, q.shape[1])
+    rates = np.tile(v, (len(columns), 1))
+    followed = close_velocities(rates, system.body.closures(moved)[1], split)
+    return units, (followed - rates).reshape(units.shape) / step
 
 
 def flight_map(
@@ -82,14 +95,14 @@ def flight_map(
     flat = accelerations.reshape(panel.order, -1)
     integrals = evaluate_motion(flat, np.array([length / panel.h]))
     twice, once = (integral.reshape(f, 2 * f) for integral in integrals)
-    unit = np.eye(f)
-    found = np.block([[unit, length * unit], [np.zeros((f, f)), unit]])
+    one = np.eye(f)
+    found = np.block([[one, length * one], [np.zeros((f, f)), one]])
     found += np.vstack([panel.h**2 * twice, panel.h * once])
     q, v = panel.interpolate(np.array([panel.t + length]))
-    units, turned = tangents(system, q, v, panel.split, free)
+    unit, turn = (matrix[:, 0].T for matrix in tangents(system, q, v, panel.split, free))
     nv = system.body.nv
     whole = np.zeros((2 * nv, 2 * nv))
-    lifted = np.block([[units[0], np.zeros((nv, f))], [turned[0], units[0]]])
+    lifted = np.block([[unit, np.zeros((nv, f))], [turn, unit]])
     whole[:, [*free, *(nv + k for k in free)]] = lifted @ found
     return whole, lifted
 
@@ -98,18 +111,18 @@ def _slopes(
     system: System, rows: ConstraintSet, panel: Panel, free: list[int]
 ) -> tuple[FloatArray, FloatArray]:
     """A and B at the nodes of a panel, each of shape (N, f, f) [1/s^2, 1/s]."""
-    count, f = panel.order, len(free)
+    count, f, nv = panel.order, len(free), system.body.nv
     units, turned = tangents(system, panel.q, panel.v, panel.split, free)
-    x = _STEP / np.maximum(np.abs(units).max(axis=(0, 1)), 1.0)
+    x = _STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
     w = x * max(float(np.abs(panel.v).max()), _TINY)
-    aside = [panel.q + x[k] * units[:, :, k] for k in range(f)]
-    hurried = [panel.v + x[k] * turned[:, :, k] for k in range(f)]
-    hurried += [panel.v + w[k] * units[:, :, k] for k in range(f)]
-    q = np.concatenate([panel.q, *aside, *(panel.q for _ in range(f))])
-    v = np.concatenate([panel.v, *hurried])
+    aside, hurried = x[:, None, None] * units, w[:, None, None] * units
+    still = np.zeros((1, count, nv))
+    q = panel.q + np.concatenate([still, aside, 0.0 * units])
+    v = panel.v + np.concatenate([still, x[:, None, None] * turned, hurried])
     # One call for all; the forces of the drives are those of the nodes.
     forcing = np.tile(system.forcing(system.shaft.driven(panel.times), rows), (2 * f + 1, 1))
-    a = system.respond(forcing, q, v, rows)[:, free].reshape(2 * f + 1, count, f)
+    a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), rows)
+    a = a[:, free].reshape(2 * f + 1, count, f)
     differences = np.moveaxis(a[1:] - a[0], 0, 2)
     return differences[:, :, :f] / x, differences[:, :, f:] / w
 

@@ -17,7 +17,7 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition
 from ..dynamics.system import System
 from ..mechanism import Stop
-from .propagation import tangents
+from .propagation import lifts, tangents
 
 # Step of the differences of configurations [rad or m].
 _STEP = 1e-6
@@ -51,11 +51,10 @@ def impact_map(
     columns = tuple(stop.index for stop in struck)
     split = system.split(jacobian[0], system.held_coordinates, columns)
     whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
-    units, turned = (
-        matrix[0] for matrix in tangents(system, q[None], v[None], split, list(split.independent))
-    )
+    y = list(split.independent)
+    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
     law, impulses = _law(system, q, split, struck, restitution)
-    for k, unit, turn in zip(split.independent, units.T, turned.T, strict=True):
+    for k, unit, turn in zip(y, units, turned, strict=True):
         step = _STEP / max(float(np.abs(unit).max()), 1.0)
         aside, neighbour = q + step * unit, v + step * turn
         there, pushed = _law(system, aside, split, struck, restitution)
@@ -77,7 +76,7 @@ def _law(
     """Velocity after and impulses of the stops by the velocity before, (nv, nv), (struck, nv)."""
     nv = system.body.nv
     free = [k for k in split.independent if k not in system.held_coordinates]
-    units = tangents(system, q[None], np.zeros((1, nv)), split, free)[0][0]
+    units = lifts(system.body.closures(q[None])[1], split, free)[:, 0].T
     mass = system.body.mass_matrix(q)
     if not system.held:
         mass[np.diag_indices(nv)] += system.drive_armature
@@ -86,5 +85,5 @@ def _law(
     rows = gaps @ units
     response = np.linalg.solve(units.T @ mass @ units, rows.T)
     wanted = -(1.0 + np.array(restitution))[:, None] * gaps
-    impulses = np.linalg.solve(rows @ response, wanted)
+    impulses = np.asarray(np.linalg.solve(rows @ response, wanted), dtype=np.float64)
     return np.eye(nv) + units @ response @ impulses, impulses

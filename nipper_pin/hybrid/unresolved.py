@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import close_velocities, inverted
+from ..dynamics.assembly import Partition, close_velocities, inverted
 from ..dynamics.system import ConstraintSet, System
 from .collocation import nodes
 from .panel import Panel, defect, nearby
@@ -25,14 +25,19 @@ _STEP = 1e-6
 _OPERATIONS = 4.0
 
 
-def round_off(system: System, panel: Panel, q: FloatArray) -> FloatArray:
+def independent_round_off(system: System) -> float:
+    """Round-off of an independent position [rad or m], of the size that closures have."""
+    return 8.0 * _EPS * system.body.reach_m
+
+
+def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
     """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
-    lever = np.ones(q.shape[1])
-    if panel.split.dependent:
-        _, jacobian = system.body.closures(q)
-        _, inverse = inverted(jacobian[0].take(panel.split.columns, 1))
-        lever[panel.split.columns] = np.abs(inverse).sum(axis=1)
-    return np.asarray(8.0 * _EPS * system.body.reach_m * lever)
+    lever = np.ones(len(q))
+    if split.dependent:
+        _, jacobian = system.body.closures(q[None])
+        _, inverse = inverted(jacobian[0].take(split.columns, 1))
+        lever[split.columns] = np.abs(inverse).sum(axis=1)
+    return np.asarray(independent_round_off(system) * lever)
 
 
 def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> FloatArray:
@@ -49,7 +54,7 @@ def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> F
     Returns:
         (dq, dv), one column a position, shape (2 nv, nv).
     """
-    sizes, nv = round_off(system, panel, q[None]), len(q)
+    sizes, nv = round_off(system, panel.split, q), len(q)
     rates = np.tile(v, (nv, 1))
     _, jacobian = system.body.closures(q + _STEP * np.eye(nv))
     turned = (close_velocities(rates, jacobian, panel.split) - v) / _STEP

@@ -91,9 +91,7 @@ def _derivatives(solution: Solution, name: str) -> list[tuple[float, float]]:
             found = found.later(late, np.concatenate([event.v_before, a]))
             assert found.states[stop.index] == pytest.approx([0.0], abs=1e-12)
         stop = mechanism.stop(event.stops[0])
-        matrix, pushes = impact_map(
-            system, event.q, event.v_before, [stop], [stop.restitution]
-        )
+        matrix, pushes = impact_map(system, event.q, event.v_before, [stop], [stop.restitution])
         impulse = float((pushes @ found.states)[0, 0])
         found = found.through(matrix)
         if stop.name == name:

@@ -252,7 +252,7 @@ def _continuity(solution: Solution) -> Iterator[str]:
         ]
         moved = np.abs(before.q).max() + np.abs(after.q).max()
         # Near a dead centre closures leave positions open by more than round-off.
-        open_by = float(round_off(solution.system, before, states[0][None]).max())
+        open_by = float(round_off(solution.system, before.split, states[0]).max())
         yield from beyond(f"jump at {end:.9g} s [rad or m]", _most(states[1] - states[0]),
                            10.0 * tolerance * float(moved) + 8.0 * open_by + 1e-11)  # fmt: skip
 
