@@ -27,6 +27,9 @@ from .element_invariants import elements, flights
 from .impact_invariants import impulses
 from .looking import EPS, EVENTS, beyond, looked_at, some
 
+# Share of its largest force that the equation of a coordinate may be off by.
+_BALANCED = 1e-8
+
 
 @dataclass(frozen=True)
 class Violation:
@@ -225,8 +228,12 @@ def _forces(
         numbers = coefficients(solution.mechanism, held=False)
         angles = np.abs(state[0][:, system.driven]).max(initial=0.0)
         size += 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
+    # The moment of a weight next to the vertical is a difference, and has the weight's round-off.
+    model = solution.mechanism.model
+    weight = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
+    size += 4.0 * EPS / _BALANCED * weight * max(system.body.reach_m, 1.0)
     share = np.abs(left).max(axis=1) / size.max(axis=1)
-    yield from beyond(f"{where}: equations of motion [share]", float(share.max()), 1e-8)
+    yield from beyond(f"{where}: equations of motion [share]", float(share.max()), _BALANCED)
     if rows.stops:
         # The pull of a strut is one of a difference of lengths, and has their round-off.
         reach = system.body.reach_m
