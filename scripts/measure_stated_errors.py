@@ -1,43 +1,98 @@
-"""True over stated error of random transitions of the E62-class model.
+"""True over stated error: random transitions of the E62-class model, and random chains.
 
     python scripts/measure_stated_errors.py
 
 The truth is a run at a tolerance of 1e-13; its own stated error is added to the one that is judged.
+Chains have up to five freedoms, with and without loops, and up to four stops (those of the stress
+campaign); their events are compared as long as both runs have the same ones and know them.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from nipper_pin import Case, EventKind, Resolution, Solution, load, simulate
+from nipper_pin import Case, EventKind, Mechanism, Resolution, Solution, load, simulate
 from nipper_pin.errors import NipperError
+from nipper_pin.study.stress.space import FAMILIES, trial
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11)
 _TRUTH = 1e-13
+_CHAINS = "chain", "two stops"
+# Longer runs are left out: they take as long as all the others.
+_MOST_PANELS = 2000
 
 
-def _solution(rpm: float, restitution: float, tolerance: float) -> Solution:
-    model = load("e62", {"stops.jaw.restitution": restitution})
-    return simulate(model, Case(speed_rpm=rpm, resolution=Resolution(tolerance=tolerance)))
+def transitions(count: int, seed: int) -> Iterator[tuple[Mechanism, Case]]:
+    """Random transitions of the E62-class model."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        restitution, rpm = random.uniform(0.02, 0.6), random.uniform(500.0, 800.0)
+        yield load("e62", {"stops.jaw.restitution": restitution}), Case(speed_rpm=rpm)
 
 
-def ratios(truth: Solution, judged: Solution) -> dict[str, list[float]]:
-    """True over stated errors of the events that both solutions have."""
+def chains(count: int, seed: int) -> Iterator[tuple[Mechanism, Case]]:
+    """Random chains with several freedoms."""
+    places = [place for place, name in enumerate(FAMILIES) if name in _CHAINS]
+    for number in range(count):
+        turn, place = divmod(number, len(places))
+        item = trial(seed, turn * len(FAMILIES) + places[place])
+        arguments = {key: value for key, value in item.case.items() if key != "resolution"}
+        try:
+            yield item.mechanism(), Case(**arguments)
+        except NipperError:
+            continue
+
+
+def ratios(truth: Solution, judged: Solution, ends: bool) -> dict[str, list[float]]:
+    """True over stated errors of the collisions that both solutions have, and of rests at the end.
+
+    The number of collisions before a rest depends on the tolerance.
+    """
     found: dict[str, list[float]] = {"time of a collision": [], "impulse": [], "time of rest": []}
     pairs = zip(truth.events, judged.events, truth.errors, judged.errors, strict=False)
     for exact, event, exact_error, error in pairs:
-        if event.kind is not EventKind.COLLISION or exact.kind is not EventKind.COLLISION:
+        known = max(error.impulse, exact_error.impulse) < 1.0
+        if not known or (exact.kind, exact.stops) != (event.kind, event.stops):
             break
-        if exact.t > 0.0:  # The first collision is the start: its time has no error.
+        if event.kind is not EventKind.COLLISION:
+            continue
+        if exact.t > 0.0:  # The first collision may be the start: its time has no error.
             slack = error.time + exact_error.time
             found["time of a collision"].append(abs(event.t - exact.t) / slack)
         stop = event.stops[0]
-        relative = abs(event.P_N[stop] / exact.P_N[stop] - 1.0)
-        found["impulse"].append(relative / (error.impulse + exact_error.impulse))
-    slack = judged.errors[-1].time + truth.errors[-1].time
-    found["time of rest"].append(abs(judged.events[-1].t - truth.events[-1].t) / slack)
+        if event.P_N[stop] > 0.0:
+            relative = abs(event.P_N[stop] / exact.P_N[stop] - 1.0)
+            found["impulse"].append(relative / (error.impulse + exact_error.impulse))
+    if ends:
+        slack = judged.errors[-1].time + truth.errors[-1].time
+        found["time of rest"].append(abs(judged.events[-1].t - truth.events[-1].t) / slack)
+    return found
+
+
+def measured(
+    cases: Iterable[tuple[Mechanism, Case]], ends: bool
+) -> dict[tuple[str, float], list[float]]:
+    """True over stated errors of all cases; of those alone that end at rest, if so asked."""
+    found: dict[tuple[str, float], list[float]] = {}
+    for mechanism, case in cases:
+        runs: list[Solution] = []
+        try:
+            for tolerance in (_TRUTH, *_TOLERANCES):
+                resolution = Resolution(tolerance=tolerance)
+                runs.append(simulate(mechanism, replace(case, resolution=resolution)))
+                if sum(len(segment.panels) for segment in runs[0].segments) > _MOST_PANELS:
+                    break
+        except NipperError:
+            continue
+        truth, *judged = runs
+        for tolerance, solution in zip(_TOLERANCES, judged, strict=False):
+            if not ends or solution.events[-1].kind is truth.events[-1].kind is EventKind.REST:
+                for what, values in ratios(truth, solution, ends).items():
+                    found.setdefault((what, tolerance), []).extend(values)
     return found
 
 
@@ -47,30 +102,22 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=250)
     parser.add_argument("--seed", type=int, default=5)
     arguments = parser.parse_args()
-    random = np.random.default_rng(arguments.seed)
-    found: dict[tuple[str, float], list[float]] = {}
-    for _ in range(arguments.cases):
-        restitution, rpm = random.uniform(0.02, 0.6), random.uniform(500.0, 800.0)
-        try:
-            truth = _solution(rpm, restitution, _TRUTH)
-        except NipperError:
-            continue
-        if truth.events[-1].kind is not EventKind.REST:
-            continue
-        for tolerance in _TOLERANCES:
-            judged = _solution(rpm, restitution, tolerance)
-            if judged.events[-1].kind is EventKind.REST:
-                for what, values in ratios(truth, judged).items():
-                    found.setdefault((what, tolerance), []).extend(values)
-    columns = "".join(
-        f"{name:>10}" for name in ("tolerance", "number", "5 %", "median", "95 %", "most")
-    )
-    print(f"{'what':<22}{columns}")
-    for (what, tolerance), values in sorted(found.items()):
-        numbers = "".join(
-            f"{x:>10.2g}" for x in (*np.quantile(values, (0.05, 0.5, 0.95)), max(values))
+    count, seed = arguments.cases, arguments.seed
+    for title, cases, ends in (
+        ("transitions of the E62-class model", transitions(count, seed), True),
+        ("chains", chains(count, seed), False),
+    ):
+        columns = "".join(
+            f"{name:>10}" for name in ("tolerance", "number", "5 %", "median", "95 %", "most")
         )
-        print(f"{what:<22}{tolerance:>10.0e}{len(values):>10}{numbers}")
+        print(f"{title}\n{'what':<22}{columns}")
+        for (what, tolerance), values in sorted(measured(cases, ends).items()):
+            if not values:
+                continue
+            numbers = "".join(
+                f"{x:>10.2g}" for x in (*np.quantile(values, (0.05, 0.5, 0.95)), max(values))
+            )
+            print(f"{what:<22}{tolerance:>10.0e}{len(values):>10}{numbers}")
 
 
 if __name__ == "__main__":
