@@ -6,7 +6,8 @@ factor between -1 and 1. Maps act on the columns with their signs; only where an
 their sizes added. Small columns are merged along the principal directions of their sum, which makes
 the set a little larger and never smaller.
 
-Source: M. Althoff, O. Stursberg, M. Buss, Nonlinear Analysis: Hybrid Systems 4 (2010) 233.
+Source: A.-K. Kopetzki, B. Schuermann, M. Althoff, Methods for Order Reduction of Zonotopes, IEEE
+Conference on Decision and Control 2017.
 """
 
 from __future__ import annotations

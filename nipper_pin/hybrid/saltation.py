@@ -4,7 +4,8 @@ A neighbouring motion strikes later by dt, at another place and with other rates
 deviates by (dq + v- dt, dv + a- dt); the impact law carries that over to the rates after, and back
 at the time of the collision it deviates by that less (v+, a+) dt.
 
-Source: M. A. Aizerman and F. R. Gantmakher, Q. J. Mech. Appl. Math. 11 (1958) 225.
+Source: N. J. Kong, J. J. Payne, J. Zhu, A. M. Johnson, Saltation Matrices: The Essential Tool for
+Linearizing Hybrid Dynamical Systems, arXiv 2306.06862.
 """
 
 from __future__ import annotations

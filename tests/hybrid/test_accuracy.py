@@ -81,3 +81,27 @@ def test_the_error_of_a_release_is_that_of_the_force_over_its_slope() -> None:
         stated.append(solution.errors[number - 1].time)
     assert max(times) - min(times) <= 2.0 * max(stated)
     assert 0.0 < max(stated) < 1e-12 * max(times)
+
+
+def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
+    """Four turns, of which three are copies, and the same ones computed.
+
+    A copy has the impulses of the turn it shows, and its times but for round-off of the sum. A turn
+    that is computed later is judged for itself; the round-off of later times makes it a little
+    worse, up to eight times where bounces become as short as that.
+    """
+    model = load("e62")
+    copied, computed = (
+        simulate(model, Case(speed_rpm=450.0, window=Window.CYCLE, cycles=4, reuse_cycles=reuse))
+        for reuse in (True, False)
+    )
+    assert copied.repeated_from == 1
+    assert computed.repeated_from is None
+    count = len(copied.events) // 4
+    assert len(copied.errors) == len(computed.errors) == 4 * count > 40
+    for number, (one, two) in enumerate(zip(copied.errors, computed.errors, strict=True)):
+        first, event = copied.errors[number % count], copied.events[number]
+        assert one.impulse == first.impulse
+        assert first.time <= one.time <= first.time + 1e-15 * event.t
+        assert 0.99 * one.time <= two.time <= 1.2 * one.time
+        assert 0.99 * one.impulse <= two.impulse <= 8.0 * one.impulse
