@@ -72,6 +72,7 @@ class Multibody:
         self._link_ids = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
         self._plain = pin.Model(mechanism.model)
         self._plain_data = self._plain.createData()
+        self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))
         self._flight = pin.Model(mechanism.model)
         self._flight_data = self._flight.createData()
         self._impact = pin.Model(mechanism.model)
@@ -189,30 +190,40 @@ class Multibody:
         # A sum of infinities of both signs would warn, and so would `dot` of what overflows.
         if not math.isfinite(np.vdot(a, a)):
             raise _singular(q)
-        return self._refined(q, v, a, armature) if self._refines else a
+        return self.refined(q, v, a, armature) if self._refines else a
 
-    def _refined(
+    def refined(
         self, q: FloatArray, v: FloatArray, a: FloatArray, armature: FloatArray
     ) -> FloatArray:
         """Accelerations without what round-off leaves of the closures in them.
 
         One step of iterative refinement, a - M^-1 G' (G M^-1 G')^-1 (G a + G_dot v): a light body
-        moves as the heavy ones let it, which their accelerations tell better than its forces.
+        moves as the heavy ones let it, which their accelerations tell better than its forces. Of
+        machines with light bodies :meth:`accelerations` does so itself.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities that satisfy G v = 0, shape (N, nv).
+            a: Accelerations, shape (N, nv).
+            armature: Inertia added to each joint, shape (nv,).
+
+        Returns:
+            a, shape (N, nv).
+
+        Raises:
+            SingularConfigurationError: The closures lose rank.
         """
         model, data = self._plain, self._plain_data
         _, jacobians = self.closures(q)
-        masses = np.empty((len(q), self.nv, self.nv))
         residuals = np.empty((len(q), self.closure_rows, 1))
-        for row, mass, residual in zip(range(len(q)), masses, residuals, strict=True):
-            mass[:] = pin.crba(model, data, q[row])
+        for row, residual in enumerate(residuals):
             pin.forwardKinematics(model, data, q[row], v[row], a[row])
             for place, (frame_a, frame_b) in enumerate(self._ends_of_closures):
                 frame = model.frames[frame_a]
                 axes = data.oMi[frame.parentJoint].rotation @ frame.placement.rotation
                 apart = _acceleration(model, data, frame_a) - _acceleration(model, data, frame_b)
                 residual[2 * place : 2 * place + 2, 0] = (apart @ axes)[[0, 2]]
-        upper = np.triu(masses)
-        masses = upper + np.swapaxes(np.triu(upper, 1), 1, 2)
+        masses = self.mass_matrices(q)
         places = np.arange(self.nv)
         masses[:, places, places] += armature
         try:
@@ -264,8 +275,16 @@ class Multibody:
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Mass matrix M of the bare links at one configuration, shape (nv, nv)."""
-        upper = np.triu(pin.crba(self._plain, self._plain_data, q))
-        return np.asarray(upper + np.triu(upper, 1).T)
+        matrix: FloatArray = self.mass_matrices(q[None])[0]
+        return matrix
+
+    def mass_matrices(self, q: FloatArray) -> FloatArray:
+        """Mass matrices M of the bare links, shape (N, nv, nv)."""
+        matrices = np.empty((len(q), self.nv, self.nv))
+        for row, matrix in zip(q, matrices, strict=True):
+            matrix[:] = pin.crba(self._plain, self._plain_data, row)
+        # What lies below the diagonal is not filled in.
+        return np.where(self._upper, matrices, np.swapaxes(matrices, 1, 2))
 
     def kinetic_energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Kinetic energy of the links [J], shape (N,)."""

@@ -89,30 +89,34 @@ def flight_map(
         SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
     free = free_coordinates(rows, panel.split)
-    slopes = _slopes(system, rows, panel, free)
-    accelerations = _variations(slopes, panel.h)
-    f = len(free)
-    flat = accelerations.reshape(panel.order, -1)
+    end = panel.interpolate(np.array([panel.t + length]))
+    q, v = (np.vstack(pair) for pair in zip((panel.q, panel.v), end, strict=True))
+    units, turned = tangents(system, q, v, panel.split, free)
+    slopes = _slopes(system, rows, panel, free, (units[:, :-1], turned[:, :-1]))
+    flat = _variations(slopes, panel.h).reshape(panel.order, -1)
+    f, nv = len(free), system.body.nv
     integrals = evaluate_motion(flat, np.array([length / panel.h]))
     twice, once = (integral.reshape(f, 2 * f) for integral in integrals)
     one = np.eye(f)
     found = np.block([[one, length * one], [np.zeros((f, f)), one]])
     found += np.vstack([panel.h**2 * twice, panel.h * once])
-    q, v = panel.interpolate(np.array([panel.t + length]))
-    unit, turn = (matrix[:, 0].T for matrix in tangents(system, q, v, panel.split, free))
-    nv = system.body.nv
-    whole = np.zeros((2 * nv, 2 * nv))
+    unit, turn = units[:, -1].T, turned[:, -1].T
     lifted = np.block([[unit, np.zeros((nv, f))], [turn, unit]])
+    whole = np.zeros((2 * nv, 2 * nv))
     whole[:, [*free, *(nv + k for k in free)]] = lifted @ found
     return whole, lifted
 
 
 def _slopes(
-    system: System, rows: ConstraintSet, panel: Panel, free: list[int]
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    free: list[int],
+    along: tuple[FloatArray, FloatArray],
 ) -> tuple[FloatArray, FloatArray]:
     """A and B at the nodes of a panel, each of shape (N, f, f) [1/s^2, 1/s]."""
     count, f, nv = panel.order, len(free), system.body.nv
-    units, turned = tangents(system, panel.q, panel.v, panel.split, free)
+    units, turned = along
     x = _STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
     w = x * max(float(np.abs(panel.v).max()), _TINY)
     aside, hurried = x[:, None, None] * units, w[:, None, None] * units

@@ -51,40 +51,44 @@ def impact_map(
     _, jacobian = system.body.closures(q[None])
     columns = tuple(stop.index for stop in struck)
     split = system.split(jacobian[0], system.held_coordinates, columns)
-    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
     y = list(split.independent)
     units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
-    law, impulses = _law(system, q, split, struck, restitution)
-    for k, unit, turn in zip(y, units, turned, strict=True):
-        step = _STEP / max(float(np.abs(unit).max()), 1.0)
-        aside, neighbour = q + step * unit, v + step * turn
-        there, pushed = _law(system, aside, split, struck, restitution)
-        whole[:nv, k] = unit
-        whole[nv:, k] = (there @ neighbour - law @ v) / step
-        pushes[:, k] = (pushed @ neighbour - impulses @ v) / step
-        whole[nv:, nv + k] = law @ unit
-        pushes[:, nv + k] = impulses @ unit
+    steps = _STEP / np.maximum(np.abs(units).max(axis=1, keepdims=True), 1.0)
+    aside = np.vstack([q, q + steps * units])
+    laws, impulses = _laws(system, aside, split, struck, restitution)
+    neighbours = np.vstack([v, v + steps * turned])[:, :, None]
+    after, pushed = (laws @ neighbours)[:, :, 0], (impulses @ neighbours)[:, :, 0]
+    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
+    whole[:nv, y] = units.T
+    whole[nv:, y] = ((after[1:] - after[0]) / steps).T
+    whole[nv:, [nv + k for k in y]] = laws[0] @ units.T
+    pushes[:, y] = ((pushed[1:] - pushed[0]) / steps).T
+    pushes[:, [nv + k for k in y]] = impulses[0] @ units.T
     return whole, pushes
 
 
-def _law(
+def _laws(
     system: System,
     q: FloatArray,
     split: Partition,
     struck: Sequence[Stop],
     restitution: Sequence[float],
 ) -> tuple[FloatArray, FloatArray]:
-    """Velocity after and impulses of the stops by the velocity before, (nv, nv), (struck, nv)."""
+    """Velocities after and impulses of the stops by velocities before, at N configurations.
+
+    Returns:
+        Shapes (N, nv, nv) and (N, struck, nv).
+    """
     nv = system.body.nv
     free = [k for k in split.independent if k not in system.held_coordinates]
-    units = lifts(system.body.closures(q[None])[1], split, free)[:, 0].T
-    mass = system.body.mass_matrix(q)
+    units = np.moveaxis(lifts(system.body.closures(q)[1], split, free), 0, 2)
+    mass = system.body.mass_matrices(q)
     if not system.held:
-        mass[np.diag_indices(nv)] += system.drive_armature
+        mass += np.diag(system.drive_armature)
     gaps = np.zeros((len(struck), nv))
     gaps[range(len(struck)), [stop.index for stop in struck]] = [stop.sense for stop in struck]
-    rows = gaps @ units
-    response = np.linalg.solve(units.T @ mass @ units, rows.T)
+    turned, rows = np.swapaxes(units, 1, 2), gaps @ units
+    response = np.linalg.solve(turned @ mass @ units, np.swapaxes(rows, 1, 2))
     wanted = -(1.0 + np.array(restitution))[:, None] * gaps
-    impulses = np.asarray(np.linalg.solve(rows @ response, wanted), dtype=np.float64)
-    return np.eye(nv) + units @ response @ impulses, impulses
+    impulses = np.linalg.solve(rows @ response, np.broadcast_to(wanted, (len(q), *wanted.shape)))
+    return np.eye(nv) + units @ response @ impulses, np.asarray(impulses, dtype=np.float64)

@@ -86,6 +86,7 @@ def skips(
         _repeating(mechanism, 10 if quick else 100, max(1, repeats // 5)),
         *_asked_for(mechanism, repeats),
         *_prescribed(mechanism, repeats),
+        _refinement(mechanism, repeats),
         _contact_search(mechanism, repeats),
         _dead_rows(mechanism, repeats),
     ]
@@ -173,6 +174,7 @@ def _asked_for(mechanism: Mechanism, repeats: int) -> list[Skip]:
             turn,
             lambda s: s.trajectory.reactions(sampled(s)),
         ),
+        ("stated errors of all events (transition)", transition, lambda s: s.errors),
         ("energy balance (turn)", turn, lambda s: s.energy),
         (
             "closure check (turn)",
@@ -222,6 +224,32 @@ def _prescribed(mechanism: Mechanism, repeats: int) -> list[Skip]:
             ("torques and reactions (transition; all joints at once)", reactions),
         )
     ]
+
+
+def _refinement(mechanism: Mechanism, repeats: int) -> Skip:
+    """Accelerations of light bodies are refined; of a machine without them, they are not."""
+    solution = simulate(mechanism, Case(speed_rpm=SPEED_RPM))
+    system = solution.system
+    nodes = [
+        (system.constraint_set(segment.closed), system.shaft.driven(panel.times), panel)
+        for segment in solution.segments
+        for panel in segment.panels
+    ]
+
+    def plain() -> None:
+        for rows, motion, panel in nodes:
+            system.accelerations(motion, panel.q, panel.v, rows)
+
+    def refined() -> None:
+        for rows, motion, panel in nodes:
+            a = system.accelerations(motion, panel.q, panel.v, rows)
+            system.body.refined(panel.q, panel.v, a, rows.armature)
+
+    return Skip(
+        "refinement of accelerations (dynamics at the nodes of a transition)",
+        timed(plain, repeats).median_ms,
+        timed(refined, repeats).median_ms,
+    )
 
 
 def node_forces(system: System, segment: Segment) -> list[Multipliers]:
