@@ -227,11 +227,15 @@ class Multibody:
         places = np.arange(self.nv)
         masses[:, places, places] += armature
         try:
-            response = np.linalg.solve(masses, np.swapaxes(jacobians, 1, 2))
-            impulses = np.linalg.solve(jacobians @ response, residuals)
+            with np.errstate(over="ignore", invalid="ignore"):
+                response = np.linalg.solve(masses, np.swapaxes(jacobians, 1, 2))
+                impulses = np.linalg.solve(jacobians @ response, residuals)
+                found: FloatArray = a - (response @ impulses)[:, :, 0]
         except np.linalg.LinAlgError as error:
             raise _singular(q) from error
-        return np.asarray(a - (response @ impulses)[:, :, 0])
+        if not math.isfinite(np.vdot(found, found)):
+            raise _singular(q)
+        return found
 
     def _lightest(self, sizes: FloatArray) -> float:
         """Smallest mass with which a coordinate resists in the touch configuration [kg].
