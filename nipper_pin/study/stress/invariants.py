@@ -297,10 +297,13 @@ def _energy(solution: Solution) -> Iterator[str]:
     panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
     unresolved = (100.0 + panels) * solution.case.resolution.tolerance
     most = (1e-8 + lost + unresolved) * scale + 64.0 * EPS * stored
-    # A strut's deflection is a difference of lengths, and has their round-off.
-    most += (
-        1e4 * EPS**2 * system.body.reach_m**2 * sum(s.stiffness for s in system.mechanism.struts)
+    # A strut's deflection is a difference of places, and has their round-off: so have the energy of
+    # springs that hold some, and that of those which hold none.
+    stiffness, blurred = (
+        sum(s.stiffness for s in system.mechanism.struts),
+        EPS * system.body.reach_m,
     )
+    most += 1e4 * stiffness * blurred**2 + 4.0 * blurred * (2.0 * stiffness * stored) ** 0.5
     yield from beyond("energy that is left over [J]", abs(energy.residual), most)
 
 
