@@ -228,10 +228,13 @@ def _forces(
         numbers = coefficients(solution.mechanism, held=False)
         angles = np.abs(state[0][:, system.driven]).max(initial=0.0)
         size += 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
-    # The moment of a weight next to the vertical is a difference, and has the weight's round-off.
+    # Moments of forces next to their joint, and of what turns evenly, are differences of products.
+    reach = max(system.body.reach_m, 1.0)
     model = solution.mechanism.model
-    weight = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
-    size += 4.0 * EPS / _BALANCED * weight * max(system.body.reach_m, 1.0)
+    acting = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
+    acting += _most(system.point_forces(*state[:2])) * len(solution.mechanism.struts)
+    acting += 2.0 * _most(system.body.kinetic_energy(*state[:2])) / min(system.body.reach_m, 1.0)
+    size += 4.0 * EPS / _BALANCED * acting * reach
     share = np.abs(left).max(axis=1) / size.max(axis=1)
     yield from beyond(f"{where}: equations of motion [share]", float(share.max()), _BALANCED)
     if rows.stops:
