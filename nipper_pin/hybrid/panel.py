@@ -90,6 +90,9 @@ class Panel:
 
     def interpolate_at(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Position and velocity at one time t [s], each (nv,); otherwise as :meth:`interpolate`."""
+        if t == self.t:
+            # Collisions in one instant: of the integrals round-off would be left.
+            return self.q[0].copy(), self.v[0].copy()
         h = self.h
         sigma = (t - self.t) / h
         if not self.integrated:

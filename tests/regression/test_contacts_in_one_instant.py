@@ -3,7 +3,10 @@
 "stop 'j1 upper' penetrates: 1.03e-06, at most 1.55e-09" and "open but its gap starts to close from
 zero": at the start all stops that pull were opened at once, and one of them pushes once the others
 are open. "open stop 'bottom' enters its contact with -1.15" and "please report the case": a link
-that held drives press against two stops at once flew from one to the other for ever.
+that held drives press against two stops at once flew from one to the other for ever. Case 7276 of
+seed 291: "impulses 8.63235e-08 and 8.63235e-08, stated 6.76e-10 of them": a link between two stops
+that are hit in turn in one instant had, at the end of a flight of no length, the round-off of an
+integral over a long panel for its rate.
 """
 
 from __future__ import annotations
@@ -15,9 +18,22 @@ import pytest
 from small_machines import SLED, link, machine, slide
 
 from nipper_pin import Case, EventKind, ImpactError, Mechanism, Window, simulate
+from nipper_pin.dynamics.assembly import Partition
+from nipper_pin.hybrid.panel import Panel
 from nipper_pin.study.stress.invariants import violations
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+
+
+@pytest.mark.parametrize("order", [13, 16])
+def test_a_flight_of_no_length_ends_with_the_state_of_its_start(order: int) -> None:
+    """At rest on a panel of a millisecond with 2e4 m/s2: round-off of its integral is 5e-16 m/s."""
+    a = 2e4 * np.cos(np.arange(order, dtype=float))[:, None]
+    still = np.zeros((order, 1))
+    panel = Panel(0.3, 1e-3, still, still, a, Partition.of([], 1), integrated=True)
+    q, v = panel.interpolate_at(0.3)
+    assert q[0] == 0.0
+    assert v[0] == 0.0
 
 
 @pytest.mark.parametrize("closed", [["a", "b"], ["a"]])

@@ -22,6 +22,9 @@ Case 4882 of seed 211 and case 1059 of seed 221: what other freedoms had got wro
 thousandfold in eight collisions of a chain, or comes over at a collision elsewhere; four times the
 error of the gap was stated. Case 362 of seed 251: "times differ by 4.8e-14 s, stated 1.01e-14 s":
 where closures are open by round-off, rates are those of that place.
+
+Case 7138 of seed 291: "times differ by 1.64e-08 s, stated 1.59e-08 s": of a rest after three
+bounces at a tolerance of 6e-7.
 """
 
 from dataclasses import replace
@@ -385,3 +388,31 @@ def test_what_other_freedoms_have_got_wrong_comes_over() -> None:
             assert apart <= 2.0 * (stated.impulse + also.impulse)
         compared += one.kind is EventKind.COLLISION
     assert compared >= 4
+
+
+def test_the_limit_of_three_bounces_is_known_to_twice_what_is_stated() -> None:
+    """The steeve comes to rest by the limit of its series, at a coarse tolerance and a fine one.
+
+    The three points of the coarse series tell an error of 6.9e-9 s; the limit is off by 1.6e-8 s.
+    """
+    overrides = {
+        "stops.jaw.restitution": 0.10330078741140022,
+        "stops.steeve.restitution": 0.5023384447630503,
+        "springs.steeve.stiffness_N_per_m": 3179.459172684927,
+        "springs.steeve.preload_length_mm": 18.607888602345028,
+    }
+    rests = []
+    for tolerance in (6.309573444801942e-07, 1e-12):
+        resolution = Resolution(
+            tolerance=tolerance, flight_nodes=24, kinematic_nodes=12, panels_per_turn=33
+        )
+        case = Case(speed_rpm=791.8510644227036, window=Window.CYCLE, resolution=resolution)
+        solution = simulate(load("e62", overrides), case)
+        number = next(
+            place
+            for place, event in enumerate(solution.events)
+            if event.kind is EventKind.REST and event.stops == ("steeve",)
+        )
+        rests.append((solution.events[number].t, solution.errors[number].time))
+    (coarse, stated), (fine, _) = rests
+    assert 1e-9 < abs(coarse - fine) <= 2.0 * stated
