@@ -7,7 +7,7 @@ import numpy as np
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from .deviations import Deviations
-from .panel import NEARBY, Panel, forces_at
+from .panel import NEARBY, SMALLEST, Panel, forces_at
 from .propagation import free_coordinates, tangents
 from .unresolved import of_closures
 
@@ -16,7 +16,6 @@ _EPS = float(np.finfo(float).eps)
 _SLOPE_STEP = 1e-3
 # Step of its differences along a freedom, as a share of a radian or metre and of the largest rate.
 _STEP = 1e-6
-_TINY = 1e-300
 
 
 def release_error(
@@ -44,7 +43,7 @@ def release_error(
     free = free_coordinates(rows, panel.split) if panel.integrated else []
     units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
     x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
-    w = x * max(float(np.abs(v).max()), _TINY)
+    w = x * max(float(np.abs(v).max()), SMALLEST)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
     opened = of_closures(system, panel, q[0], v[0]).T
     places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]

@@ -17,11 +17,10 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_velocities
 from ..dynamics.system import ConstraintSet, System
 from .collocation import evaluate_motion, nodes
-from .panel import Panel
+from .panel import SMALLEST, Panel
 
 # Steps of the differences, as a share of a radian or metre and of the largest rate.
 _STEP = 1e-6
-_TINY = 1e-300
 
 
 def free_coordinates(rows: ConstraintSet, split: Partition) -> list[int]:
@@ -118,7 +117,7 @@ def _slopes(
     count, f, nv = panel.order, len(free), system.body.nv
     units, turned = along
     x = _STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
-    w = x * max(float(np.abs(panel.v).max()), _TINY)
+    w = x * max(float(np.abs(panel.v).max()), SMALLEST)
     aside, hurried = x[:, None, None] * units, w[:, None, None] * units
     still = np.zeros((1, count, nv))
     q = panel.q + np.concatenate([still, aside, 0.0 * units])
