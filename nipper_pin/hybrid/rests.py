@@ -137,7 +137,22 @@ def _met(
     """
     left = t_rest - state.t
     return any(
-        stop.gap(state.q) <= -left * (min(stop.rate(state.v), 0.0) + left * stop.rate(a))
+        lowest_gap(stop.gap(state.q), stop.rate(state.v), stop.rate(a), left) <= 0.0
         for stop in system.mechanism.stops
         if stop.name not in state.closed and stop.name not in bouncing
     )
+
+
+def lowest_gap(gap: float, rate: float, acceleration: float, left: float) -> float:
+    """Lowest gap within a time that is left, at constant acceleration; a little less if that falls.
+
+    Args:
+        gap: The gap [rad or m].
+        rate: Its rate.
+        acceleration: Its acceleration.
+        left: The time [s].
+    """
+    if rate < 0.0 < acceleration:
+        turn = min(left, -rate / acceleration)
+        return gap + turn * (rate + 0.5 * acceleration * turn)
+    return gap + left * (min(rate, 0.0) + left * acceleration)

@@ -11,6 +11,7 @@ from lid_box import DROP, GRAVITY, Numbers, followed, lid_box
 from nipper_pin import Case, Event, EventKind, Outcome, Solution, Window, simulate
 from nipper_pin.hybrid.case import Resolution
 from nipper_pin.hybrid.nested import NestedSeries
+from nipper_pin.hybrid.rests import lowest_gap
 
 BOTH = {"floor", "lid"}
 CASE = {"speed_rpm": 60.0, "window": Window.CYCLE}
@@ -202,3 +203,21 @@ def test_a_box_that_is_not_pressed_down_comes_to_no_rest_together() -> None:
     """A mass too heavy for its spring leaves the lid for good: the lid is at rest nowhere."""
     solution = run((1.0, 1.0, 0.3, 0.3, 9.0))
     assert not any(set(event.closed_after) == BOTH for event in solution.events)
+
+
+@pytest.mark.parametrize("rate", [-3e-3, -1e-4, 0.0, 2e-3])
+@pytest.mark.parametrize("acceleration", [-20.0, 0.0, 18.0, 200.0])
+def test_a_stop_that_a_gap_passes_on_the_way_is_met(rate: float, acceleration: float) -> None:
+    """Found by case 2489 of seed 301: a link in a clearance of 4.4e-9 rad struck its other side.
+
+    It left one stop at 2.8e-3 rad/s and was pressed back with 18 rad/s2, so that at the end of the
+    time left, 3e-4 s, it would have been back; on its way it is 2e-7 rad further. The lowest point
+    of the parabola is sampled here; what is found may be lower, where the gap goes on falling.
+    """
+    gap, left = 4.4193272225297254e-09, 3.07e-4
+    t = np.linspace(0.0, left, 20001)
+    sampled = float((gap + rate * t + 0.5 * acceleration * t**2).min())
+    found = lowest_gap(gap, rate, acceleration, left)
+    if acceleration <= 0.0 or rate < 0.0:
+        assert found <= sampled + 1e-15
+    assert (found > 0.0) == (sampled > 0.0)
