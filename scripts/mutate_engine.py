@@ -84,7 +84,8 @@ MUTATIONS = (
     ),
     Mutation(
         "dead-row", "closures keep x and the row out of the plane instead of x and z",
-        "dynamics/multibody.py", "_PLANAR_ROWS_OF_A_PIN = (0, 2)", "_PLANAR_ROWS_OF_A_PIN = (0, 1)",
+        "dynamics/open_tree.py",
+        "PLANAR_ROWS_OF_A_POINT = (0, 2)", "PLANAR_ROWS_OF_A_POINT = (0, 1)",
     ),
     Mutation(
         "lost-coriolis", "accelerations without any term in the rates",
@@ -117,7 +118,7 @@ MUTATIONS = (
     ),
     Mutation(
         "half-a-strut", "a spring between two points does not load the joints behind its second",
-        "dynamics/multibody.py",
+        "dynamics/open_tree.py",
         "data.oMi[joint_b].act(local_b.translation), -force)",
         "data.oMi[joint_b].act(local_b.translation), 0.0 * force)",
     ),

@@ -1,4 +1,6 @@
-"""The only owner of ``pin.Data``: every call of Pinocchio's algorithms is in this module.
+"""Constrained dynamics and impulse dynamics of a mechanism with its loops closed.
+
+This module and ``open_tree`` own all ``pin.Data``: every call of Pinocchio's algorithms is in them.
 
 Two facts of Pinocchio shape it. A planar pin as a 3-D point constraint has one dead row (out of the
 plane), so the proximal form of the constrained dynamics is used, and explicit Jacobians keep the
@@ -22,10 +24,9 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
+from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100
-_PLANAR_ROWS_OF_A_PIN = (0, 2)
-_PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
 # The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
 # removes its effect on the live rows. The smallest eigenvalue of G M^-1 G' is that of the heaviest
 # body, divided by the square of the closures' condition near a dead centre: beside it the
@@ -35,7 +36,6 @@ _REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
 # balance but for round-off accelerate it.
 _LIGHT = 1e-7
 _OF_THREAD = threading.local()
-_NO_FORCES = np.empty((0, 2))
 
 
 def multibody(mechanism: Mechanism) -> Multibody:
@@ -56,8 +56,8 @@ def multibody(mechanism: Mechanism) -> Multibody:
     return known[mechanism]
 
 
-class Multibody:
-    """Kinematics and dynamics of a mechanism's tree with its closures, through Pinocchio.
+class Multibody(OpenTree):
+    """Dynamics of a mechanism's tree with its closures, through Pinocchio.
 
     Arrays of states have shape (N, nv): one row a configuration. Coordinates are [rad] or [m].
 
@@ -67,34 +67,18 @@ class Multibody:
 
     def __init__(self, mechanism: Mechanism) -> None:
         """Build models and data."""
-        self.nv = int(mechanism.model.nv)
-        self.closure_rows = 2 * len(mechanism.closures)
-        self._link_ids = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
-        self._plain = pin.Model(mechanism.model)
-        self._plain_data = self._plain.createData()
-        self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))
+        super().__init__(mechanism)
         self._flight = pin.Model(mechanism.model)
         self._flight_data = self._flight.createData()
         self._impact = pin.Model(mechanism.model)
         self._impact_data = self._impact.createData()
         self._pins = pin.StdVec_RigidConstraintModel()
         self._pin_data = pin.StdVec_RigidConstraintData()
-        self._ends_of_closures = [
-            [mechanism.model.getFrameId(name) for name in (closure.frame_a, closure.frame_b)]
-            for closure in mechanism.closures
-        ]
-        for closure in mechanism.closures:
-            frame_a, frame_b = (
-                mechanism.model.frames[mechanism.model.getFrameId(name)]
-                for name in (closure.frame_a, closure.frame_b)
-            )
+        for ends in self.cuts:
             constraint = pin.RigidConstraintModel(
                 pin.ContactType.CONTACT_3D,
                 self._flight,
-                frame_a.parentJoint,
-                frame_a.placement,
-                frame_b.parentJoint,
-                frame_b.placement,
+                *(item for end in ends for item in (end.parentJoint, end.placement)),
                 pin.LOCAL,
             )
             self._pins.append(constraint)
@@ -109,25 +93,10 @@ class Multibody:
             [
                 3 * number + row
                 for number in range(len(mechanism.closures))
-                for row in _PLANAR_ROWS_OF_A_PIN
+                for row in PLANAR_ROWS_OF_A_POINT
             ],
             dtype=np.intp,
         )
-        ends = [(strut.frame_a, strut.frame_b) for strut in mechanism.struts]
-        # Springs and dampers often have their points in common.
-        names = list(dict.fromkeys(name for pair in ends for name in pair))
-        numbers = [[names.index(name) for name in pair] for pair in ends]
-        self._ends = np.array(numbers, dtype=np.intp).reshape(-1, 2)
-        frames = [
-            mechanism.model.frames[mechanism.model.getFrameId(name, pin.FrameType.BODY)]
-            for name in names
-        ]
-        self._points = [(frame.parentJoint, frame.placement) for frame in frames]
-        # 1 where a joint moves a point, shape (points, 1, nv); nothing moves the machine's frame.
-        self._moving = np.zeros((len(frames), 1, self.nv))
-        for moving, (joint, _) in zip(self._moving, self._points, strict=True):
-            moving[0, [mechanism.model.idx_vs[j] for j in mechanism.model.supports[joint] if j]] = 1
-        self.reach_m = mechanism.reach_m
         self.evaluations = 0
         sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
         self._refines = (
@@ -213,16 +182,8 @@ class Multibody:
         Raises:
             SingularConfigurationError: The closures lose rank.
         """
-        model, data = self._plain, self._plain_data
         _, jacobians = self.closures(q)
-        residuals = np.empty((len(q), self.closure_rows, 1))
-        for row, residual in enumerate(residuals):
-            pin.forwardKinematics(model, data, q[row], v[row], a[row])
-            for place, (frame_a, frame_b) in enumerate(self._ends_of_closures):
-                frame = model.frames[frame_a]
-                axes = data.oMi[frame.parentJoint].rotation @ frame.placement.rotation
-                apart = _acceleration(model, data, frame_a) - _acceleration(model, data, frame_b)
-                residual[2 * place : 2 * place + 2, 0] = (apart @ axes)[[0, 2]]
+        residuals = self.closure_accelerations(q, v, a)[:, :, None]
         masses = self.mass_matrices(q)
         places = np.arange(self.nv)
         masses[:, places, places] += armature
@@ -249,12 +210,6 @@ class Multibody:
             return 0.0
         return float((1.0 / np.diag(inverse) / sizes**2).min(initial=np.inf))
 
-    def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-        """Generalised forces M a + h of the bare links (no armature), shape (N, nv)."""
-        return np.array(
-            [pin.rnea(self._plain, self._plain_data, *state) for state in zip(q, v, a, strict=True)]
-        ).reshape(q.shape)
-
     def impulse_response(
         self, q: FloatArray, rows: FloatArray, z: FloatArray, armature: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -276,157 +231,6 @@ class Multibody:
         self._impact.armature = armature
         after = pin.impulseDynamics(self._impact, self._impact_data, q, z, rows, 0.0, 0.0)
         return after - z, np.array(self._impact_data.impulse_c)
-
-    def mass_matrix(self, q: FloatArray) -> FloatArray:
-        """Mass matrix M of the bare links at one configuration, shape (nv, nv)."""
-        matrix: FloatArray = self.mass_matrices(q[None])[0]
-        return matrix
-
-    def mass_matrices(self, q: FloatArray) -> FloatArray:
-        """Mass matrices M of the bare links, shape (N, nv, nv)."""
-        matrices = np.empty((len(q), self.nv, self.nv))
-        for row, matrix in zip(q, matrices, strict=True):
-            matrix[:] = pin.crba(self._plain, self._plain_data, row)
-        # What lies below the diagonal is not filled in.
-        return np.where(self._upper, matrices, np.swapaxes(matrices, 1, 2))
-
-    def kinetic_energy(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Kinetic energy of the links [J], shape (N,)."""
-        return np.array(
-            [
-                pin.computeKineticEnergy(self._plain, self._plain_data, *state)
-                for state in zip(q, v, strict=True)
-            ]
-        )
-
-    def gravity_energy(self, q: FloatArray) -> FloatArray:
-        """Potential energy of gravity [J], shape (N,)."""
-        return np.array(
-            [pin.computePotentialEnergy(self._plain, self._plain_data, row) for row in q]
-        )
-
-    def link_velocities(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Angular and centroid velocities of the links at one state.
-
-        Args:
-            q: Configuration, shape (nv,).
-            v: Velocity, shape (nv,).
-
-        Returns:
-            Angular velocities, counter-clockwise in the side view, shape (links,) [rad/s], and
-            centroid velocities (x, z), shape (links, 2) [m/s].
-        """
-        model, data = self._plain, self._plain_data
-        pin.forwardKinematics(model, data, q, v)
-        spin = np.empty(len(self._link_ids))
-        centroid = np.empty((len(self._link_ids), 2))
-        for row, joint in enumerate(self._link_ids):
-            rotation = data.oMi[joint].rotation
-            angular = rotation @ data.v[joint].angular
-            arm = rotation @ model.inertias[joint].lever
-            linear = rotation @ data.v[joint].linear + np.cross(angular, arm)
-            spin[row] = -angular[1]
-            centroid[row] = linear[[0, 2]]
-        return spin, centroid
-
-    def placements(self, q: FloatArray) -> list[pin.SE3]:
-        """World placements of the links at one configuration, in the order of the joints."""
-        pin.forwardKinematics(self._plain, self._plain_data, q)
-        return [pin.SE3(self._plain_data.oMi[joint]) for joint in self._link_ids]
-
-    def points(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """World places of the points of all struts, and their Jacobians.
-
-        Args:
-            q: Configurations, shape (N, nv).
-
-        Returns:
-            Places (x, z), shape (N, struts, 2, 2) [m], the third axis being points a and b; and
-            their derivatives by q, shape (N, struts, 2, 2, nv).
-        """
-        model, data = self._plain, self._plain_data
-        places = np.empty((len(q), len(self._points), 2))
-        # Rates of the points of all links at the world's origin (x, z), and of turning (y).
-        twists = np.empty((len(q), 3, self.nv))
-        for q_row, place, twist in zip(q, places, twists, strict=True):
-            pin.computeJointJacobians(model, data, q_row)
-            # Of one column the binding makes a vector.
-            data.J.reshape(6, self.nv).take(_PLANAR_ROWS_OF_A_TWIST, 0, twist)
-            for number, (joint, placement) in enumerate(self._points):
-                x, _, z = data.oMi[joint].act(placement.translation).tolist()
-                place[number] = x, z
-        arms = places[:, :, :, None]
-        turning = twists[:, None, 2, None, :] * self._moving
-        jacobians = twists[:, None, :2] * self._moving
-        jacobians[:, :, :1] += turning * arms[:, :, 1:]
-        jacobians[:, :, 1:] -= turning * arms[:, :, :1]
-        return places[:, self._ends], jacobians[:, self._ends]
-
-    def joint_wrenches(
-        self,
-        q: FloatArray,
-        v: FloatArray,
-        a: FloatArray,
-        closure_forces: FloatArray,
-        point_forces: FloatArray = _NO_FORCES,
-    ) -> tuple[FloatArray, FloatArray]:
-        """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
-
-        Args:
-            q: Configuration, shape (nv,).
-            v: Velocity, shape (nv,).
-            a: Acceleration, shape (nv,).
-            closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
-            point_forces: Forces (x, z) of the struts on the bodies of their points a, in world
-                axes, shape (struts, 2) [N]; their opposites act at the points b.
-
-        Returns:
-            Tree joints' wrenches (force x, force z [N], moment counter-clockwise about the joint
-            [N m]) in world axes, shape (joints, 3); and the force that each cut joint exerts on
-            the body of its frame a, in world axes, shape (closures, 2) [N].
-        """
-        model, data = self._plain, self._plain_data
-        pin.forwardKinematics(model, data, q)
-        outer = pin.StdVec_Force()
-        for _ in range(model.njoints):
-            outer.append(pin.Force.Zero())
-        cut = np.empty((len(self._pins), 2))
-        for number, constraint in enumerate(self._pins):
-            local = np.zeros(3)
-            local[list(_PLANAR_ROWS_OF_A_PIN)] = closure_forces[2 * number : 2 * number + 2]
-            place_a = data.oMi[constraint.joint1_id] * constraint.joint1_placement
-            place_b = data.oMi[constraint.joint2_id] * constraint.joint2_placement
-            world = place_a.rotation @ local
-            cut[number] = world[[0, 2]]
-            self._push(outer, constraint.joint1_id, place_a.translation, world)
-            self._push(outer, constraint.joint2_id, place_b.translation, -world)
-        for (x, z), (end_a, end_b) in zip(point_forces, self._ends.tolist(), strict=True):
-            (joint_a, local_a), (joint_b, local_b) = self._points[end_a], self._points[end_b]
-            force = np.array([x, 0.0, z])
-            self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
-            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
-        pin.rnea(model, data, q, v, a, outer)
-        wrenches = np.empty((len(self._link_ids), 3))
-        for row, joint in enumerate(self._link_ids):
-            rotation = data.oMi[joint].rotation
-            force = rotation @ data.f[joint].linear
-            moment = rotation @ data.f[joint].angular
-            wrenches[row] = force[0], force[2], -moment[1]
-        return wrenches, cut
-
-    def _push(
-        self, outer: pin.StdVec_Force, joint: int, point: FloatArray, force: FloatArray
-    ) -> None:
-        """Add a force at a world point to the outer forces on the body behind a joint, in place."""
-        acting = pin.SE3(np.eye(3), point).act(pin.Force(force, np.zeros(3)))
-        outer[joint] = outer[joint] + self._plain_data.oMi[joint].actInv(acting)
-
-
-def _acceleration(model: pin.Model, data: pin.Data, frame: int) -> FloatArray:
-    """Acceleration of a frame's origin in world axes, shape (3,)."""
-    axes = pin.LOCAL_WORLD_ALIGNED
-    found: FloatArray = pin.getFrameClassicalAcceleration(model, data, frame, axes).linear
-    return found
 
 
 def _singular(q: FloatArray) -> SingularConfigurationError:

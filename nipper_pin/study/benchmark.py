@@ -8,9 +8,10 @@ from typing import Any
 
 from .certified import certified, certified_names
 from .cost import costs
+from .imports import ImportCost, import_cost
 from .peer_work import PACKAGES, Say, peer_rows
 from .reduced_work import reduced_work
-from .skips import ImportCost, Pictures, Skip, import_cost, skips
+from .skips import Pictures, Skip, skips
 from .stated import Stated, true_over_stated
 from .timing import environment
 from .work_precision import Row, accuracy, direct_rows

@@ -25,7 +25,7 @@ from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..hybrid.trajectory import closure_residuals
 from ..mechanism import Mechanism, collision_model
-from .cost import run_python
+from .imports import left_out
 from .phase_cost import again
 from .timing import timed
 
@@ -33,9 +33,6 @@ Pictures = Callable[[Solution, Path], object]
 
 SPEED_RPM = 650.0
 _SAMPLES = 1000
-# Never needed by a run that draws nothing; the last three are not even dependencies.
-_LIBRARIES = ("matplotlib.figure", "rich.console", "yourdfpy", "meshcat", "pandas")
-_MISSING = "missing"
 
 
 @dataclass(frozen=True)
@@ -51,23 +48,6 @@ class Skip:
     what: str
     with_ms: float
     without_ms: float
-
-
-@dataclass(frozen=True)
-class ImportCost:
-    """Time of the imports of a headless run, by ``python -X importtime``.
-
-    Attributes:
-        pinocchio_ms: ``import pinocchio``, numpy included [ms].
-        added_ms: What ``import nipper_pin`` adds to it [ms].
-        used_ms: What it adds with all that ``load``, ``Case`` and ``simulate`` stand for [ms].
-        ratio: The last by the first [-].
-    """
-
-    pinocchio_ms: float
-    added_ms: float
-    used_ms: float
-    ratio: float
 
 
 def skips(
@@ -92,7 +72,10 @@ def skips(
     ]
     if pictures is not None:
         found.append(_plots(mechanism, pictures, 1 if quick else 3))
-    return found + _imports(2 if quick else 5)
+    libraries = left_out(2 if quick else 5)
+    return found + [
+        Skip(f"import of {name} (start of the command)", *ms) for name, *ms in libraries
+    ]
 
 
 def _kinematic(mechanism: Mechanism, repeats: int) -> Skip:
@@ -369,57 +352,3 @@ def _dead_rows(mechanism: Mechanism, repeats: int) -> Skip:
         timed(lambda: impacts(few, 0.0), repeats).median_ms,
         timed(lambda: impacts(many, 1e-12), repeats).median_ms,
     )
-
-
-def _imports(runs: int) -> list[Skip]:
-    """Imports in fresh interpreters; fastest of several, for the first reads from the disk."""
-    found = []
-    for library in _LIBRARIES:
-        code = (
-            "import time\nbegin = time.perf_counter()\nimport nipper_pin.cli\n"
-            "own = time.perf_counter() - begin\n"
-            f"try:\n    import {library}\n"
-            "    print(own, time.perf_counter() - begin)\n"
-            f"except ImportError:\n    print({_MISSING!r})\n"
-        )
-        answers = [run_python(code).split() for _ in range(runs)]
-        if answers[0] == [_MISSING]:
-            continue
-        own, both = (1e3 * min(float(answer[column]) for answer in answers) for column in (0, 1))
-        found.append(
-            Skip(f"import of {library.partition('.')[0]} (start of the command)", own, both)
-        )
-    return found
-
-
-def import_cost(runs: int = 3) -> ImportCost:
-    """What the package adds to ``import pinocchio``; fastest of several interpreters."""
-    code = "import pinocchio, nipper_pin; nipper_pin.load, nipper_pin.Case, nipper_pin.simulate"
-    logs = [run_python(code, "-X", "importtime") for _ in range(runs)]
-    pinocchio, added = (
-        min(cumulative_ms(log, name) for log in logs) for name in ("pinocchio", "nipper_pin")
-    )
-    used = min(following_ms(log, "pinocchio") for log in logs)
-    return ImportCost(pinocchio, added, used, used / pinocchio)
-
-
-def cumulative_ms(log: str, module: str) -> float:
-    """Cumulative time of a module in a log of import times: ``... self | cumulative | name``."""
-    return 1e-3 * next(total for _, total, name in _import_times(log) if name == module)
-
-
-def following_ms(log: str, module: str) -> float:
-    """Time of all imports that a log of import times shows after that of a module."""
-    times = _import_times(log)
-    last = max(place for place, (_, _, name) in enumerate(times) if name == module)
-    return 1e-3 * sum(own for own, _, _ in times[last + 1 :])
-
-
-def _import_times(log: str) -> list[tuple[float, float, str]]:
-    """Own and cumulative time of each module of such a log [us], and its name."""
-    columns = (line.split(":")[-1].split("|") for line in log.splitlines() if line.count("|") == 2)
-    return [
-        (float(own), float(total), name.strip())
-        for own, total, name in columns
-        if own.strip().isdigit()
-    ]

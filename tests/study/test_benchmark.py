@@ -25,6 +25,7 @@ from nipper_pin.errors import SimulationError, UnknownNameError
 from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.certified import Certified, certified, certified_names
 from nipper_pin.study.cost import run_python
+from nipper_pin.study.imports import ImportCost, cumulative_ms, following_ms
 from nipper_pin.study.peer_work import graded_peer
 from nipper_pin.study.phase_cost import again, transition_parts
 from nipper_pin.study.scenes import (
@@ -33,14 +34,7 @@ from nipper_pin.study.scenes import (
     bouncing_mass_times,
     four_bar_chain,
 )
-from nipper_pin.study.skips import (
-    ImportCost,
-    Skip,
-    cumulative_ms,
-    following_ms,
-    integrate,
-    node_forces,
-)
+from nipper_pin.study.skips import Skip, integrate, node_forces
 from nipper_pin.study.stated import Stated
 from nipper_pin.study.timing import Timing, environment, timed
 from nipper_pin.study.work_precision import Observed, Row, graded, observe, trajectory_error

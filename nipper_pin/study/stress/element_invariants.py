@@ -127,9 +127,11 @@ def flights(solution: Solution) -> Iterator[str]:
         there = system.accelerations(motion, q, v, rows)
         sigma = (t - panel.t) / panel.h
         off = np.abs(evaluate(panel.a, sigma, 0) - there)
-        # Round-off of the state, and of the laws that elastic trains pull it towards.
-        nearby = 1.0 + 4.0 * EPS * (-1.0) ** np.arange(q.shape[1])
-        aside = system.accelerations(motion, q * nearby, v, rows)
+        # Round-off of the state, and of the laws that elastic trains pull it towards. The length of
+        # a strut is a difference of places, which has theirs.
+        places = np.abs(q) + (system.body.reach_m if solution.mechanism.struts else 0.0)
+        signs = (-1.0) ** np.arange(q.shape[1])
+        aside = system.accelerations(motion, q + 4.0 * EPS * signs * places, v, rows)
         law, rate, second = motion
         shifted = (1.0 + 4.0 * EPS) * law, (1.0 + 4.0 * EPS) * rate, second
         pulled = system.accelerations(shifted, q, v, rows)
