@@ -20,8 +20,6 @@ from .multibody import Multibody
 
 # A root of a gap at the end of a table may lie, by round-off, beyond it: in parts of its length.
 _ROUND_OFF = 1e-9
-# Cosine of the angle by which a damper may turn from one node to the next.
-_TURN = 0.5
 
 
 def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
@@ -86,27 +84,12 @@ class Elements:
         _, _, rate = self._pulls(q, v)
         return np.asarray(rate**2 @ self._damping)
 
-    def resolved(self, q: FloatArray) -> bool:
-        """True if no damper turns by more from node to node than nodes can show.
-
-        Where its points pass one another closely the line between them turns by half a turn in no
-        time. The force of the damper falls to zero there and is afterwards what it was before, so
-        nodes on both sides know nothing of it.
-
-        Args:
-            q: Configurations at successive nodes, shape (N, nv).
-        """
+    def damper_lines(self, q: FloatArray) -> FloatArray:
+        """Lines from point a to point b of all dampers (x, z), shape (N, dampers, 2) [m]."""
         if not self._damping.any():
-            return True
+            return np.empty((len(q), 0, 2))
         places, _ = self._body.points(q)
-        line = (places[:, :, 1] - places[:, :, 0])[:, self._damping > 0.0]
-        before, after = line[:-1], line[1:]
-        along = np.einsum("nsi,nsi->ns", before, after)
-        sizes = np.linalg.norm(before, axis=2) * np.linalg.norm(after, axis=2)
-        # Points that coincide have no direction, and a damper in line with them needs none.
-        across = before[:, :, 0] * after[:, :, 1] - before[:, :, 1] * after[:, :, 0]
-        apart = np.abs(across) > COINCIDENT_M * np.linalg.norm(after - before, axis=2)
-        return not bool((apart & (along < _TURN * sizes)).any())
+        return np.asarray((places[:, :, 1] - places[:, :, 0])[:, self._damping > 0.0])
 
     def point_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Forces (x, z) on the points a of the struts, world axes, shape (N, struts, 2) [N]."""

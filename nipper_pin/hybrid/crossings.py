@@ -4,6 +4,9 @@ A force that changes within a narrow step or spike, and changes back before the 
 trace in the nodes; of a step that stays they show the height, not the place. So the equations of
 motion are asked for where a coordinate crosses a row of its table and where it turns back, and with
 struts, whose points may pass one another closely, between any two nodes.
+
+Closer still, the line of a damper turns by half a turn in no time. Its force falls to zero there
+and is afterwards what it was before: a pass that lies between two nodes is looked for itself.
 """
 
 from __future__ import annotations
@@ -11,13 +14,58 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import FloatArray
+from ..dynamics.elements import Elements
 from ..dynamics.system import ConstraintSet, System
+from ..mechanism import COINCIDENT_M
 from .collocation import nodes
 from .panel import SMALLEST, Panel, defect, nearby
 
 _NEWTON_STEPS = 3
 # One way out of many in which round-off may fall.
 _SAFETY = 8.0
+# Cosine of the angle by which a damper may turn from one node to the next.
+_TURN = 0.5
+
+
+def shows_turns(elements: Elements, panel: Panel) -> bool:
+    """True if no damper turns by more from node to node of a panel than nodes can show.
+
+    Args:
+        elements: Tables and struts of the system.
+        panel: The panel.
+    """
+    lines = elements.damper_lines(panel.q)
+    turned = np.argwhere(_turned(lines[:-1], lines[1:]))
+    sigma = nodes(panel.order).sigma
+    return all(
+        _in_line(elements, panel, int(damper), float(sigma[node]), float(sigma[node + 1]))
+        for node, damper in turned
+    )
+
+
+def _turned(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Whether lines (x, z) turn by more than an interval may show, shape (...)."""
+    along = np.einsum("...i,...i->...", before, after)
+    sizes = np.linalg.norm(before, axis=-1) * np.linalg.norm(after, axis=-1)
+    return np.asarray(along < _TURN * sizes)
+
+
+def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: float) -> bool:
+    """True if the points of a damper that turns meet on the way, which needs no direction.
+
+    The turn is halved until it is either spread over both halves or in a length that is none. The
+    chord does not tell: it may meet the point that the arc over it passes by.
+    """
+    while True:
+        sigma = np.array([left, 0.5 * (left + right), right])
+        q, _ = panel.interpolate(panel.t + panel.h * sigma)
+        lines = elements.damper_lines(q)[:, damper]
+        if np.linalg.norm(lines[1]) <= COINCIDENT_M:
+            return True
+        first, second = _turned(lines[:-1], lines[1:])
+        if first == second or not left < sigma[1] < right:
+            return False
+        left, right = (left, float(sigma[1])) if first else (float(sigma[1]), right)
 
 
 def shows_forces(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:

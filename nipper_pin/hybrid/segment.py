@@ -17,7 +17,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from .case import Resolution
 from .collocation import nodes
-from .crossings import shows_end, shows_forces
+from .crossings import shows_end, shows_forces, shows_turns
 from .flight import flight_panel
 from .kinematic import kinematic_panel
 from .panel import Exact, Panel, one_state_at
@@ -196,7 +196,7 @@ def _shows_elements(
     """True if the nodes see what tables, and dampers between points, do on a panel."""
     if system.elements is None or not resolution.adaptive:
         return True
-    if not system.elements.resolved(panel.q):
+    if not shows_turns(system.elements, panel):
         return False
     return not panel.integrated or shows_forces(system, rows, panel, resolution.tolerance)
 

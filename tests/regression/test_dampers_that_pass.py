@@ -1,0 +1,74 @@
+"""Found by the stress campaign where the points of a damper pass each other closely.
+
+Case 101 of seed 77: "event 3: times differ by 3.59e-10 s, stated 9.05e-11 s": the points pass at
+15 nm on an arc, and the chord between two nodes met the point that the arc passes by.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from small_machines import SHAFT, frame, hinge, link, machine, slide
+
+from nipper_pin import Mechanism
+from nipper_pin.dynamics.assembly import Partition
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid.crossings import shows_turns
+from nipper_pin.hybrid.panel import Panel
+
+RADIUS = 0.5
+OIL = {"oil": {"frame_a": "post", "frame_b": "tip", "damping_N_s_per_m": 1.0}}
+
+
+def swept(mechanism: Mechanism, rate: np.ndarray, middle: float = 0.0) -> bool:
+    """Whether four nodes, at -1/2, -1/4, 1/4 and 1/2 of this way, show the damper's turning."""
+    system = System(mechanism, ShaftMotion(mechanism, math.tau, 0.0))
+    way = np.array([0.0, 0.25, 0.75, 1.0])[:, None] - 0.5
+    q, v = middle + way * rate, np.repeat(rate[None], 4, axis=0)
+    split = Partition((), tuple(range(len(rate))))
+    assert system.elements is not None
+    return shows_turns(
+        system.elements, Panel(0.0, 1.0, q, v, np.zeros_like(q), split, integrated=True)
+    )
+
+
+@pytest.mark.parametrize("beside_m", [-1e-10, 0.0, 1e-10])
+@pytest.mark.parametrize("distance_m", [1.5e-8, 1e-6, 1e-4])
+def test_a_chord_does_not_hide_that_points_pass(distance_m: float, beside_m: float) -> None:
+    """The tip of an arm passes a post below its arc; the chord of two nodes meets the post.
+
+    Half of the chord spans the angle whose cosine is 1 - d / R. Within 1 nm the chord takes the
+    points for one, and the line between them for one that needs no direction; the arc does not.
+    """
+    half = math.acos(1.0 - distance_m / RADIUS)
+    post = (0.0, RADIUS - distance_m + beside_m)
+    arm = machine(
+        [link("arm"), hinge("pin", "frame", "arm"), frame("tip", "arm", (0.0, RADIUS)),
+         frame("post", "frame", post)], 1, dampers=OIL,
+    )  # fmt: skip
+    assert not swept(arm, np.array([4.0 * half]))
+
+
+@pytest.mark.parametrize("turning", [0.0, 1e-3])
+def test_points_that_meet_need_no_direction(turning: float) -> None:
+    """A slide carries one point of a damper straight through the other, on a base that may turn."""
+    slider = machine(
+        [link("base"), hinge("shaft", "frame", "base"), link("mass"),
+         slide("x", "base", "mass", axis=(0.6, 0.8), at=(-0.06, -0.08)),
+         frame("tip", "mass"), frame("post", "base")], 2, dampers=OIL,
+        drives={"shaft": {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+    )  # fmt: skip
+    assert swept(slider, np.array([turning, 0.02]), middle=0.1)
+
+
+@pytest.mark.parametrize("distance_m", [1e-6, 1e-4])
+def test_points_that_pass_in_many_nodes_are_shown(distance_m: float) -> None:
+    """Nodes on a way as short as the distance see the line turn by and by."""
+    arm = machine(
+        [link("arm"), hinge("pin", "frame", "arm"), frame("tip", "arm", (0.0, RADIUS)),
+         frame("post", "frame", (0.0, RADIUS - distance_m))], 1, dampers=OIL,
+    )  # fmt: skip
+    assert swept(arm, np.array([distance_m / RADIUS]))
