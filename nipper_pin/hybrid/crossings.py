@@ -25,17 +25,23 @@ _NEWTON_STEPS = 3
 _SAFETY = 8.0
 # Cosine of the angle by which a damper may turn from one node to the next.
 _TURN = 0.5
+# Share of the way between two nodes in which they do not see what happens.
+_NARROW = 0.1
 
 
-def shows_turns(elements: Elements, panel: Panel) -> bool:
-    """True if no damper turns by more from node to node of a panel than nodes can show.
+def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
+    """True if the nodes of a panel show how its dampers turn.
 
     Args:
         elements: Tables and struts of the system.
         panel: The panel.
+        tolerance: Relative accuracy of its positions.
     """
     lines = elements.damper_lines(panel.q)
-    turned = np.argwhere(_turned(lines[:-1], lines[1:]))
+    before, after = lines[:-1], lines[1:]
+    if _hidden(before, after, tolerance).any():
+        return False
+    turned = np.argwhere(_turned(before, after))
     sigma = nodes(panel.order).sigma
     return all(
         _in_line(elements, panel, int(damper), float(sigma[node]), float(sigma[node + 1]))
@@ -48,6 +54,19 @@ def _turned(before: FloatArray, after: FloatArray) -> FloatArray:
     along = np.einsum("...i,...i->...", before, after)
     sizes = np.linalg.norm(before, axis=-1) * np.linalg.norm(after, axis=-1)
     return np.asarray(along < _TURN * sizes)
+
+
+def _hidden(before: FloatArray, after: FloatArray, tolerance: float) -> FloatArray:
+    """Whether lines (x, z) turn beside a node where they are short, shape (...).
+
+    A line of length d turns by delta within a way of about d. For so long the damper lacks a share
+    sin^2 delta of its force, and its impulse that of d beside the whole way of the interval.
+    """
+    first, second = np.linalg.norm(before, axis=-1), np.linalg.norm(after, axis=-1)
+    way, shorter = np.linalg.norm(after - before, axis=-1), np.minimum(first, second)
+    across = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    lacking = shorter * across**2 > tolerance * way * (first * second) ** 2
+    return np.asarray((shorter < _NARROW * way) & lacking)
 
 
 def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: float) -> bool:

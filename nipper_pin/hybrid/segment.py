@@ -196,7 +196,7 @@ def _shows_elements(
     """True if the nodes see what tables, and dampers between points, do on a panel."""
     if system.elements is None or not resolution.adaptive:
         return True
-    if not shows_turns(system.elements, panel):
+    if not shows_turns(system.elements, panel, resolution.tolerance):
         return False
     return not panel.integrated or shows_forces(system, rows, panel, resolution.tolerance)
 
