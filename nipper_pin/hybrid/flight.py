@@ -13,6 +13,7 @@ from ..errors import SimulationError
 from .case import Resolution
 from .collocation import decayed, nodes, prolonged
 from .panel import SMALLEST, Attempt, Panel, forces_at, judged
+from .roughness import roughness
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
@@ -31,6 +32,8 @@ _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
 # held shaft.
 _RUN_AWAY = 1e9
+# One way out of many in which round-off may fall.
+_SAFETY = 8.0
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
 
@@ -76,11 +79,13 @@ def flight_panel(
     for stride in _STRIDES if nested else (1,):
         a = prolonged(a, (finest - 1) // stride + 1)
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
-            if stride == 1:
+            if stride > 1:
+                continue
+            if not iteration.is_round_off(np.abs(iteration.moved).max(axis=0), split):
                 return Attempt(None, none, 0.5)
-            continue
         # Two integrations divide the coefficient of degree k by about (2 k)^2.
-        left_over = float((decayed(a) * iteration.weight).max()) / (2.0 * len(a)) ** 2
+        missing = decayed(a) * iteration.weight
+        left_over = float(missing.max()) / (2.0 * len(a)) ** 2
         if left_over <= tolerance:
             break
     q_nodes, v_nodes = iteration.motion(a)
@@ -89,6 +94,9 @@ def flight_panel(
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
     hard = iteration.sweeps > _EASY_SWEEPS
+    if left_over > tolerance and iteration.is_round_off(missing, split):
+        # No shorter panel would resolve it either.
+        return Attempt(panel, forces, 1.0 if hard else _LONGER)
     if len(a) < finest and not hard:
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
         return Attempt(panel, forces, _LONGER)
@@ -164,6 +172,10 @@ class _Picard:
         self._weights = np.empty((finest, len(q)))
         self._free = np.empty((finest, len(q)))
         self._free[:] = system.free
+        # Relative changes of positions in the latest sweep, shape (N - 1, nv).
+        self.moved = np.empty((0, len(q)))
+        self._start = t, q, v
+        self._rough = np.empty(0)
         self._change = np.inf
         self._contraction = 1.0
         # What turns integrals over the unit interval into positions and velocities.
@@ -195,6 +207,7 @@ class _Picard:
                 size = self._reach + h**2 * np.maximum.reduce(np.abs(new))
                 self.weight = self._weights[:] = h**2 * self._rows.moving / size
             guess, moved = moved, (new - unknown) * weights
+            self.moved = moved
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
@@ -213,6 +226,19 @@ class _Picard:
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
                 return change <= _ITERATION_FLOOR
         return False
+
+    def is_round_off(self, weighted: FloatArray, split: Partition) -> bool:
+        """True if differences of accelerations are no more than round-off makes of them.
+
+        Args:
+            weighted: Differences, as relative changes of positions, shape (nv,).
+            split: Dependent and independent coordinates.
+        """
+        if not self._rough.size:
+            t, q, v = self._start
+            rough = roughness(self._system, self._rows, split, np.array([t]), q[None], v[None])
+            self._rough = _SAFETY * rough[0] * self.weight
+        return bool((weighted <= self._rough).all())
 
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""

@@ -87,8 +87,9 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
     """Four turns, of which three are copies, and the same ones computed.
 
     A copy has the impulses of the turn it shows, and its times but for round-off of the sum. A turn
-    that is computed later is judged for itself; the round-off of later times makes it a little
-    worse, up to eight times where bounces become as short as that.
+    that is computed later is judged for itself: these errors are round-off, which falls in another
+    way, with other processors, too, by a third of itself. Later times have more of it, a few dozen
+    units; impulses of bounces that become as short as that are up to eight times worse.
     """
     model = load("e62")
     copied, computed = (
@@ -103,5 +104,6 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
         first, event = copied.errors[number % count], copied.events[number]
         assert one.impulse == first.impulse
         assert first.time <= one.time <= first.time + 1e-15 * event.t
-        assert 0.99 * one.time <= two.time <= 1.2 * one.time
-        assert 0.99 * one.impulse <= two.impulse <= 8.0 * one.impulse
+        clock = 32.0 * np.finfo(float).eps * event.t
+        assert 0.75 * one.time <= two.time <= 1.33 * one.time + clock
+        assert 0.75 * one.impulse <= two.impulse <= 8.0 * one.impulse
