@@ -1,0 +1,90 @@
+"""What is at rest, or comes to rest, in an equilibrium: found beside case 23 of seed 311.
+
+There forces make up for one another but for round-off, which changes from state to state as noise
+does. Flights were cut into ever shorter panels, up to "one phase needs more than 10000 panels".
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from small_machines import frame, hinge, link, machine, slide
+
+from nipper_pin import Case, Solution, Window, simulate
+from nipper_pin.hybrid.roughness import roughness
+
+
+def turns(count: int) -> Case:
+    return Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0, cycles=count)
+
+
+def panels(solution: Solution, begin: float, end: float) -> int:
+    """Number of panels that start in a time."""
+    starts = np.array([panel.t for segment in solution.segments for panel in segment.panels])
+    return int(np.count_nonzero((begin <= starts) & (starts < end)))
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.0])
+def test_a_mass_that_hangs_in_balance_stays_there(damping: float) -> None:
+    """k (l - l_0) = m g but for round-off of l, 1e-17 m: it is followed in steps of its swing.
+
+    A turn of 1 s has 16 swings, of a few panels each; 2650 and 5733 panels were needed. What is
+    left of the forces, k times 1e-17 m, moves the mass by no more than that, again and again.
+    """
+    m, k, length = 1.0, 1e4, 0.3
+    points = {"frame_a": "post", "frame_b": "tip"}
+    natural = 1e3 * (length - m * 9.81 / k)
+    dampers = {"oil": {**points, "damping_N_s_per_m": damping}} if damping else {}
+    hanging = machine(
+        [link("mass", m), slide("z", "frame", "mass", axis=(0.0, 1.0)), frame("tip", "mass"),
+         frame("post", "frame", (0.0, length))], 1, gravity=9.81, dampers=dampers,
+        springs={"coil": {**points, "stiffness_N_per_m": k, "free_length_mm": natural}},
+    )  # fmt: skip
+    solution = simulate(hanging, turns(1))
+    assert panels(solution, 0.0, 1.0) < 100
+    assert np.abs(solution.trajectory.evaluate(np.linspace(0.0, 1.0, 50)).q).max() < 1e-14
+
+
+def test_rest_is_followed_in_no_more_panels_than_motion() -> None:
+    """A damped arm falls against a spring between two points, and has been at rest for long.
+
+    It decays by e^-3 a second, so that after 20 s round-off is all there is. It hangs where the
+    moments of weight and spring make up for one another.
+    """
+    arm = machine(
+        [link("arm", 1.0, 0.1, (0.2, 0.1)), hinge("pin", "frame", "arm"),
+         frame("tip", "arm", (0.3, 0.0)), frame("post", "frame", (0.3, 0.4))], 1, gravity=9.81,
+        springs={"coil": {"frame_a": "post", "frame_b": "tip", "stiffness_N_per_m": 40.0,
+                          "free_length_mm": 300.0}},
+        dampers={"oil": {"joint": "pin", "damping_N_m_s_per_rad": 1.0}},
+    )  # fmt: skip
+    solution = simulate(arm, turns(40))
+    moving, still = panels(solution, 0.0, 10.0), panels(solution, 30.0, 40.0)
+    (angle,) = solution.trajectory.evaluate(np.array([40.0])).q[0]
+    tip = 0.3 * np.array([math.cos(angle), math.sin(angle)])
+    line = np.array([0.3, 0.4]) - tip
+    pull = 40.0 * (1.0 - 0.3 / float(np.hypot(*line))) * line
+    weight = -9.81 * (0.2 * math.cos(angle) - 0.1 * math.sin(angle))
+    assert tip[0] * pull[1] - tip[1] * pull[0] + weight == pytest.approx(0.0, abs=1e-12)
+    assert abs(angle) > 0.1
+    assert 0 < still <= moving
+
+
+def test_roughness_is_what_round_off_of_the_forces_makes() -> None:
+    """Of a hanging mass: some units of k times the last digit of the length, and of g; no less."""
+    m, k, length = 2.0, 1e6, 0.3
+    hanging = machine(
+        [link("mass", m), slide("z", "frame", "mass", axis=(0.0, 1.0)), frame("tip", "mass"),
+         frame("post", "frame", (0.0, length))], 1, gravity=9.81,
+        springs={"coil": {"frame_a": "post", "frame_b": "tip", "stiffness_N_per_m": k,
+                          "free_length_mm": 1e3 * (length - m * 9.81 / k)}},
+    )  # fmt: skip
+    solution = simulate(hanging, turns(1))
+    system, panel = solution.system, solution.segments[0].panels[0]
+    rows = system.constraint_set(solution.segments[0].closed)
+    found = roughness(system, rows, panel.split, panel.times[:1], panel.q[:1], panel.v[:1])
+    eps = float(np.finfo(float).eps)
+    least = eps * (k * length / m + 9.81)
+    assert least < found[0, 0] < 40.0 * least
