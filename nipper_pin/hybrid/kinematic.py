@@ -86,6 +86,8 @@ def kinematic_panel(
     apart = np.abs(v_nodes - v_nodes[0] - h * (grid.once @ a_nodes)).max(axis=0)
     apart = np.maximum(h * apart - round_off, 0.0)
     rough_a = np.maximum(h**2 * tail(a_nodes), apart) / (np.sqrt(resolution.tolerance) * changed)
+    # What is prescribed follows its law; that it is held with less than infinite inertia shows.
+    rough_a *= rows.moving
     if not moving.any():
         # Stops may lock a machine altogether while its drive trains wind up: what it has of
         # accelerations is round-off.
