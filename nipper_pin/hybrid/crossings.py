@@ -18,8 +18,7 @@ from ..dynamics.elements import Elements
 from ..dynamics.system import ConstraintSet, System
 from ..mechanism import COINCIDENT_M
 from .collocation import nodes
-from .panel import SMALLEST, Panel, defect
-from .roughness import roughness
+from .panel import SMALLEST, Panel, defect, nearby
 
 _NEWTON_STEPS = 3
 # One way out of many in which round-off may fall.
@@ -142,7 +141,10 @@ def _round_off(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatAr
     """Round-off of the accelerations at some places of a panel, shape (K, nv)."""
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)
-    return np.asarray(_SAFETY * roughness(system, rows, panel.split, t, q, v))
+    motion = system.shaft.driven(t)
+    there = system.accelerations(motion, q, v, rows)
+    close = system.accelerations(motion, *nearby(system, q, v, panel.split), rows)
+    return np.asarray(_SAFETY * np.abs(close - there))
 
 
 def rows_met(system: System, panel: Panel) -> FloatArray:

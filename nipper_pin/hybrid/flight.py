@@ -81,7 +81,7 @@ def flight_panel(
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
             if stride > 1:
                 continue
-            if not iteration.is_round_off(np.abs(iteration.moved).max(axis=0), split):
+            if not iteration.is_round_off(np.abs(iteration.moved).max(axis=0)):
                 return Attempt(None, none, 0.5)
         # Two integrations divide the coefficient of degree k by about (2 k)^2.
         missing = decayed(a) * iteration.weight
@@ -94,7 +94,7 @@ def flight_panel(
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
     hard = iteration.sweeps > _EASY_SWEEPS
-    if left_over > tolerance and iteration.is_round_off(missing, split):
+    if left_over > tolerance and iteration.is_round_off(missing):
         # No shorter panel would resolve it either.
         return Attempt(panel, forces, 1.0 if hard else _LONGER)
     if len(a) < finest and not hard:
@@ -227,17 +227,15 @@ class _Picard:
                 return change <= _ITERATION_FLOOR
         return False
 
-    def is_round_off(self, weighted: FloatArray, split: Partition) -> bool:
-        """True if differences of accelerations are no more than round-off makes of them.
+    def is_round_off(self, weighted: FloatArray) -> bool:
+        """True if differences of accelerations are no more than round-off of forces makes of them.
 
         Args:
             weighted: Differences, as relative changes of positions, shape (nv,).
-            split: Dependent and independent coordinates.
         """
         if not self._rough.size:
-            t, q, v = self._start
-            rough = roughness(self._system, self._rows, split, np.array([t]), q[None], v[None])
-            self._rough = _SAFETY * rough[0] * self.weight
+            rough = roughness(self._system, self._rows, *self._start)
+            self._rough = _SAFETY * rough * self.weight
         return bool((weighted <= self._rough).all())
 
     def motion(self, a: FloatArray) -> FloatArray:

@@ -7,9 +7,8 @@ import numpy as np
 from ..dynamics.multipliers import multipliers
 from ..dynamics.system import ConstraintSet, System
 from .deviations import Deviations
-from .panel import SMALLEST, Panel, forces_at
+from .panel import NEARBY, SMALLEST, Panel, forces_at
 from .propagation import free_coordinates, tangents
-from .roughness import NEARBY
 from .unresolved import of_closures
 
 _EPS = float(np.finfo(float).eps)

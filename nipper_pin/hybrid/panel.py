@@ -14,7 +14,10 @@ from ..dynamics.shaft import Driven
 from ..dynamics.system import ConstraintSet, System
 from .collocation import evaluate, evaluate_motion, motion_weights, nodes
 
+_EPS = float(np.finfo(float).eps)
 SMALLEST = 1e-300
+NEARBY = 4.0
+"""Round-off of a coordinate in units of its last digit."""
 
 
 class Attempt(NamedTuple):
@@ -183,6 +186,35 @@ def defect(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray)
     system.prescribe(motion, q, v, rows)
     there = system.accelerations(motion, q, v, rows)
     return np.asarray(np.abs(evaluate(panel.a, sigma, 0) - there))
+
+
+def nearby(
+    system: System, q: FloatArray, v: FloatArray, split: Partition
+) -> tuple[FloatArray, FloatArray]:
+    """The same states but for round-off: what moves between the two cannot be resolved.
+
+    Dependent coordinates stand where the closures let them stand, and have the rates of that place:
+    what the closures are open by near a dead centre makes itself felt there.
+
+    Args:
+        system: The system.
+        q: Configurations, shape (N, nv).
+        v: Velocities, shape (N, nv).
+        split: Dependent and independent coordinates.
+
+    Returns:
+        q and v, shape (N, nv).
+    """
+    body, columns = system.body, split.columns
+    signs = (-1.0) ** np.arange(body.nv)
+    # The length of a strut is a difference of places.
+    size = np.abs(q) + (body.reach_m if system.mechanism.struts else 0.0)
+    q = q + NEARBY * _EPS * signs * size
+    if columns.size:
+        g, jacobian = body.closures(q)
+        q[:, columns] -= np.linalg.solve(jacobian[:, :, columns], g[:, :, None])[:, :, 0]
+        v = close_velocities(v, body.closures(q)[1], split)
+    return q, v
 
 
 def judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attempt:

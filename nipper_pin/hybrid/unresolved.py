@@ -13,8 +13,7 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_velocities, inverted
 from ..dynamics.system import ConstraintSet, System
 from .collocation import nodes
-from .panel import Panel, defect
-from .roughness import nearby
+from .panel import Panel, defect, nearby
 
 _EPS = float(np.finfo(float).eps)
 # True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances; with masses
