@@ -38,6 +38,8 @@ def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
         tolerance: Relative accuracy of its positions.
     """
     lines = elements.damper_lines(panel.q)
+    if not lines.size:
+        return True
     before, after = lines[:-1], lines[1:]
     if _hidden(before, after, tolerance).any():
         return False
