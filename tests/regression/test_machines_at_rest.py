@@ -23,6 +23,7 @@ from nipper_pin import Case, Solution, Window, simulate
 from nipper_pin.hybrid.panel import nearby
 from nipper_pin.hybrid.roughness import roughness
 from nipper_pin.mechanism import from_sources
+from nipper_pin.study.stress.invariants import violations
 from nipper_pin.study.stress.machines import four_bar
 
 
@@ -139,3 +140,25 @@ def test_what_a_dead_centre_makes_of_positions_is_no_roughness() -> None:
         rough.append(float(roughness(system, rows, panel.t, q[0], v[0]).max()) / size)
     assert max(lost) > 1e-8
     assert max(rough) < 1e-12
+
+
+def test_the_round_off_of_a_length_of_nanometres_is_no_violation() -> None:
+    """Case 23 of seed 311: an arm at rest, its spring as long as its free length to 1e-17 m.
+
+    The check of flights knew the round-off of coordinates, which are zero, not that of places.
+    """
+    arm = machine(
+        [link("arm", 0.4726461386305977, 0.01793539173542711,
+              (-0.25866596415889076, 0.11778551845210816)),
+         hinge("pin", "frame", "arm", (0.3364135485082328, -0.12455142386701773)),
+         frame("post", "frame", (0.08069491425728259, 0.04774425600814569)),
+         frame("tip", "arm", (-0.2557186373884912, 0.1722956848713434))], 1,
+        springs={"coil": {"frame_a": "post", "frame_b": "tip",
+                          "stiffness_N_per_m": 21.377344494083378,
+                          "free_length_mm": 5.777957437852322e-06}},
+        dampers={"oil": {"frame_a": "post", "frame_b": "tip",
+                         "damping_N_s_per_m": 0.06448430888820239}},
+    )  # fmt: skip
+    solution = simulate(arm, replace(turns(2), speed_rpm=152.53))
+    assert panels(solution, 0.0, 1.0) < 100
+    assert violations(solution) == []
