@@ -196,7 +196,11 @@ def test_a_setting_without_rest_shows_its_reason_instead_of_numbers(page: Page) 
 
 
 def test_the_picture_shows_the_machine_and_moves(page: Page) -> None:
-    """Not blank: saturated colours that no background has; and it changes as it plays."""
+    """Not blank: saturated colours that no background has; and it changes as it plays.
+
+    The jaw goes to and fro, so one later moment may look like the first, and a busy machine draws
+    late: pictures are taken for a while, and a page that stands still shows the same in all.
+    """
     page.wait_for_function("document.querySelector('#now')?.textContent.includes('jaw')")
     page.wait_for_timeout(1000)
     before = picture(page)
@@ -204,9 +208,13 @@ def test_the_picture_shows_the_machine_and_moves(page: Page) -> None:
     assert len(np.unique(before.reshape(-1, 3), axis=0)) > 300
     told = page.inner_text("#now")
     page.wait_for_function("old => document.querySelector('#now').textContent !== old", arg=told)
-    page.wait_for_timeout(1500)
-    after = picture(page)
-    assert (np.abs(after - before).max(axis=-1) > 30.0).mean() > 1e-3
+    changed = 0.0
+    for _ in range(20):
+        page.wait_for_timeout(500)
+        changed = max(changed, (np.abs(picture(page) - before).max(axis=-1) > 30.0).mean())
+        if changed > 1e-3:
+            return
+    pytest.fail(f"{changed:.2e} of the picture changed in twenty pictures of a film that plays")
 
 
 def test_what_the_picture_tells_is_the_motion_of_the_setting(page: Page) -> None:

@@ -6,18 +6,21 @@ are open. "open stop 'bottom' enters its contact with -1.15" and "please report 
 that held drives press against two stops at once flew from one to the other for ever. Case 7276 of
 seed 291: "impulses 8.63235e-08 and 8.63235e-08, stated 6.76e-10 of them": a link between two stops
 that are hit in turn in one instant had, at the end of a flight of no length, the round-off of an
-integral over a long panel for its rate.
+integral over a long panel for its rate. In case 5636 of seed 371, "closure rate of v_after:
+8.58e-16, at most 2.4e-16", the check was wrong: where the restitution is 1e-12 a stop comes to rest
+right after its collision, which had taken 0.07 m/s away up to 57 units of round-off.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import acos, sqrt
 
 import numpy as np
 import pytest
-from small_machines import SLED, link, machine, slide
+from small_machines import SLED, frame, link, machine, slide
 
-from nipper_pin import Case, EventKind, ImpactError, Mechanism, Window, simulate
+from nipper_pin import Case, EventKind, ImpactError, Mechanism, Resolution, Window, simulate
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.hybrid.panel import Panel
 from nipper_pin.study.stress.invariants import violations
@@ -117,3 +120,43 @@ def test_lively_stops_that_only_come_near_are_no_jam() -> None:
     assert len(solution.collisions) == 40
     assert {hit.stop for hit in solution.collisions} == {"floor", "ceiling"}
     assert violations(solution) == []
+
+
+def test_what_a_collision_leaves_open_is_no_fault_of_the_rest_that_follows() -> None:
+    """A heavy block in a slot, stopped by 1e-12: round-off of its closure stays, more is found."""
+    parts = [
+        link("first", 0.5697251581736106),
+        slide("j0", "frame", "first", (-0.9701136452817515, 0.24265101532479125)),
+        link("second", 3.683221315325442),
+        slide("j1", "first", "second", (0.9684517740150778, 0.2492010461596196)),
+        frame("tip", "second", (0.5437712629483043, -0.1689902628039441)),
+        frame("rail", "frame", (0.5437712629483043, -0.1689902628039441), 0.7250612323188824),
+    ]  # fmt: skip
+    solution = simulate(
+        machine(
+            parts, 1,
+            closures={"rail": {"frame_a": "rail", "frame_b": "tip", "slot_axis": "x",
+                               "block_mass_kg": 368.3221315325442}},
+            springs={"one": {"joint": "j0", "stiffness_N_per_m": 5.81939763523595,
+                             "preload_length_mm": 90.85009049053058},
+                     "two": {"joint": "j1", "stiffness_N_per_m": 42.70725816157991,
+                             "preload_length_mm": -321.1211698370899}},
+            dampers={"one": {"joint": "j0", "damping_N_s_per_m": 0.5226940542238843},
+                     "two": {"joint": "j1", "damping_N_s_per_m": 0.001},
+                     "rail": {"joint": "rail", "damping_N_s_per_m": 0.001}},
+            stops={"upper": {"joint": "j1", "restitution": 1e-12, "side": "upper",
+                             "at_mm": 21.946137239941073}},
+        ),
+        replace(TURN, resolution=Resolution(tolerance=2e-11)),
+    )  # fmt: skip
+    collision, rest = solution.events
+    assert (collision.kind, rest.kind) == (EventKind.COLLISION, EventKind.REST)
+    G = solution.system.body.closures(rest.q[None])[1][0]
+    left = np.abs(G @ collision.v_after).max()
+    assert left > 16.0 * np.finfo(float).eps * np.abs(G).max() * np.abs(collision.v_before).max()
+    assert violations(solution) == []
+
+    opening = np.linalg.pinv(G) @ np.full(len(G), 3.0 * left)
+    doctored = replace(rest, delta=rest.delta + opening, v_after=rest.v_after + opening)
+    found = violations(replace(solution, events=(collision, doctored)))
+    assert any("closure rate of v_after" in item.detail for item in found)

@@ -42,16 +42,19 @@ def impulses(solution: Solution) -> Iterator[str]:
         share = max(1e-9, min(64.0 * EPS * float(inertias.max() / inertias.min()), 1e-4))
         yield from beyond(f"{where}: momentum", float(np.abs(left).max(initial=0.0)),
                            share * float(np.max(size, initial=0.0)))  # fmt: skip
-        for label, v in (("delta", event.delta), ("v_after", event.v_after)):
+        # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13 of
+        # them; closures that move by drives alone see round-off of the others.
+        widest = float(np.abs(G).max(initial=0.0))
+        # Several impacts in one instant: what the first has left open, the next does not close.
+        latest = solution.events[max(place - 2, 0) : place]
+        first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
+        open_before = float(np.abs(G @ event.v_before).max(initial=0.0))
+        inherited = min(open_before, 1e-12 * widest * first)
+        for label, v, more in (("delta", event.delta, 0.0), ("v_after", event.v_after, inherited)):
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
-            # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13
-            # of them; closures that move by drives alone see round-off of the others.
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
-            # Several impacts in one instant leave the round-off of the first.
-            latest = solution.events[max(place - 2, 0) : place]
-            first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
-            least = float(np.abs(G).max(initial=0.0) * (1e-12 * fastest + 16.0 * EPS * first))
+            least = widest * float(1e-12 * fastest + 16.0 * EPS * first) + more
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
                                max(1e-10 * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
