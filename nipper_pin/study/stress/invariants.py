@@ -222,12 +222,14 @@ def _forces(
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
     left[:, list(rows.stops)] -= rows.senses * forces.la_N
     left[:, system.driven] -= forces.drive
+    wound = 0.0
     if not system.held:
         left[:, system.driven] += system.inertia * state[2][:, system.driven]
         # The torque of a drive train is a difference of angles, and has their round-off.
         numbers = coefficients(solution.mechanism, held=False)
         angles = np.abs(state[0][:, system.driven]).max(initial=0.0)
-        size += 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
+        wound = 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
+        size += wound
     # Moments of forces next to their joint, and of what turns evenly, are differences of products.
     reach = max(system.body.reach_m, 1.0)
     model = solution.mechanism.model
@@ -242,6 +244,8 @@ def _forces(
         reach = system.body.reach_m
         stiffness = sum(strut.stiffness for strut in solution.mechanism.struts)
         pushed = forces.la_N + 64.0 * EPS * stiffness * reach * max(reach, 1.0)
+        # So is what a drive train presses together, of a difference of angles.
+        pushed += wound
         pull = -(pushed / size[:, list(rows.stops)].max(axis=0)).min()
         # Forces are second derivatives: they are resolved less far than positions.
         most = 10.0 * tolerance**0.5 + 1e-9
