@@ -22,7 +22,7 @@ from small_machines import SLED, frame, hinge, link, machine, slide
 from nipper_pin import Case, Solution, Window, simulate
 from nipper_pin.hybrid.panel import nearby
 from nipper_pin.hybrid.roughness import roughness
-from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism import Mechanism, from_sources
 from nipper_pin.study.stress.invariants import violations
 from nipper_pin.study.stress.machines import four_bar
 
@@ -116,6 +116,31 @@ def test_a_load_that_lies_on_a_slow_lift_needs_no_more_panels(mass: float) -> No
     assert lying.closed == {"floor"}
     assert lying.kinematic
     assert len(lying.panels) <= case.resolution.panels_per_turn + 1
+
+
+def evenly_lifted(gravity: float) -> Mechanism:
+    """A mass on a slide that leans by 4 degrees; its weight pulls it off the stop that it is at."""
+    return machine(
+        [link("table"), link("load", 90.0), slide("lift", "frame", "table", axis=(0.0, 1.0)),
+         slide("across", "table", "load", axis=(math.cos(0.07), -math.sin(0.07)))], 2,
+        gravity=gravity,
+        drives={"lift": {"joint": "lift", "law": "screw", "lead_mm_per_turn": 0.01, **SLED}},
+        stops={"side": {"joint": "across", "side": "lower", "at_mm": 0.0, "restitution": 0.0}},
+        phases=[{"number": 1, "name": "closed", "closed": ["side"]}],
+    )  # fmt: skip
+
+
+def test_the_round_off_of_a_drive_trains_torque_is_no_pull() -> None:
+    """Case 4439 of seed 381: nothing presses the stop, nothing opens it, and either may be shown.
+
+    A weight of 1e-11 N that pulls at it is found, in the same motion.
+    """
+    solution = simulate(evenly_lifted(0.0), replace(turns(2), drive="inertial"))
+    assert any(segment.closed for segment in solution.segments)
+    assert violations(solution) == []
+    weight = 1e-11 / (90.0 * math.sin(0.07))
+    found = violations(replace(solution, mechanism=evenly_lifted(weight)))
+    assert any("a closed stop pulls" in item.detail for item in found)
 
 
 def test_what_a_dead_centre_makes_of_positions_is_no_roughness() -> None:
