@@ -95,6 +95,19 @@ class Elements:
         """Forces (x, z) on the points a of the struts, world axes, shape (N, struts, 2) [N]."""
         return self._pulls(q, v)[0]
 
+    def runs_off(self, q: FloatArray) -> bool:
+        """True if a motion that starts where tables give the forces goes to where none is known.
+
+        Args:
+            q: Configurations in order of time, shape (N, nv).
+        """
+        for table in self._tables:
+            low, high = table.characteristic.reach
+            x = q[:, table.index]
+            if low <= x[0] <= high and (x.min() < low or x.max() > high):
+                return True
+        return False
+
     def check(self, q: FloatArray, t: FloatArray) -> None:
         """Refuse a motion that leaves a table.
 

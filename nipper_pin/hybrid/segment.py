@@ -196,6 +196,9 @@ def _shows_elements(
     """True if the nodes see what tables, and dampers between points, do on a panel."""
     if system.elements is None or not resolution.adaptive:
         return True
+    # Such forces bend the motion to its start, however early the event is that ends it.
+    if system.elements.runs_off(panel.q):
+        return False
     if not shows_turns(system.elements, panel, resolution.tolerance):
         return False
     return not panel.integrated or shows_forces(system, rows, panel, resolution.tolerance)

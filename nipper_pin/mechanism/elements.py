@@ -72,6 +72,13 @@ class Characteristic:
         """First and last coordinate [m or rad]."""
         return self.coordinate[0], self.coordinate[-1]
 
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Coordinates between which the force is that of a cubic; constant beyond [m or rad]."""
+        low, high = self.ends
+        length = high - low
+        return low - length, high + length
+
     def forces(self, x: FloatArray) -> FloatArray:
         """Force against the coordinate [N or N m].
 
@@ -83,9 +90,7 @@ class Characteristic:
         Returns:
             Shape (N,).
         """
-        low, high = self.ends
-        length = high - low
-        return np.asarray(self._force(np.clip(x, low - length, high + length)))
+        return np.asarray(self._force(np.clip(x, *self.reach)))
 
     def energies(self, x: FloatArray) -> FloatArray:
         """Energy stored since the first row [J], the exact integral of the force, shape (N,)."""
