@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from small_machines import SLED, frame, hinge, link, machine, slide
 
-from nipper_pin import Case, Solution, Window, simulate
+from nipper_pin import Case, Resolution, Solution, Window, simulate
 from nipper_pin.hybrid.panel import nearby
 from nipper_pin.hybrid.roughness import roughness
 from nipper_pin.mechanism import Mechanism, from_sources
@@ -116,6 +116,29 @@ def test_a_load_that_lies_on_a_slow_lift_needs_no_more_panels(mass: float) -> No
     assert lying.closed == {"floor"}
     assert lying.kinematic
     assert len(lying.panels) <= case.resolution.panels_per_turn + 1
+
+
+def test_round_off_of_forces_in_balance_is_no_violation() -> None:
+    """Case 73 of seed 401: an arm on a stiff spring, so damped that it does not swing.
+
+    Spring and weight are 17 rad/s2 together and make up for each other; what is left of them is
+    1e-13 rad/s2. That a panel is off by 1e-10 is found.
+    """
+    arm = machine(
+        [link("arm", 7.95, 0.25, (-0.0312, -0.0096)), hinge("pin", "frame", "arm")], 1,
+        gravity=9.81,
+        springs={"coil": {"joint": "pin", "stiffness_N_m_per_rad": 1.2373691708916865e7,
+                          "preload_deg": 0.0}},
+        dampers={"oil": {"joint": "pin", "damping_N_m_s_per_rad": 4725.9}},
+    )  # fmt: skip
+    case = replace(turns(2), speed_rpm=600.0, resolution=Resolution(tolerance=1e-9))
+    solution = simulate(arm, case)
+    assert violations(solution) == []
+    last = solution.segments[-1]
+    off = tuple(replace(panel, a=panel.a + 1e-10) for panel in last.panels)
+    doctored = (*solution.segments[:-1], replace(last, panels=off))
+    found = violations(replace(solution, segments=doctored))
+    assert any("equations between nodes" in item.detail for item in found)
 
 
 def evenly_lifted(gravity: float) -> Mechanism:

@@ -10,6 +10,7 @@ from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...hybrid.collocation import evaluate, nodes
 from ...hybrid.panel import Panel, state_at
+from ...hybrid.roughness import roughness
 from ...hybrid.solution import Solution
 from ...mechanism import Strut
 from .looking import EPS, beyond, looked_at
@@ -19,6 +20,9 @@ _POWER = 1e-9
 # Twice integrated, the coefficient of degree k is divided by (2 k)^2; the defect of an interpolant
 # between its nodes is a few times the coefficients that are left out, more at kinks of tables.
 _LEFT_OUT = 40.0
+# An iteration may end in eight times the round-off of its forces; between nodes it is more by the
+# Lebesgue constant, at most 1 + 2 log(N) / pi.
+_NOISE = 8.0 * 3.7
 
 
 def elements(solution: Solution) -> Iterator[str]:
@@ -141,6 +145,8 @@ def flights(solution: Solution) -> Iterator[str]:
         drift[list(panel.split.independent)] = 0.0
         drifted = system.accelerations(motion, q, v + drift, rows)
         off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there)) + np.abs(drifted - there)
+        # Forces that make up for one another have the round-off of each: noise from node to node.
+        off -= _NOISE * roughness(system, rows, panel.t, panel.q[0], panel.v[0])
         moved = _moved(system, panel)
         share = float((off * panel.h**2 / moved).max(initial=0.0, where=rows.moving > 0.0))
         most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
