@@ -28,7 +28,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=int, metavar="N", help="processes (default: one a processor)"
     )
     parser.add_argument(
-        "--out", metavar="DIR", help="write a case file for each failure, and the report"
+        "--out",
+        metavar="DIR",
+        help="keep each verdict, a case file of each failure, and the report; what is there "
+        "already is not judged again",
     )
     parser.add_argument(
         "--rerun", metavar="FILE", help="judge the one case of such a file again, and nothing else"
@@ -53,8 +56,6 @@ def _run(options: argparse.Namespace) -> None:
         judge,
         load_trial,
         run_campaign,
-        save_trial,
-        trial,
     )
     from ..view.stress_report import print_campaign, print_verdict
 
@@ -70,16 +71,14 @@ def _run(options: argparse.Namespace) -> None:
         verdict = judge(load_trial(options.rerun), options.time_limit)
         result = Campaign(options.seed, (verdict,), verdict.wall_s)
     else:
-        with _progress(options.cases) as advance:
+        with _progress(options.cases, options.out) as advance:
             result = run_campaign(
-                options.cases, options.seed, options.workers, advance, options.time_limit
-            )
+                options.cases, options.seed, options.workers, advance, options.time_limit,
+                options.out,
+            )  # fmt: skip
+        if options.out is not None:
+            write_json(result.record(), str(Path(options.out) / "stress.json"))
     wrong = [item for item in result.verdicts if item.word == WRONG]
-    if options.out is not None and options.rerun is None:
-        for item in wrong:
-            save_trial(trial(options.seed, item.number), item, options.out)
-        Path(options.out).mkdir(parents=True, exist_ok=True)
-        write_json(result.record(), str(Path(options.out) / "stress.json"))
     if options.json is not None:
         write_json(result.record(), options.json)
     if options.json != "-":
@@ -94,21 +93,28 @@ def _run(options: argparse.Namespace) -> None:
 
 
 @contextmanager
-def _progress(cases: int) -> Iterator[Callable[[Verdict], None] | None]:
-    """A bar on a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
+def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], None]]:
+    """A bar on a terminal; in any case a word about what is kept after an interrupt."""
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("cases", total=cases)
-        wrong = 0
+    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
+    task = bar.add_task("cases", total=cases)
+    judged = wrong = 0
 
-        def advance(verdict: Verdict) -> None:
-            nonlocal wrong
-            wrong += verdict.word == "wrong"
-            bar.update(task, advance=1, description=f"cases, {wrong} wrong")
+    def advance(verdict: Verdict) -> None:
+        nonlocal judged, wrong
+        judged += 1
+        wrong += verdict.word == "wrong"
+        bar.update(task, advance=1, description=f"cases, {wrong} wrong")
 
-        yield advance
+    try:
+        with bar:
+            yield advance
+    except KeyboardInterrupt:
+        where = f"are in {folder}: run the same command again for the others"
+        sys.stderr.write(
+            f"nipper-pin: interrupted; {judged:,} of {cases:,} verdicts "
+            f"{where if folder is not None else 'are lost: --out keeps them'}\n"
+        )
+        raise

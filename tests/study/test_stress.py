@@ -37,6 +37,7 @@ from nipper_pin.study.stress import (
     violations,
 )
 from nipper_pin.study.stress.agreement import engines_agree, same_bits, within_errors
+from nipper_pin.study.stress.store import Store
 
 SEED = 7
 
@@ -348,9 +349,14 @@ def test_the_command_reports_and_keeps_failures(
     """A campaign with one wrong case: status 1, its number in one sentence, its file on disk."""
     import nipper_pin.study.stress as stress
 
-    def found(cases: int, seed: int, *_: object) -> stress.Campaign:
+    def found(
+        cases: int, seed: int, _workers: object, _advance: object, limit: float, out: str | None
+    ) -> stress.Campaign:
         verdicts = [Verdict(n, "ordinary", RIGHT, "AT_REST", "", "", 0.1) for n in range(cases)]
         verdicts[1] = Verdict(1, "speed", WRONG, "energy", "1 J", "", 0.1)
+        store = Store(out, seed, limit)
+        for verdict in verdicts:
+            store.put(verdict, 1.0)
         return stress.Campaign(seed, tuple(verdicts), 1.0)
 
     monkeypatch.setattr(stress, "run_campaign", found)

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError
 from ...hybrid.case import Case
 from ...hybrid.storage import complete_file, save_case
 from ...mechanism import load
+from ..folders import make_folder
 from .result import Optimum
 
 
@@ -28,11 +28,7 @@ def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
         InputError: A file cannot be written.
     """
     home = Path(folder)
-    try:
-        home.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{home}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(home)) from error
+    make_folder(home)
     problem = optimum.problem
     case = Case(speed_rpm=problem.speed(np.array(optimum.best.z)), rest_rate=problem.rest_rate)
     # A result of another run of the same problem must not stand beside a newer case.

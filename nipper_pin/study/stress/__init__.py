@@ -1,8 +1,9 @@
 """Stress campaign: thousands of random and extreme trials, judged without a reference."""
 
-from .campaign import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Campaign, Verdict, judge, run_campaign
+from .campaign import Campaign, run_campaign
 from .files import load_trial, save_trial
 from .invariants import CHECKS, Violation, violations
+from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .space import FAMILIES, Trial, trial
 
 __all__ = [

@@ -14,7 +14,8 @@ from typing import Any
 from ...errors import InputError
 from ...hybrid.case import Case, Resolution
 from ...hybrid.storage import FORMAT, complete_file
-from .campaign import Verdict
+from ..folders import make_folder
+from .judging import Verdict
 from .parts import Source
 from .space import Trial
 
@@ -45,11 +46,7 @@ def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> Path:
         },
     }
     target = Path(folder) / f"trial-{item.number}.json"
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{folder}: cannot be made a folder ({error.strerror or error})"
-        raise InputError(message, file=str(folder)) from error
+    make_folder(folder)
     with complete_file(target) as partial:
         partial.write_text(json.dumps(document, indent=1), encoding="utf-8")
     return target

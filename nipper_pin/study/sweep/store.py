@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError
 from ...hybrid.storage import complete_file
+from ..folders import make_folder
 from .plan import Chunk, Plan
 
 if TYPE_CHECKING:
@@ -36,11 +37,7 @@ class Store:
         need_pyarrow()
         self._folder = Path(folder)
         self._chunks = self._folder / _CHUNKS
-        try:
-            self._chunks.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            message = f"{folder}: cannot be made a folder ({error.strerror})"
-            raise InputError(message, folder=str(folder)) from error
+        make_folder(self._chunks)
         file = self._folder / _PLAN
         if file.exists():
             _check_same(file, plan)

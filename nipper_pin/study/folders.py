@@ -1,0 +1,60 @@
+"""Folders that hold the results of one piece of work, and of no other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..hybrid.storage import complete_file
+
+
+def make_folder(folder: str | Path) -> None:
+    """Make a folder if it does not exist.
+
+    Raises:
+        InputError: It cannot be made.
+    """
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{folder}: cannot be made a folder ({error.strerror or error})"
+        raise InputError(message, folder=str(folder)) from error
+
+
+def claim(
+    folder: Path, file_name: str, here: Mapping[str, Any], work: str, names: Mapping[str, str]
+) -> None:
+    """Make a folder that of a piece of work, or see that it is already.
+
+    Args:
+        folder: The folder, made if it does not exist.
+        file_name: Name of the file in it that says what the work is.
+        here: What the results depend on.
+        work: What such work is called, for messages.
+        names: What keys of ``here`` are called, for messages; others by themselves.
+
+    Raises:
+        InputError: It cannot be written, or holds the results of other work.
+    """
+    make_folder(folder)
+    file = folder / file_name
+    if not file.exists():
+        with complete_file(file) as partial:
+            partial.write_text(json.dumps(here, indent=1) + "\n", encoding="utf-8")
+        return
+    try:
+        stored = json.loads(file.read_text(encoding="utf-8"))
+        other = [key for key in here if stored.get(key) != here[key]]
+    except (OSError, ValueError, AttributeError) as error:
+        message = f"{file}: says of no {work} what it is, or is damaged ({error})"
+        raise InputError(message, file=str(file)) from error
+    if other:
+        words = ", ".join(names.get(key, key) for key in other)
+        message = (
+            f"{folder}: holds the results of another {work} (they differ in: {words}); give "
+            "another folder with --out, or remove this one"
+        )
+        raise InputError(message, folder=str(folder), differences=other)
