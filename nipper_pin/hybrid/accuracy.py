@@ -229,7 +229,8 @@ def _rested(
         # What is left of the series lasts in proportion to its rate.
         beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
         late = late + beyond * deviations.states[system.body.nv + index] / rate
-        deviations = deviations.through(maps.impact(event).matrix).merged()
+        deviations = deviations.through(maps.impact(event).matrix)
+        deviations = deviations.joined(maps.left_out(event, beyond)).merged()
     time = float(np.abs(late).sum()) + _LIMIT * event.series_error
     return deviations, EventError(time, before.error.impulse)
 

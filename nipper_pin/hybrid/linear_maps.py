@@ -16,6 +16,7 @@ from ..errors import SingularConfigurationError
 from ..mechanism import Stop
 from .deviations import NOTHING_KNOWN, Deviations
 from .event import Event, EventKind
+from .left_out import left_out
 from .propagation import flight_map, free_coordinates
 from .saltation import impact_map
 from .segment import Segment
@@ -95,6 +96,16 @@ class LinearMaps:
         if id(event.delta) not in self._impacts:
             self._impacts[id(event.delta)] = self._impact(event)
         return self._impacts[id(event.delta)]
+
+    def left_out(self, rest: Event, remaining: float) -> Deviations:
+        """What bounces make that are not computed, in a time before a rest [s]."""
+        if remaining <= 0.0 or self._system.constraint_set(rest.closed_after).freedom == 0:
+            return Deviations.of(np.empty((2 * self._system.body.nv, 0)))
+        try:
+            found = left_out(self._system, rest, remaining)
+        except (SingularConfigurationError, np.linalg.LinAlgError):
+            found = np.full(2 * self._system.body.nv, NOTHING_KNOWN)
+        return Deviations.of(found[:, None])
 
     def _flight(self, segment: Segment) -> FlightMap:
         system, rows = self._system, self._system.constraint_set(segment.closed)
