@@ -105,11 +105,14 @@ def test_the_command_is_interrupted(tmp_path: Path) -> None:
         [*command, "--cases", "5000", "--out", str(tmp_path)],
         stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
-    deadline = time.monotonic() + 120.0
-    while len(kept(tmp_path)) < 3 and time.monotonic() < deadline:
-        time.sleep(0.05)
-    os.killpg(run.pid, signal.SIGINT)
-    said = run.communicate(timeout=300)[1]
+    try:
+        deadline = time.monotonic() + 120.0
+        while len(kept(tmp_path)) < 3 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        os.killpg(run.pid, signal.SIGINT)
+        said = run.communicate(timeout=300)[1]
+    finally:
+        run.kill()
     count = len(kept(tmp_path))
     assert run.returncode == 130
     assert 3 <= count < 5000
