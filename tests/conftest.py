@@ -1,10 +1,16 @@
 import os
+import signal
 import sys
 from pathlib import Path
 
 # The matrices are 7 by 7: threads of BLAS only cost time, and with several test workers they
 # fight for the processors. Read by BLAS when numpy is imported, so it has to stand first.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+# A job that a script starts in the background ignores interrupts, and so would the commands that
+# tests interrupt: they would wait for ever.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Machines that several folders of tests build stand beside this file.
 sys.path.insert(0, str(Path(__file__).parent))
