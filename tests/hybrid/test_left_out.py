@@ -46,10 +46,9 @@ def exact() -> Solution:
 def test_it_is_the_difference_to_a_run_of_more_bounces(tolerance: float, exact: Solution) -> None:
     """Place and rate of the block 10 ms after the rest, within a tenth, over seven decades.
 
-    The formula takes one deceleration for all that is left; that changes by as many parts of a
-    tenth as are seen. Both numbers fall with the cube of the rate that is left, from 2e-7 m and
-    1e-5 m/s to 3e-13 m and 1e-11 m/s, and with the wrong sign, or without the term of A or of B B,
-    they are not these.
+    The formula takes one deceleration for all that is left. Both numbers fall with the cube of the
+    rate that is left, from 2e-7 m and 1e-5 m/s to 3e-13 m and 1e-11 m/s. With the wrong sign, or
+    without B B, none of the four is met; A is a few per cent here, and missed in one of them.
     """
     solution = run(tolerance)
     rest = next(event for event in solution.events if event.kind is EventKind.REST)
