@@ -39,9 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--time-limit",
         type=float,
-        default=120.0,
+        default=600.0,
         metavar="S",
-        help="seconds of the processor after which a case is a hang (default 120)",
+        help="seconds of the processor after which a case is a hang (default 600)",
     )
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
     parser.set_defaults(run=_run)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
+# Chromium says this when a picture of the page is taken while a processor draws.
+BY_PICTURES = "GPU stall due to ReadPixels"
+WAIT = 60_000  # ms; a processor that draws and has other work takes its time
 
 
 @dataclass
@@ -41,22 +44,35 @@ def chromium() -> Iterator[Browser]:
         browser.close()
 
 
-@pytest.fixture
-def open_page(chromium: Browser) -> Callable[[Path], object]:
-    @contextmanager
-    def opened(path: Path) -> Iterator[Opened]:
-        page = chromium.new_page(viewport={"width": 1100, "height": 900})
+@pytest.fixture(scope="session")
+def watch() -> Callable[[Page], Opened]:
+    """Notes all that a page says and asks for from now on, and gives it time to answer."""
+
+    def watched(page: Page) -> Opened:
         found = Opened(page)
-        page.on(
-            "console",
-            lambda message: (
-                message.type in ("error", "warning") and found.complaints.append(message.text)
-            ),
-        )
+
+        def say(message: ConsoleMessage) -> None:
+            if message.type in ("error", "warning") and BY_PICTURES not in message.text:
+                found.complaints.append(message.text)
+
+        page.set_default_timeout(WAIT)
+        page.on("console", say)
         page.on("pageerror", lambda error: found.complaints.append(str(error)))
         page.on("request", lambda request: found.requests.append(request.url))
-        page.goto(path.resolve().as_uri())
+        return found
+
+    return watched
+
+
+@pytest.fixture
+def open_page(
+    chromium: Browser, watch: Callable[[Page], Opened]
+) -> Callable[[Path], AbstractContextManager[Opened]]:
+    @contextmanager
+    def opened(path: Path) -> Iterator[Opened]:
+        found = watch(chromium.new_page(viewport={"width": 1100, "height": 900}))
+        found.page.goto(path.resolve().as_uri())
         yield found
-        page.close()
+        found.page.close()
 
     return opened

@@ -24,10 +24,7 @@ pytestmark = pytest.mark.skipif(
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 # three.js, inside of viser, says this of viser's own clock whenever a page is opened.
 ALWAYS_SAID = "THREE.Clock: This module has been deprecated"
-# Chromium says this when a picture of the page is taken while a processor draws.
-BY_PICTURES = "GPU stall due to ReadPixels"
 SPEED, RESTITUTION, STIFFNESS, PRELOAD = range(4)
-WAIT = 60_000  # ms; a processor that draws and has other work takes its time
 # Times from the key to the new numbers in the page, as the page itself sees both.
 STOPWATCH = """() => {
     window.delays = [];
@@ -57,18 +54,10 @@ def address() -> Iterator[str]:
 
 
 @pytest.fixture
-def page(chromium: Browser, address: str) -> Iterator[Page]:
+def page(chromium: Browser, watch, address: str) -> Iterator[Page]:
     """The page, drawn, sliders at their starts; what it complains of or asks for fails the test."""
-    complaints: list[str] = []
-    requests: list[str] = []
     opened = chromium.new_page(viewport={"width": 900, "height": 700})
-    opened.set_default_timeout(WAIT)
-    opened.on(
-        "console",
-        lambda item: item.type in ("error", "warning") and complaints.append(item.text),
-    )
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
-    opened.on("request", lambda item: requests.append(item.url))
+    found = watch(opened)
     opened.goto(address)
     opened.wait_for_selector("canvas")
     opened.wait_for_selector("#setting")
@@ -77,10 +66,10 @@ def page(chromium: Browser, address: str) -> Iterator[Page]:
     follow(opened, "speed 650 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm")
     yield opened
     opened.close()
-    own = [item for item in complaints if BY_PICTURES not in item]
-    assert [item for item in own if not item.startswith(ALWAYS_SAID)] == []
+    assert [item for item in found.complaints if not item.startswith(ALWAYS_SAID)] == []
     # Its own server, and what the page makes of itself: no other place in the network.
-    assert [item for item in requests if not item.startswith((address, f"blob:{address}"))] == []
+    own = (address, f"blob:{address}")
+    assert [item for item in found.requests if not item.startswith(own)] == []
 
 
 def slider(page: Page, place: int) -> Locator:
