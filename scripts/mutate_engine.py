@@ -152,6 +152,10 @@ MUTATIONS = (
         "hybrid/series.py", "2.0 / (alpha * (1.0 - e_N))", "2.0 / alpha",
     ),
     Mutation(
+        "half-left-out", "what bounces that are left out do to rates, without its second order",
+        "hybrid/left_out.py", "by_place + by_rates", "by_place",
+    ),
+    Mutation(
         "pressed-sign", "a stop stays closed when it is pulled open",
         "hybrid/phases.py", ".rate(a) <= 0.0 else", ".rate(a) >= 0.0 else",
     ),
