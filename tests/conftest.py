@@ -1,6 +1,7 @@
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 # The matrices are 7 by 7: threads of BLAS only cost time, and with several test workers they
@@ -15,6 +16,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Machines that several folders of tests build stand beside this file.
 sys.path.insert(0, str(Path(__file__).parent))
 
+import not_tested
 import pytest
 
 from nipper_pin.mechanism import Mechanism, load
@@ -23,3 +25,15 @@ from nipper_pin.mechanism import Mechanism, load
 @pytest.fixture(scope="session")
 def e62() -> Mechanism:
     return load("e62")
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
+    """Say what was not tested and what to install, after all else but the line of figures."""
+    result = yield
+    found = not_tested.lines(terminalreporter.stats.get("skipped", ()))
+    if found:
+        terminalreporter.section("not tested on this machine", sep="-", yellow=True)
+    for line in found:
+        terminalreporter.write_line(line)
+    return result

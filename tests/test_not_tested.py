@@ -1,0 +1,61 @@
+"""A run that leaves tests out says which, and what to install, before its closing line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import not_tested
+import pytest
+
+HERE = Path(__file__).parent
+
+
+def report(node: str, reason: str) -> pytest.TestReport:
+    return pytest.TestReport(
+        nodeid=node, location=(node, 0, node), keywords={}, outcome="skipped",
+        longrepr=("file", 1, f"Skipped: {reason}"), when="setup",
+    )  # fmt: skip
+
+
+def test_a_run_without_browser_ends_with_what_it_did_not_test() -> None:
+    """As `make test` where there is no Chromium: the last lines but one name claims and remedy."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "scrubs",
+         str(HERE / "browser" / "test_view.py")],
+        capture_output=True, text=True, check=False, env={**os.environ, "PATH": "/nowhere"},
+    )  # fmt: skip
+    *_, heading, remedy, claim, closing = done.stdout.splitlines()
+    assert done.returncode == 0, done.stdout
+    assert "not tested on this machine" in heading
+    assert remedy == "1 test left out without Chromium: install it (Debian, Ubuntu: " + (
+        "apt install chromium)"
+    )
+    assert claim == "  test_view.py: the line scrubs"
+    assert closing.startswith("1 skipped, ")
+
+
+def test_missing_packages_are_gathered_by_what_installs_them() -> None:
+    missing = "could not import '{0}': No module named '{0}'"
+    found = not_tested.lines(
+        [
+            report("tests/a.py::test_one_claim[x-1]", missing.format("mujoco")),
+            report("tests/a.py::test_one_claim[y]", missing.format("pydrake")),
+            report("tests/b.py::test_page", "viser is not installed (extra `live`)"),
+            report("tests/c.py", "no tests on a Sunday"),
+        ]
+    )
+    assert found == [
+        "2 tests left out without mujoco and pydrake: pip install -e '.[peers]'",
+        "  a.py: one claim (x-1, y)",
+        "1 test left out without viser: pip install -e '.[live]'",
+        "  b.py: page",
+        "1 test left out: no tests on a Sunday",
+        "  c.py: the whole file",
+    ]
+
+
+def test_a_run_that_leaves_nothing_out_says_nothing() -> None:
+    assert not_tested.lines([]) == []
