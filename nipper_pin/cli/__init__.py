@@ -48,7 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         Exit status: 0 right, 1 the simulation could not be done, 2 unusable arguments or files.
     """
-    options = _parser().parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(words)
+    options.words = words
     try:
         options.run(options)
     except InputError as error:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -96,15 +97,23 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(record(solution), options.json)
     if options.json != "-":
-        _print(solution, forces=options.forces)
+        _print(solution, forces=options.forces, turns=_whole_turns(options.words))
 
 
-def _print(solution: Solution, *, forces: bool) -> None:
+def _whole_turns(words: Sequence[str]) -> str:
+    """The command of the user for whole turns, ready to be pasted."""
+    kept = shlex.join(["nipper-pin", *words])
+    for given in ("--window transition", "--window=transition"):
+        kept = kept.replace(f" {given}", "")
+    return f"{kept} --window cycle"
+
+
+def _print(solution: Solution, *, forces: bool, turns: str) -> None:
     from rich.console import Console
 
     from ..view.table import print_solution
 
-    print_solution(solution, Console(), forces=forces)
+    print_solution(solution, Console(), forces=forces, turns=turns)
 
 
 @contextmanager

@@ -17,6 +17,12 @@ _SAME_POSITION = 1e-9
 _SAME_RATE = 1e-6
 
 
+def comes_back(system: System) -> bool:
+    """True if the drives come back with the cylinder; one may wind on, turn by turn."""
+    left, right = system.shaft.driven(np.array([0.0, system.shaft.period]))[0]
+    return bool(np.abs(right - left).max(initial=0.0) <= _SAME_POSITION)
+
+
 def repeats(
     system: System,
     previous: Sequence[Segment],
@@ -40,11 +46,9 @@ def repeats(
     """
     if not system.held:
         return False
-    period = system.shaft.period
-    left, right = system.shaft.driven(np.array([0.0, period]))[0]
-    if np.abs(right - left).max(initial=0.0) > _SAME_POSITION:
-        # A drive that winds on does not come back with the cylinder.
+    if not comes_back(system):
         return False
+    period = system.shaft.period
     changed = float(np.abs(end.v - start.v).max())
     fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
     if start.closed != end.closed or changed > _SAME_RATE * fastest:

@@ -53,6 +53,7 @@ def record(solution: Solution) -> dict[str, Any]:
             for item in solution.phases
         ],
         "transition": {
+            "premise_holds": solution.premise_holds,
             "duration_s": transition.duration if transition else None,
             "collisions": (
                 transition.collisions

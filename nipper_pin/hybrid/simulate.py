@@ -82,18 +82,45 @@ def simulate(
     )
 
 
+def go_on(
+    system: System, case: Case, start: State, t_limit: float
+) -> tuple[State | None, tuple[Event, ...]]:
+    """Follow the motion on from a state to a time, whatever the window of the case.
+
+    Args:
+        system: The system.
+        case: The case; so many collisions are followed.
+        start: The state.
+        t_limit: Where to stop [s].
+
+    Returns:
+        The state there, None after too many collisions; and the events until then.
+
+    Raises:
+        SimulationError: The motion cannot be followed; the message says where and why.
+    """
+    run = _Run(system, case, start)
+    while run.step(t_limit):
+        if run.collisions >= case.max_collisions:
+            return None, tuple(run.log.events)
+    return run.state, tuple(run.log.events)
+
+
 class _Run:
     """Events and segments of one run as they grow."""
 
-    def __init__(self, system: System, case: Case) -> None:
+    def __init__(self, system: System, case: Case, start: State | None = None) -> None:
         self.system = system
         self.case = case
         self.mechanism = system.mechanism
         self.log = EventLog()
         self.segments: list[Segment] = []
-        self._collisions = 0
+        self.collisions = 0
         self._nested: dict[tuple[str, Closed], NestedSeries] = {}
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
+        if start is not None:
+            self.state = start
+            return
         try:
             self.state = initial_state(system, case.start_index)
         except (ConvergenceError, SingularConfigurationError) as error:
@@ -128,7 +155,7 @@ class _Run:
             last = self.log.events[-1]
             if last.kind is EventKind.REST and name in last.stops:
                 return Outcome.AT_REST
-            if self._collisions >= self.case.max_collisions:
+            if self.collisions >= self.case.max_collisions:
                 return Outcome.TOO_MANY_COLLISIONS
             if not self.step(self.system.shaft.period):
                 return Outcome.NO_REST
@@ -141,9 +168,9 @@ class _Run:
         for turn in range(1, cycles + 1):
             first_segment, first_event = len(self.segments), len(self.log.events)
             start = self.state
-            before = self._collisions
+            before = self.collisions
             while self.step(turn * period):
-                if self._collisions - before >= self.case.max_collisions:
+                if self.collisions - before >= self.case.max_collisions:
                     return Outcome.TOO_MANY_COLLISIONS, None
             if progress is not None:
                 progress(turn, cycles)
@@ -233,7 +260,7 @@ class _Run:
 
     def collide(self, state: State, hit: set[str]) -> None:
         """Apply the impact law to the stops that have just closed and those closed before."""
-        self._collisions += 1
+        self.collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
         restitution = [stop.restitution for stop in contacts]
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)

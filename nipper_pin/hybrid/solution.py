@@ -26,6 +26,7 @@ from .segment import Segment
 if TYPE_CHECKING:
     from .accuracy import EventError
     from .energy import EnergyBalance
+    from .premise import Premise
     from .trajectory import Trajectory
 
 
@@ -134,6 +135,18 @@ class Solution:
         """Completed bounce series of the transition stop."""
         stop = self.mechanism.transition_stop
         return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def premise(self) -> Premise:
+        """Whether a turn brings the machine to where a transition starts, and why."""
+        from .premise import premise_of
+
+        return premise_of(self)
+
+    @property
+    def premise_holds(self) -> bool | None:
+        """True or False; None where it was not asked or cannot be told: see :attr:`premise`."""
+        return self.premise.holds
 
     @cached_property
     def drive_impulses(self) -> tuple[FloatArray, ...]:

@@ -18,14 +18,12 @@ from ..arrays import FloatArray
 from ..dynamics.system import DriveMode
 from ..errors import InputError, NipperError
 from ..hybrid.case import Case, Resolution
-from ..hybrid.event import EventKind
-from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
 from ..reduced.inputs import check_run, column, spring_rows
 from ..reduced.results import CollisionRows
+from .true_transition import TrueTransition, assumed_transition, transition_of_turns
 
 Engine = Literal["auto", "direct", "reduced"]
 
@@ -36,6 +34,8 @@ REDUCED_PAYS_FROM = 64
 # Cases of one batch, and columns of its table; few cases have more collisions.
 _BATCH, _COLUMNS = 4096, 32
 FAILED = "failed"
+TURN = "turn"
+"""Engine of a case for which whole turns were simulated, since the premise does not hold."""
 _STATUS = {int(status): status.name.lower() for status in Status}
 _AT_REST, _TOO_MANY = _STATUS[Status.AT_REST], _STATUS[Status.TOO_MANY_COLLISIONS]
 
@@ -47,7 +47,8 @@ class TransitionTable(CollisionRows):
     Attributes:
         model: Name of the model.
         why: Why the engine was chosen, and how many cases it left to the other one.
-        engine: Engine of each case, "reduced" or "direct", shape (n,).
+        engine: Engine of each case, "reduced", "direct", or "turn": the direct one on whole turns,
+            because the premise of a transition does not hold, shape (n,).
         outcome: How each case ended: "at_rest"; "no_rest" or "too_many_collisions"; "failed"; and,
             if the reduced engine was forced, its :class:`~nipper_pin.reduced.Status` in lower case.
         message: For each case why it failed, or why the reduced engine left it to the direct one;
@@ -61,6 +62,8 @@ class TransitionTable(CollisionRows):
         duration_error: Stated error of it [s], shape (n,).
         first_two_share: Share of the first two rebounds in the duration, NaN with fewer,
             shape (n,).
+        premise_holds: True or False: whether the machine arrives in its initial phase, as a
+            transition assumes; None where it was not asked, shape (n,).
         table: All rows, shape (n, rows, most). The errors are bounds where the reduced engine
             computed and estimates where the direct one did; see ``docs/accuracy.md``.
     """
@@ -78,6 +81,7 @@ class TransitionTable(CollisionRows):
     duration: FloatArray
     duration_error: FloatArray
     first_two_share: FloatArray
+    premise_holds: NDArray[np.object_]
     table: FloatArray = field(repr=False)
 
     def __len__(self) -> int:
@@ -111,8 +115,9 @@ def transition_table(
         max_collisions: Largest number of collisions of a case.
         drive: Behaviour of the driven shafts.
         engine: "auto": the reduced engine for :data:`REDUCED_PAYS_FROM` cases or more of a
-            mechanism that it can represent, the direct one for all others. "direct" or "reduced":
-            that one alone.
+            mechanism that it can represent, the direct one for all others; and whole turns of the
+            direct one where the premise of a transition does not hold. "direct" or "reduced": that
+            one alone, the transition as it is assumed.
 
     Returns:
         The table. A case that cannot be simulated is marked in it.
@@ -129,7 +134,15 @@ def transition_table(
         raise InputError(message, drive=drive)
     check_run(rest_rate, tolerance, max_collisions)
     cases = _cases(mechanism, speed_rpm, restitution, stiffness, preload)
-    run = _Run(mechanism, cases, DriveMode(drive), rest_rate, tolerance, max_collisions)
+    run = _Run(
+        mechanism,
+        cases,
+        DriveMode(drive),
+        rest_rate,
+        tolerance,
+        max_collisions,
+        true=engine == "auto",
+    )
     model, why = _chosen(mechanism, run.drive, len(cases.speed_rpm), engine)
     left = list(range(len(cases.speed_rpm)))
     if model is not None:
@@ -214,12 +227,16 @@ class _Run:
         rest_rate: float | None,
         tolerance: float,
         max_collisions: int,
+        *,
+        true: bool,
     ) -> None:
         n = len(cases.speed_rpm)
         self.drive = drive
         self._mechanism, self._cases = mechanism, cases
         self._rest_rate, self._tolerance = rest_rate, tolerance
         self._most = max_collisions
+        self._true = true
+        self._premise = np.full(n, None, dtype=object)
         self._engine = np.full(n, "direct", dtype="U7")
         self._outcome = np.full(n, FAILED, dtype="U24")
         self._message = [""] * n
@@ -263,11 +280,12 @@ class _Run:
 
     def direct(self, number: int) -> None:
         """Simulate one case by the direct engine."""
-        cases, stop = self._cases, self._mechanism.transition_stop
+        cases = self._cases
         self._engine[number] = "direct"
         self._outcome[number], self._collisions[number] = FAILED, 0
         self._rest[number] = np.nan
         block = np.empty((rows.COLUMNS, 0))
+        self._premise[number] = None
         try:
             mechanism = retuned(
                 self._mechanism,
@@ -282,14 +300,19 @@ class _Run:
                 resolution=Resolution(tolerance=self._tolerance),
                 max_collisions=self._most,
             )
-            solution = simulate(mechanism, case)
-            block, rest = _collision_rows(solution, stop), _rest(solution, stop)
+            found = assumed_transition(mechanism, case)
+            if self._true and found.premise_holds is False:
+                found = transition_of_turns(mechanism, case, found.solution.premise.why)
+                self._engine[number] = TURN
+            block = _collision_rows(found)
         except NipperError as error:
             self._message[number] = error.message
         else:
-            self._rest[number] = rest
-            self._outcome[number] = solution.outcome.name.lower()
+            self._rest[number] = _rest(found)
+            self._outcome[number] = found.outcome.name.lower()
             self._collisions[number] = block.shape[1]
+            self._message[number] = found.message or self._message[number]
+            self._premise[number] = found.premise_holds
         self._rows.append((np.array([number]), block[None]))
 
     def table(self, why: str) -> TransitionTable:
@@ -316,6 +339,7 @@ class _Run:
             duration=duration,
             duration_error=error,
             first_two_share=share,
+            premise_holds=self._premise,
             table=table,
         )
 
@@ -342,11 +366,10 @@ def retuned(
     return replace(mechanism, stops=stops, springs=springs)
 
 
-def _collision_rows(solution: Solution, stop: str) -> FloatArray:
-    """Collisions of one stop, shape (rows, collisions)."""
-    hits = [hit for hit in solution.collisions if hit.stop == stop]
+def _collision_rows(transition: TrueTransition) -> FloatArray:
+    """Collisions of the transition stop, shape (rows, collisions)."""
+    hits, errors = transition.collisions, transition.errors
     found = np.full((rows.COLUMNS, len(hits)), np.nan)
-    errors = [solution.errors[hit.event.number - 1] for hit in hits]
     for i, (hit, error) in enumerate(zip(hits, errors, strict=True)):
         found[rows.TIME, i] = hit.t - hits[0].t
         found[rows.ANGLE, i] = hit.cylinder_angle
@@ -370,15 +393,10 @@ def _collision_rows(solution: Solution, stop: str) -> FloatArray:
     return found
 
 
-def _rest(solution: Solution, stop: str) -> tuple[float, float, float]:
+def _rest(transition: TrueTransition) -> tuple[float, float, float]:
     """Duration, its stated error and the share of the first two rebounds; NaN without rest."""
-    ends = [
-        event.number
-        for event in solution.events
-        if event.kind is EventKind.REST and stop in event.stops
-    ]
-    if not ends or not solution.transitions:
+    found, error = transition.transition, transition.duration_error
+    if found is None or error is None:
         return np.nan, np.nan, np.nan
-    found = solution.transitions[-1]
     share = np.nan if found.first_two_share is None else found.first_two_share
-    return found.duration, float(solution.errors[ends[-1] - 1].time), share
+    return found.duration, error, share

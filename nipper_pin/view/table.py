@@ -38,7 +38,9 @@ _ROOMY = 100
 _MOST_ROWS = 100
 
 
-def print_solution(solution: Solution, console: Console, *, forces: bool = False) -> None:
+def print_solution(
+    solution: Solution, console: Console, *, forces: bool = False, turns: str = ""
+) -> None:
     """Print what a run found.
 
     Times count from the first collision. Of many turns the first two are printed.
@@ -47,12 +49,14 @@ def print_solution(solution: Solution, console: Console, *, forces: bool = False
         solution: The solution.
         console: Where to print; 80 columns are enough.
         forces: Print the ranges of the forces of closed stops, too.
+        turns: The command that simulates whole turns of the same settings.
     """
     _header(solution, console)
     _collisions(solution, console)
     _phases(solution, console)
     if solution.mechanism.transition_stop:
         _transitions(solution, console)
+        _premise(solution, console, turns)
     _releases(solution, console)
     if forces:
         _forces(solution, console)
@@ -170,6 +174,19 @@ def _transitions(solution: Solution, console: Console) -> None:
         _say(console, f"{text} {noun} computed{share}.")
     _say(console, _how_ended(solution))
     _more(console, len(solution.transitions) - len(shown), "transition")
+
+
+def _premise(solution: Solution, console: Console, turns: str) -> None:
+    """Say so if no turn of the machine has this transition."""
+    if solution.premise_holds is not False:
+        return
+    _say(console, f"No turn has this transition: {solution.premise.why}", style="bold")
+    if turns:
+        _say(console, "The one that turns have:")
+        # In one line, however narrow the terminal is: it is there to be pasted.
+        console.print(Text(turns), soft_wrap=True)
+    else:
+        _say(console, "The one that turns have is found by simulating them (window cycle).")
 
 
 def _how_ended(solution: Solution) -> str:

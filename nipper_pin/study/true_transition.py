@@ -1,0 +1,134 @@
+"""The transition that a machine has in its turns, whatever is assumed of how it arrives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..errors import SimulationError
+from ..hybrid.accuracy import EventError
+from ..hybrid.case import Case, Window
+from ..hybrid.collisions import Collision, Transition
+from ..hybrid.event import EventKind
+from ..hybrid.premise import MOST_IN_TURN
+from ..hybrid.simulate import simulate
+from ..hybrid.solution import Outcome, Solution
+from ..mechanism import Mechanism
+
+# Turns that are followed from the touch; the last one is read, from half a turn before its touch.
+_TURNS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class TrueTransition:
+    """A transition and where it was read.
+
+    Attributes:
+        solution: What was simulated: the transition alone, or whole turns.
+        premise_holds: Whether the machine arrives in its initial phase; None where that was not
+            asked. Where it is False the transition is that of the turns.
+        collisions: Collisions of the transition stop, from the first one to rest.
+        errors: Estimated errors of each.
+        transition: The transition; None without rest.
+        duration_error: Estimated error of its duration [s]; None without rest.
+        outcome: How it ended.
+        message: What is to be known of it; empty if it is an ordinary one.
+    """
+
+    solution: Solution
+    premise_holds: bool | None
+    collisions: tuple[Collision, ...]
+    errors: tuple[EventError, ...]
+    transition: Transition | None
+    duration_error: float | None
+    outcome: Outcome
+    message: str = ""
+
+
+def true_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
+    """The transition of a case; that of whole turns if the machine arrives otherwise.
+
+    Args:
+        mechanism: The mechanism.
+        case: The case; its window is not used.
+
+    Raises:
+        SimulationError: The motion cannot be followed, or no turn has a collision of the
+            transition stop.
+        InputError: The mechanism has no transition.
+    """
+    found = assumed_transition(mechanism, case)
+    if found.premise_holds is False:
+        return transition_of_turns(mechanism, case, found.solution.premise.why)
+    return found
+
+
+def assumed_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
+    """The transition of a case that starts in the initial phase, true or not.
+
+    Args:
+        mechanism: The mechanism.
+        case: The case; its window is not used.
+
+    Raises:
+        SimulationError: The motion cannot be followed.
+        InputError: The mechanism has no transition.
+    """
+    solution = simulate(mechanism, replace(case, window=Window.TRANSITION))
+    stop = mechanism.transition_stop
+    hits = tuple(hit for hit in solution.collisions if hit.stop == stop)
+    found = solution.transitions[-1] if solution.transitions else None
+    return _read(solution, hits, found, solution.outcome)
+
+
+def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTransition:
+    """The first transition of a turn that repeats, from simulated turns.
+
+    Args:
+        mechanism: The mechanism.
+        case: The case; its window, turns and start are not used, and its largest number of
+            collisions is that of the transition.
+        why: Why the turns have to be simulated.
+
+    Raises:
+        SimulationError: The motion cannot be followed, or no turn has a collision of the
+            transition stop.
+    """
+    cylinder, stop = mechanism.cylinder, mechanism.transition_stop
+    turns = replace(
+        case,
+        window=Window.CYCLE,
+        cycles=_TURNS,
+        start_index=cylinder.index_from_angle(cylinder.angle_at_touch_rad),
+        max_collisions=max(case.max_collisions, MOST_IN_TURN),
+    )
+    solution = simulate(mechanism, turns)
+    begin = (_TURNS - 1.5) * solution.shaft.period
+    later = [hit for hit in solution.collisions if hit.stop == stop and hit.t >= begin]
+    if not later:
+        message = f"{why} No turn has a collision of stop {stop!r}: {solution.outcome.value}"
+        raise SimulationError(message, stop=stop, outcome=solution.outcome.name)
+    found = next((item for item in solution.transitions if item.t_start == later[0].t), None)
+    hits = tuple(later if found is None else later[: found.collisions])
+    outcome = Outcome.NO_REST if found is None else Outcome.AT_REST
+    if len(hits) > case.max_collisions:
+        hits, found, outcome = hits[: case.max_collisions], None, Outcome.TOO_MANY_COLLISIONS
+    message = f"{why} This is the transition of the simulated turn."
+    if solution.repeated_from is None:
+        message += f" Turns differ from one another; it is that of number {_TURNS}."
+    return replace(_read(solution, hits, found, outcome), premise_holds=False, message=message)
+
+
+def _read(
+    solution: Solution, hits: tuple[Collision, ...], found: Transition | None, outcome: Outcome
+) -> TrueTransition:
+    stop = solution.mechanism.transition_stop
+    errors = tuple(solution.errors[hit.event.number - 1] for hit in hits)
+    late = None
+    if found is not None:
+        end = next(
+            event
+            for event in solution.events[hits[-1].event.number :]
+            if event.kind is EventKind.REST and stop in event.stops
+        )
+        late = float(solution.errors[end.number - 1].time)
+    return TrueTransition(solution, solution.premise_holds, hits, errors, found, late, outcome)

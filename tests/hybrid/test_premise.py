@@ -1,0 +1,167 @@
+"""Whether a machine arrives as a transition assumes, judged by whole turns simulated otherwise."""
+
+from __future__ import annotations
+
+import io
+import json
+import shlex
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from nipper_pin import (
+    Case,
+    DriveMode,
+    Solution,
+    Window,
+    load,
+    load_solution,
+    record,
+    save,
+    simulate,
+)
+from nipper_pin.cli import main
+from nipper_pin.hybrid.premise import premise_of
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.study.transitions import TURN, transition_table
+from nipper_pin.view.table import print_solution
+
+# The steeve is thrown off its stop just before the touch.
+LATE = {
+    "stops.jaw.restitution": 0.18674,
+    "springs.steeve.stiffness_N_per_m": 7065.98,
+    "springs.steeve.preload_length_mm": 9.25486,
+}
+LATE_RPM = 681.27
+
+
+@pytest.fixture(scope="module")
+def late() -> Solution:
+    """A transition that no turn has."""
+    return simulate(load("e62", LATE), Case(speed_rpm=LATE_RPM))
+
+
+def closing(mechanism: Mechanism, speed_rpm: float) -> Any:
+    """First collision of the jaw in the third turn that is computed anew."""
+    case = Case(speed_rpm=speed_rpm, window=Window.CYCLE, cycles=3, reuse_cycles=False)
+    turns = simulate(mechanism, case)
+    return next(
+        hit for hit in turns.collisions if hit.stop == "jaw" and hit.t > 2.0 * turns.shaft.period
+    )
+
+
+@pytest.mark.parametrize("speed_rpm", [300.0, 450.0, 650.0])
+def test_true_where_turns_have_the_transition(e62: Mechanism, speed_rpm: float) -> None:
+    """At 650 r/min the steeve leaves its stop with the jaw open, and is back in time."""
+    solution = simulate(e62, Case(speed_rpm=speed_rpm))
+    assert solution.premise_holds is True
+    first, hit = solution.collisions[0], closing(e62, speed_rpm)
+    # Both are exact but for the round-off of closures, 1e-14 of a rate.
+    assert first.approach_rate == pytest.approx(hit.approach_rate, rel=1e-11)
+    assert first.index == pytest.approx(hit.index, abs=1e-9)
+
+
+def test_false_where_they_do_not(late: Solution) -> None:
+    """The machine arrives with its steeve off the stop, and hits half as fast again."""
+    assert late.premise_holds is False
+    assert "steeve" in late.premise.why
+    hit = closing(late.mechanism, LATE_RPM)
+    assert late.collisions[0].approach_rate == pytest.approx(-17.6355, abs=1e-4)
+    assert hit.approach_rate == pytest.approx(-25.5185, abs=1e-4)
+
+
+def test_false_while_it_bounces() -> None:
+    """Bounces of the steeve that outlast the time until the touch."""
+    lively = load("e62", {"stops.steeve.restitution": 0.97})
+    solution = simulate(lively, Case(speed_rpm=650.0))
+    assert solution.premise_holds is False
+    hit = closing(lively, 650.0)
+    assert abs(hit.approach_rate / solution.collisions[0].approach_rate - 1.0) > 1e-3
+
+
+def test_not_asked(e62: Mechanism) -> None:
+    """Whole turns assume nothing; inertial shafts and drives that wind on cannot be asked."""
+    cases = {
+        "assume nothing": (e62, Case(speed_rpm=650.0, window=Window.CYCLE)),
+        "Inertial": (e62, Case(speed_rpm=650.0, drive=DriveMode.INERTIAL)),
+        "come back": (load("hanging_pendulum"), Case(speed_rpm=60.0)),
+    }
+    for word, (mechanism, case) in cases.items():
+        solution = simulate(mechanism, case)
+        assert solution.premise_holds is None, word
+        assert word in solution.premise.why
+
+
+def test_a_cut_transition_is_judged_alike(late: Solution, e62: Mechanism) -> None:
+    """Where few collisions are asked for, the turn is followed on all the same."""
+    for mechanism, speed_rpm, holds in ((late.mechanism, LATE_RPM, False), (e62, 650.0, True)):
+        for most in (1, 2, 3):
+            case = Case(speed_rpm=speed_rpm, max_collisions=most)
+            assert simulate(mechanism, case).premise_holds is holds
+
+
+def test_saved_runs_are_judged_alike(late: Solution, tmp_path: Any) -> None:
+    """A solution that was read from a file says the same."""
+    assert load_solution(save(late, tmp_path / "late")).premise == late.premise
+
+
+def test_record_and_sentence(late: Solution, e62: Mechanism) -> None:
+    """The document and the table on the terminal say it; a premise that holds takes no line."""
+    assert record(late)["transition"]["premise_holds"] is False
+    stream = io.StringIO()
+    print_solution(late, Console(file=stream, width=80), turns="nipper-pin " + "x" * 100)
+    assert "No turn has this transition" in stream.getvalue()
+    assert "\nnipper-pin " + "x" * 100 + "\n" in stream.getvalue()
+    stream = io.StringIO()
+    true = simulate(e62, Case(speed_rpm=650.0))
+    assert record(true)["transition"]["premise_holds"] is True
+    print_solution(true, Console(file=stream, width=80))
+    assert "No turn has" not in stream.getvalue()
+
+
+def test_the_command_that_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """Pasted, it simulates turns of the user's own settings, which hit as those of the test."""
+    given = ["simulate", "e62", "--speed", str(LATE_RPM), "--window", "transition"]
+    for path, value in LATE.items():
+        given += ["--set", f"{path}={value}"]
+    assert main(given) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (line,) = [line for line in lines if line.startswith("nipper-pin ")]
+    words = shlex.split(line)
+    assert words[0] == "nipper-pin"
+    assert main([*words[1:], "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["transition"]["premise_holds"] is None
+    jaw = next(hit for hit in document["collisions"] if hit["stop"] == "jaw")
+    assert jaw["rebound_amplitude"] == pytest.approx(12.61e-3, abs=1e-5)
+
+
+def test_tables_take_the_transition_of_the_turn(late: Solution) -> None:
+    """Left to choose, a table holds what the machine does; asked for an engine, what is assumed."""
+    speeds = np.array([LATE_RPM, 450.0])
+    chosen = transition_table(late.mechanism, speed_rpm=speeds)
+    assumed = transition_table(late.mechanism, speed_rpm=speeds, engine="direct")
+    for table in (chosen, assumed):
+        assert table.premise_holds.tolist() == [False, True]
+        assert table.outcome.tolist() == ["at_rest", "at_rest"]
+    assert chosen.engine.tolist() == [TURN, "direct"]
+    assert "steeve" in chosen.message[0]
+    hit = closing(late.mechanism, LATE_RPM)
+    # The table was computed to 1e-10.
+    assert chosen.approach_rate[0, 0] == pytest.approx(hit.approach_rate, rel=1e-8)
+    assert chosen.rebound_amplitude[0, 0] == pytest.approx(hit.rebound_amplitude, rel=1e-8)
+    assert assumed.approach_rate[0, 0] == pytest.approx(late.collisions[0].approach_rate, rel=1e-8)
+    few = transition_table(late.mechanism, speed_rpm=LATE_RPM, max_collisions=2)
+    assert few.outcome[0] == "too_many_collisions"
+    np.testing.assert_allclose(few.time[0], chosen.time[0, :2], rtol=1e-9)
+
+
+def test_another_arrival_is_noticed(e62: Mechanism) -> None:
+    """A transition that starts from another state than the turn brings is not called true."""
+    solution = simulate(e62, Case(speed_rpm=650.0))
+    first = solution.events[0]
+    moved = replace(first, q=first.q + 1e-3)
+    assert premise_of(replace(solution, events=(moved, *solution.events[1:]))).holds is False
