@@ -8,8 +8,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, UnknownNameError
+from ..errors import InputError
 from ..mechanism import Mechanism, load
+
+MODEL = "e62"
+"""The model of a command that names none."""
+
+_SHORT = ("restitution", "stiffness")
 
 
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
@@ -17,17 +22,16 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
     parser.add_argument(
         "model",
         nargs="?",
-        default="e62",
         metavar="MODEL",
-        help="name of a model that comes with the package, or a folder",
+        help=f"name of a model that comes with the package, or a folder (default {MODEL})",
     )
     parser.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="PATH=VALUE",
-        help="change a number of the model, for example "
-        "stops.steeve.restitution=0.1; may be repeated",
+        help="change a number of the model by its path or shortcut, for example "
+        "stops.steeve.restitution=0.1 or preload=9.25; may be repeated",
     )
     parser.add_argument("--restitution", type=float, metavar="E", help="restitution of the jaw")
     parser.add_argument(
@@ -49,30 +53,34 @@ def load_mechanism(options: argparse.Namespace) -> Mechanism:
     Raises:
         InputError: A value or the model cannot be used.
     """
-    overrides: dict[str, object] = {}
+    return load(options.model or MODEL, overrides(options))
+
+
+def overrides(options: argparse.Namespace) -> dict[str, object]:
+    """Numbers of the model that the arguments change, by path or shortcut.
+
+    Raises:
+        InputError: A ``--set`` is not PATH=VALUE, or a number is given twice.
+    """
+    found: dict[str, object] = {}
     for item in options.set:
-        path, equals, value = item.partition("=")
+        path, equals, value = (part.strip() for part in item.partition("="))
         if not equals:
             message = f"--set {item}: write PATH=VALUE, for example stops.jaw.restitution=0.1"
             raise InputError(message, argument=item)
-        overrides[path.strip()] = value.strip()
-    mechanism = load(options.model, overrides)
-    short = {
-        name: value
-        for name in ("restitution", "stiffness")
-        if (value := getattr(options, name)) is not None
-    }
-    if not short:
-        return mechanism
-    for name in short:
-        if name not in mechanism.shortcuts:
-            raise UnknownNameError(
-                kind="shortcut", name=name, known=mechanism.shortcuts, where=options.model
-            )
-    return load(
-        options.model,
-        {**overrides, **{mechanism.shortcuts[name]: value for name, value in short.items()}},
-    )
+        if path in found:
+            message = f"--set {path} is given twice, {found[path]} and {value}; leave one out"
+            raise InputError(message, argument=item)
+        found[path] = value
+    for name in _SHORT:
+        value = getattr(options, name, None)
+        if value is None:
+            continue
+        if name in found:
+            message = f"--{name} {value} and --set {name}={found[name]}: leave one out"
+            raise InputError(message, argument=name)
+        found[name] = value
+    return found
 
 
 def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
@@ -80,6 +88,24 @@ def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
     if options.speed is not None:
         return float(options.speed)
     return mechanism.cylinder.rated_speed_rpm
+
+
+def refuse_beside(options: argparse.Namespace, what: str, names: dict[str, str]) -> None:
+    """Refuse options that another one leaves without effect.
+
+    Args:
+        options: The arguments; one that was not given is None, False or not there.
+        what: The other option and why there is nothing for them to change, for the message.
+        names: For each attribute how it is written on the command line.
+
+    Raises:
+        InputError: One of them is given.
+    """
+    for name, written in names.items():
+        value = getattr(options, name, None)
+        if value is not None and value is not False and value != []:
+            message = f"{written} changes nothing beside {what}; leave one of them out"
+            raise InputError(message, argument=written)
 
 
 def check_outputs(folder: str | None, document: str | None) -> None:

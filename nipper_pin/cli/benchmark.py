@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..hybrid.solution import Solution
-from .arguments import write_json
+from .arguments import check_outputs, write_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +33,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.repeats is not None and options.repeats < 1:
         message = f"--repeats {options.repeats}: at least 1"
         raise InputError(message, argument=options.repeats)
+    check_outputs(options.out, options.json)
 
     def pictures(solution: Solution, folder: Path) -> object:
         from ..view.plots import plot_solution

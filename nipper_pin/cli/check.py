@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import add_model, load_mechanism, speed, write_json
+from .arguments import MODEL, add_model, check_outputs, load_mechanism, speed, write_json
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from ..study.check import check_model
 
+    check_outputs(None, options.json)
     mechanism = load_mechanism(options)
     report = check_model(mechanism, speed(options, mechanism))
     if options.json is not None:
@@ -29,5 +30,5 @@ def _run(options: argparse.Namespace) -> None:
         console = Console()
         print_report(report, console)
         console.print("Next", style="bold")
-        for step in next_steps(report, options.model):
+        for step in next_steps(report, options.model or MODEL):
             console.print(step, markup=False, highlight=False, soft_wrap=True)

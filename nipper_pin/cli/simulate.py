@@ -9,54 +9,28 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from ..dynamics.system import DriveMode
-from ..hybrid.case import Case, Resolution, Window
+from ..errors import InputError
+from ..hybrid.case import Case, Window
 from ..hybrid.record import record
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
-from .arguments import add_model, load_mechanism, speed, write_json
+from ..mechanism import Mechanism
+from .arguments import (
+    add_model,
+    check_outputs,
+    load_mechanism,
+    overrides,
+    refuse_beside,
+    write_json,
+)
+from .case_options import add_case, add_window, changed_case, new_case
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
-    parser.add_argument(
-        "--window",
-        choices=[item.value for item in Window],
-        default=Window.TRANSITION.value,
-        help="transition: first collision to rest; cycle: whole turns",
-    )
-    parser.add_argument("--cycles", type=int, default=1, metavar="N", help="number of turns")
-    parser.add_argument(
-        "--start-index",
-        type=float,
-        default=24.0,
-        metavar="INDEX",
-        help="index at which the turns start (default 24, foremost)",
-    )
-    parser.add_argument(
-        "--drive",
-        choices=[item.value for item in DriveMode],
-        default=DriveMode.HELD.value,
-        help="held: impacts cannot change the shafts' speed; inertial: they can",
-    )
-    parser.add_argument(
-        "--rest-rate",
-        type=float,
-        metavar="RATE",
-        help="end a series of bounces at this separation rate (rad/s or m/s) "
-        "instead of at its limit",
-    )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        default=1e-12,
-        metavar="TOL",
-        help="relative accuracy (default 1e-12)",
-    )
-    parser.add_argument(
-        "--no-reuse", action="store_true", help="compute turns that repeat exactly again"
-    )
+    add_window(parser, Window.TRANSITION)
+    add_case(parser)
     parser.add_argument(
         "--forces", action="store_true", help="add clamping and stop forces to the table"
     )
@@ -66,28 +40,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write CSV tables, the solution, the case and plots into a folder",
     )
     parser.add_argument(
-        "--case", metavar="FILE", help="repeat the run of a case.json that --out wrote"
+        "--case",
+        metavar="FILE",
+        help="repeat the run of a case.json that --out wrote, its machine included; numbers and "
+        "settings beside it change that run, a MODEL beside it is refused",
     )
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
-    if options.case is not None:
-        from ..hybrid.storage import load_case
-
-        mechanism, case = load_case(options.case)
-    else:
-        mechanism = load_mechanism(options)
-        case = Case(
-            speed_rpm=speed(options, mechanism),
-            window=Window(options.window),
-            cycles=options.cycles,
-            start_index=options.start_index,
-            drive=DriveMode(options.drive),
-            rest_rate=options.rest_rate,
-            resolution=Resolution(tolerance=options.tolerance),
-            reuse_cycles=not options.no_reuse,
-        )
+    if options.json == "-":
+        refuse_beside(options, "--json -, which writes no table", {"forces": "--forces"})
+    mechanism, case = _asked(options)
+    check_outputs(options.out, options.json)
     with _progress(case) as advance:
         solution = simulate(mechanism, case, advance)
     if options.out is not None:
@@ -106,6 +71,29 @@ def _whole_turns(words: Sequence[str]) -> str:
     for given in ("--window transition", "--window=transition"):
         kept = kept.replace(f" {given}", "")
     return f"{kept} --window cycle"
+
+
+def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
+    """Machine and case of the arguments: new ones, or saved ones with what is given beside them.
+
+    Raises:
+        InputError: Arguments contradict one another, or a file or value cannot be used.
+    """
+    if options.case is None:
+        mechanism = load_mechanism(options)
+        return mechanism, new_case(options, mechanism, Window.TRANSITION)
+    if options.model is not None:
+        message = (
+            f"{options.model} names a model, and --case {options.case} holds its own; leave one "
+            "of them out"
+        )
+        raise InputError(message, argument=options.model)
+    from ..hybrid.storage import load_case
+    from ..mechanism import with_numbers
+
+    mechanism, case = load_case(options.case)
+    changes = overrides(options)
+    return (with_numbers(mechanism, changes) if changes else mechanism), changed_case(case, options)
 
 
 def _print(solution: Solution, *, forces: bool, turns: str) -> None:

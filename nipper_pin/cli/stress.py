@@ -10,19 +10,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError, SimulationError
-from .arguments import write_json
+from .arguments import check_outputs, refuse_beside, write_json
 
 if TYPE_CHECKING:
     from ..study.stress import Verdict
+
+_CASES, _SEED = 1000, 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument(
-        "--cases", type=int, default=1000, metavar="N", help="number of cases (default 1000)"
+        "--cases", type=int, metavar="N", help=f"number of cases (default {_CASES})"
     )
     parser.add_argument(
-        "--seed", type=int, default=1, metavar="S", help="seed of the random cases (default 1)"
+        "--seed", type=int, metavar="S", help=f"seed of the random cases (default {_SEED})"
     )
     parser.add_argument(
         "--workers", type=int, metavar="N", help="processes (default: one a processor)"
@@ -64,18 +66,23 @@ def _run(options: argparse.Namespace) -> None:
         if value is not None and value <= 0:
             message = f"--{name.replace('_', '-')} {value}: above 0"
             raise InputError(message, argument=value)
-    if options.seed < 0:
+    if options.seed is not None and options.seed < 0:
         message = f"--seed {options.seed}: at least 0"
         raise InputError(message, argument=options.seed)
+    check_outputs(options.out, options.json)
     if options.rerun is not None:
-        verdict = judge(load_trial(options.rerun), options.time_limit)
-        result = Campaign(options.seed, (verdict,), verdict.wall_s)
+        names = {name: f"--{name}" for name in ("cases", "seed", "workers", "out")}
+        refuse_beside(options, "--rerun, which judges one case here", names)
+        trial = load_trial(options.rerun)
+        verdict = judge(trial, options.time_limit)
+        result = Campaign(trial.seed, (verdict,), verdict.wall_s)
     else:
-        with _progress(options.cases, options.out) as advance:
+        cases = _CASES if options.cases is None else options.cases
+        seed = _SEED if options.seed is None else options.seed
+        with _progress(cases, options.out) as advance:
             result = run_campaign(
-                options.cases, options.seed, options.workers, advance, options.time_limit,
-                options.out,
-            )  # fmt: skip
+                cases, seed, options.workers, advance, options.time_limit, options.out
+            )
         if options.out is not None:
             write_json(result.record(), str(Path(options.out) / "stress.json"))
     wrong = [item for item in result.verdicts if item.word == WRONG]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 
 from ..errors import InputError
-from ..hybrid.case import Case, Window
+from ..hybrid.case import Window
 from ..hybrid.solution import Solution
-from .arguments import add_model, load_mechanism, speed, write_json
+from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
+from .case_options import add_window, new_case
 
 _PORT = 7000
 
@@ -15,20 +16,11 @@ _PORT = 7000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
+    add_window(parser, Window.CYCLE)
     parser.add_argument(
-        "--window",
-        choices=[item.value for item in Window],
-        help="transition: first collision to rest; cycle: one whole turn (default)",
-    )
-    parser.add_argument(
-        "--start-index",
-        type=float,
-        default=24.0,
-        metavar="INDEX",
-        help="index at which the turn starts (default 24, foremost)",
-    )
-    parser.add_argument(
-        "--solution", metavar="FILE", help="show a saved run (solution.npz of simulate --out)"
+        "--solution",
+        metavar="FILE",
+        help="show a saved run (solution.npz of simulate --out); what would change it is refused",
     )
     parser.add_argument(
         "--slow",
@@ -50,9 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gif", metavar="FILE", help="write the film in side view as a GIF instead of serving it"
     )
-    parser.add_argument(
-        "--port", type=int, default=_PORT, metavar="N", help=f"port to serve at (default {_PORT})"
-    )
+    parser.add_argument("--port", type=int, metavar="N", help=f"port to serve at (default {_PORT})")
     parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
     parser.set_defaults(run=_run)
 
@@ -64,7 +54,15 @@ def _run(options: argparse.Namespace) -> None:
     if options.json == "-" and served:
         message = "--json - needs stdout to itself, and so does the server; add --html FILE"
         raise InputError(message, argument="--json -")
+    if not served:
+        refuse_beside(
+            options,
+            "--html and --gif, which serve nothing",
+            {"port": "--port", "no_browser": "--no-browser"},
+        )
     look = Look(slow=options.slow, exaggerate=options.exaggerate)
+    for file in (options.html, options.gif, options.json):
+        check_outputs(None, file)
     solution = _solution(options)
     if options.json is not None:
         from ..hybrid.record import record
@@ -77,7 +75,8 @@ def _run(options: argparse.Namespace) -> None:
 
         write_gif(solution, options.gif, look)
     if served:
-        serve(scene_page(film(solution, look)), options.port, browser=not options.no_browser)
+        port = _PORT if options.port is None else options.port
+        serve(scene_page(film(solution, look)), port, browser=not options.no_browser)
 
 
 def _solution(options: argparse.Namespace) -> Solution:
@@ -90,21 +89,20 @@ def _solution(options: argparse.Namespace) -> Solution:
         from ..hybrid.simulate import simulate
 
         mechanism = load_mechanism(options)
-        window = Window(options.window or Window.CYCLE)
-        case = Case(
-            speed_rpm=speed(options, mechanism), window=window, start_index=options.start_index
-        )
-        return simulate(mechanism, case)
-    given = [name for name in ("speed", "restitution", "stiffness", "window")
-             if getattr(options, name) is not None]  # fmt: skip
-    if options.set:
-        given.append("set")
-    if given:
-        message = (
-            f"--{given[0]} changes a run, and --solution {options.solution} shows one that is "
-            "done; leave one of them out"
-        )
-        raise InputError(message, argument=given[0])
+        return simulate(mechanism, new_case(options, mechanism, Window.CYCLE))
+    refuse_beside(
+        options,
+        f"--solution {options.solution}, a run that is done",
+        {
+            "model": f"{options.model} (a model)",
+            "set": "--set",
+            "restitution": "--restitution",
+            "stiffness": "--stiffness",
+            "speed": "--speed",
+            "window": "--window",
+            "start_index": "--start-index",
+        },
+    )
     from ..hybrid.storage import load_solution
 
     return load_solution(options.solution)

@@ -3,7 +3,7 @@
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
-from .load import find_model, from_sources, known_models, load
+from .load import find_model, from_sources, known_models, load, with_numbers
 from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Stop
 from .shapes import collision_model
 
@@ -35,4 +35,5 @@ __all__ = [
     "known_models",
     "load",
     "rad_s_from_rpm",
+    "with_numbers",
 ]

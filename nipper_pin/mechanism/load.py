@@ -22,7 +22,8 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             ``<name>.urdf`` and ``<name>.toml``.
         overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
             ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
-            (:mod:`.dimensions`); strings are converted.
+            (:mod:`.dimensions`), or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
+            converted.
 
     Returns:
         The validated mechanism.
@@ -48,9 +49,9 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
         ) from error
     if overrides:
-        from .overrides import apply_overrides, with_tables
+        from .overrides import apply_overrides, by_path, with_tables
 
-        data, others = with_tables(data, overrides, folder, toml_file)
+        data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
         data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
     else:
         data = inline_tables(data, folder, toml_file)
@@ -81,6 +82,30 @@ def from_sources(
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
     return build_mechanism(name, urdf, data, folder)
+
+
+def with_numbers(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:
+    """The same mechanism with other numbers, built again from its own texts.
+
+    Args:
+        mechanism: The mechanism; one of a saved run needs no model folder for it.
+        overrides: New values by path or shortcut, as in :func:`load`.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: A value cannot be used.
+        AssemblyError: The closures do not meet at touch.
+    """
+    from .overrides import apply_overrides, by_path
+
+    name, data = mechanism.name, mechanism.description
+    toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"
+    values = by_path(overrides, data, toml_file)
+    changed, urdf = apply_overrides(data, mechanism.urdf, values, toml_file, urdf_file)
+    try:
+        return from_sources(name, urdf, changed, mechanism.mesh_folder)
+    except AssemblyError as error:
+        raise _with_advice(error, values) from None
 
 
 def _with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> AssemblyError:

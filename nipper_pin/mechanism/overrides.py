@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from ..errors import ModelError
+from ..errors import ModelError, UnknownNameError
 from .csv_tables import inline_tables
 from .describe import describe
 from .dimensions import HEADS, change_dimensions
@@ -18,6 +18,36 @@ from .urdf_paths import steps_of
 # Squares and products of what is larger leave the range of a float before anything can be checked.
 _LARGEST = 1e12
 _TURN_DEG = 360.0
+
+
+def by_path(
+    overrides: Mapping[str, object], data: Mapping[str, object], file: str
+) -> dict[str, object]:
+    """Overrides by the paths that their shortcuts stand for.
+
+    Args:
+        overrides: New values by path, or by a shortcut that the document defines.
+        data: The TOML document.
+        file: Name of the TOML file, for messages.
+
+    Raises:
+        UnknownNameError: A name without a dot is no shortcut and no key.
+        ModelError: A number has two values: by its path and by a shortcut.
+    """
+    table = data.get("shortcuts")
+    shortcuts = table if isinstance(table, Mapping) else {}
+    found: dict[str, object] = {}
+    names: dict[str, str] = {}
+    for name, value in overrides.items():
+        path = str(shortcuts.get(name, name))
+        if name not in shortcuts and name not in data and len(steps_of(name)) == 1:
+            known = (*shortcuts, *(key for key in data if not isinstance(data[key], Mapping)))
+            raise UnknownNameError(kind="shortcut or path", name=name, known=known, where=file)
+        if path in found:
+            allowed = f"a number once: {names[path]} = {found[path]!r} gives the same one"
+            raise ModelError(file=file, key=name, value=value, allowed=allowed)
+        found[path], names[path] = value, name
+    return found
 
 
 def with_tables(

@@ -64,9 +64,8 @@ def base_mechanism(
         mechanism = load(found)
     if not changes:
         return mechanism
-    overrides = {mechanism.shortcuts.get(name, name): value for name, value in changes.items()}
     with at_key(file.name, keys[1]):
-        return load(found, overrides)
+        return load(found, changes)
 
 
 def model_beside(model: str, folder: Path) -> str | Path:

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import Meta
 
 from ...errors import InputError, ModelError, UnknownNameError
-from ...mechanism import Mechanism, load
+from ...mechanism import Mechanism
 from ...mechanism.description import Positive, Restitution
-from ..toml_files import Table, model_beside, read_table
+from ..toml_files import Table, base_mechanism, read_table, refuse
 from .geometry import Sources
 from .parameters import read_values, with_values
 from .targets import QUANTITIES, Condition, Target, conditions, read_measured
@@ -70,6 +71,7 @@ class _ProblemTable(Table, frozen=True, kw_only=True):
     format: Literal[1]
     title: str
     model: str
+    set: dict[str, object] = msgspec.field(default_factory=dict)
     free: dict[str, _FreeTable]
     targets: tuple[_TargetTable, ...] = ()
     measured: str | None = None
@@ -157,7 +159,7 @@ def read_problem(path: str | Path | None = None) -> Problem:
     """
     file = BUILT_IN if path is None else Path(path)
     table = read_table(file, _ProblemTable)
-    mechanism = load(model_beside(table.model, file.parent))
+    mechanism = base_mechanism(table.model, table.set, file)
     sources = Sources.of(mechanism)
     targets = tuple(_target(item, file.name) for item in table.targets)
     if table.measured is not None:
@@ -169,7 +171,7 @@ def read_problem(path: str | Path | None = None) -> Problem:
     return Problem(
         title=table.title,
         sources=sources,
-        free=_free(table.free, sources, file.name),
+        free=_free(_by_path(table, mechanism, file.name), sources, file.name),
         targets=targets,
         limits=_limits(table.limits, file.name),
         prior_weight=table.prior_weight,
@@ -231,6 +233,18 @@ def _target(item: _TargetTable, file: str) -> Target:
 
 def _condition(item: _Setting) -> Condition:
     return Condition(item.speed_rpm, item.restitution, item.stiffness)
+
+
+def _by_path(table: _ProblemTable, mechanism: Mechanism, file: str) -> dict[str, _FreeTable]:
+    """Free numbers by the paths that their shortcuts stand for, each once and not fixed as well."""
+    taken = {mechanism.shortcuts.get(name, name): f"set.{name}" for name in table.set}
+    free = {}
+    for name, item in table.free.items():
+        path = mechanism.shortcuts.get(name, name)
+        if path in taken:
+            refuse(file, f"free.{name}", path, f"not what {taken[path]} gives, too")
+        free[path], taken[path] = item, f"free.{name}"
+    return free
 
 
 def _free(table: dict[str, _FreeTable], sources: Sources, file: str) -> tuple[Free, ...]:

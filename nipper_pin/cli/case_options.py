@@ -1,0 +1,125 @@
+"""Options that make a case: one file for every command that simulates.
+
+None of them has a default of argparse, so that an option that is given can be told from one that is
+not: beside a saved case only those that are given change it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from typing import Any
+
+from ..dynamics.system import DriveMode
+from ..errors import InputError
+from ..hybrid.case import Case, Window
+from ..mechanism import Mechanism
+from .arguments import speed
+
+LIMIT = "limit"
+_OF_TURNS = {"cycles": "--cycles", "start_index": "--start-index", "reuse_cycles": "--no-reuse"}
+
+
+def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
+    """Arguments that every simulation has."""
+    parser.add_argument(
+        "--window",
+        choices=[item.value for item in Window],
+        default=argparse.SUPPRESS,
+        help=f"transition: first collision to rest; cycle: whole turns (default {default.value})",
+    )
+    parser.add_argument(
+        "--start-index",
+        type=float,
+        default=argparse.SUPPRESS,
+        metavar="INDEX",
+        help="index at which the turns start (default 24, foremost)",
+    )
+
+
+def add_case(parser: argparse.ArgumentParser) -> None:
+    """Arguments of how a simulation is done."""
+    parser.add_argument(
+        "--cycles",
+        type=int,
+        default=argparse.SUPPRESS,
+        metavar="N",
+        help="number of turns (default 1)",
+    )
+    parser.add_argument(
+        "--drive",
+        choices=[item.value for item in DriveMode],
+        default=argparse.SUPPRESS,
+        help="held: impacts cannot change the shafts' speed (default); inertial: they can",
+    )
+    parser.add_argument(
+        "--rest-rate",
+        type=_rest_rate,
+        default=argparse.SUPPRESS,
+        metavar="RATE",
+        help="end a series of bounces at this separation rate (rad/s or m/s) instead of at its "
+        f"limit; {LIMIT}: at its limit (default)",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=argparse.SUPPRESS,
+        metavar="TOL",
+        help="relative accuracy (default 1e-12)",
+    )
+    parser.add_argument(
+        "--reuse",
+        action=argparse.BooleanOptionalAction,
+        dest="reuse_cycles",
+        default=argparse.SUPPRESS,
+        help="copy turns that repeat exactly (default), or compute them again",
+    )
+
+
+def new_case(options: argparse.Namespace, mechanism: Mechanism, window: Window) -> Case:
+    """The case that the arguments mean.
+
+    Args:
+        options: The arguments.
+        mechanism: The mechanism, for its rated speed.
+        window: Window without ``--window``.
+
+    Raises:
+        InputError: A value is out of range, or an option has nothing to change.
+    """
+    return changed_case(Case(speed_rpm=speed(options, mechanism), window=window), options)
+
+
+def changed_case(case: Case, options: argparse.Namespace) -> Case:
+    """A case with what the arguments change of it.
+
+    Raises:
+        InputError: A value is out of range, or an option has nothing to change.
+    """
+    given = {name: value for name, value in _given(options).items() if name != "tolerance"}
+    if hasattr(options, "tolerance"):
+        given["resolution"] = replace(case.resolution, tolerance=options.tolerance)
+    changed = replace(case, **given)
+    if changed.window is Window.TRANSITION:
+        for name, written in _OF_TURNS.items():
+            if name in given:
+                message = (
+                    f"{written} is about whole turns, and a transition has none: add "
+                    f"--window cycle, or leave {written} out"
+                )
+                raise InputError(message, argument=written)
+    return changed
+
+
+def _given(options: argparse.Namespace) -> dict[str, Any]:
+    """Fields of a case that the arguments hold, the tolerance with them."""
+    names = ("window", "start_index", "cycles", "drive", "rest_rate", "tolerance", "reuse_cycles")
+    given = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    if options.speed is not None:
+        given["speed_rpm"] = options.speed
+    return given
+
+
+def _rest_rate(text: str) -> float | None:
+    """A rate, or None for the limit."""
+    return None if text == LIMIT else float(text)

@@ -1,0 +1,131 @@
+"""Saved runs and cases beside other options: each changes the run, or is refused in a sentence."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nipper_pin import Case, load, save, save_case, simulate
+from nipper_pin.cli import main
+
+BASE = {"--speed": "650", "--set": "preload=10.5", "--restitution": "0.2"}
+# The last 3 are about whole turns; the cases of all others are transitions.
+BESIDE = [
+    ["--set", "springs.steeve.preload_length_mm=9.25"],
+    ["--set", "preload=9.25"],
+    ["--restitution", "0.1"],
+    ["--stiffness", "11000"],
+    ["--speed", "500"],
+    ["--drive", "inertial"],
+    ["--rest-rate", "0.1"],
+    ["--tolerance", "1e-9"],
+    ["--window", "cycle"],
+    ["--cycles", "2"],
+    ["--start-index", "20"],
+    ["--no-reuse"],
+]
+
+
+def document(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    assert main(["simulate", *arguments, "--json", "-"]) == 0, capsys.readouterr().err
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    del found["work"]["wall_s"]
+    return found
+
+
+def words(options: dict[str, str]) -> list[str]:
+    return [word for pair in options.items() for word in pair]
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """A case of each window, as the command itself writes them."""
+    home = tmp_path_factory.mktemp("cases")
+    for window in ("transition", "cycle"):
+        folder = str(home / window)
+        assert main(["simulate", *words(BASE), "--window", window, "--out", folder]) == 0
+    return {window: str(home / window / "case.json") for window in ("transition", "cycle")}
+
+
+@pytest.mark.parametrize("option", BESIDE, ids=" ".join)
+def test_an_option_beside_a_case_changes_its_run(
+    option: list[str], saved: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What comes out is what the same options give without the file, and not the saved run."""
+    window = "cycle" if BESIDE.index(option) >= len(BESIDE) - 3 else "transition"
+    others = {"--window": window, **BASE}
+    others.pop(option[0], None)
+    case = saved[window]
+    beside = document(["--case", case, *option], capsys)
+    assert beside == document([*words(others), *option], capsys)
+    assert beside != document(["--case", case], capsys)
+
+
+def test_a_case_can_be_taken_back_to_the_limit_and_to_copies(
+    tmp_path: Path, e62: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What a case holds can be unset, too."""
+    file = save_case(
+        e62,
+        Case(speed_rpm=450.0, window="cycle", cycles=2, rest_rate=0.5, reuse_cycles=False),
+        tmp_path / "case.json",
+    )
+    back = document(["--case", str(file), "--rest-rate", "limit", "--reuse"], capsys)
+    assert back == document(["--window", "cycle", "--cycles", "2"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["simulate", "e62_identified", "--case", "CASE"], "e62_identified names a model"),
+        (["simulate", "--case", "CASE", "--cycles", "2"], "--cycles is about whole turns"),
+        (["simulate", "--cycles", "2"], "--cycles is about whole turns"),
+        (["simulate", "--start-index", "20"], "--start-index is about whole turns"),
+        (["simulate", "--no-reuse"], "--no-reuse is about whole turns"),
+        (["simulate", "--forces", "--json", "-"], "--forces changes nothing beside"),
+        (["simulate", "--restitution", "0.1", "--set", "restitution=0.2"], "leave one out"),
+        (["simulate", "--set", "restitution=0.1", "--set", "restitution=0.2"], "given twice"),
+        (
+            ["simulate", "--restitution", "0.1", "--set", "stops.jaw.restitution=0.2"],
+            "stops.jaw.restitution",
+        ),
+        (["simulate", "--set", "preloda=3"], "preload"),
+        (["simulate", "--case", "CASE", "--set", "stops.knee.restitution=0.2"], "jaw"),
+        (["view", "--solution", "RUN", "e62"], "e62 (a model) changes nothing"),
+        (["view", "--solution", "RUN", "--set", "preload=1"], "--set changes nothing"),
+        (["view", "--solution", "RUN", "--restitution", "0"], "--restitution changes nothing"),
+        (["view", "--solution", "RUN", "--stiffness", "9000"], "--stiffness changes nothing"),
+        (["view", "--solution", "RUN", "--speed", "450"], "--speed changes nothing"),
+        (["view", "--solution", "RUN", "--window", "cycle"], "--window changes nothing"),
+        (["view", "--solution", "RUN", "--start-index", "24"], "--start-index changes nothing"),
+        (["view", "--html", "page.html", "--port", "0"], "--port changes nothing"),
+        (["view", "--gif", "film.gif", "--no-browser"], "--no-browser changes nothing"),
+        (["view", "--window", "transition", "--start-index", "0"], "--start-index is about"),
+        (["stress", "--rerun", "CASE", "--cases", "3"], "--cases changes nothing"),
+        (["stress", "--rerun", "CASE", "--seed", "0"], "--seed changes nothing"),
+        (["stress", "--rerun", "CASE", "--workers", "1"], "--workers changes nothing"),
+        (["stress", "--rerun", "CASE", "--out", "folder"], "--out changes nothing"),
+    ],
+    ids=lambda item: " ".join(item) if isinstance(item, list) else "",
+)
+def test_what_another_option_would_ignore_is_refused(
+    arguments: list[str],
+    sentence: str,
+    saved: dict[str, str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One sentence, status 2, and nothing written."""
+    monkeypatch.chdir(tmp_path)
+    run = save(simulate(load("e62"), Case(speed_rpm=650.0)), tmp_path / "run.npz")
+    files = {"CASE": saved["transition"], "RUN": str(run)}
+    assert main([files.get(item, item) for item in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert sentence in err
+    assert [path.name for path in tmp_path.iterdir()] == ["run.npz"]
