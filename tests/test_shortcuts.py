@@ -98,5 +98,5 @@ def test_a_number_is_fixed_or_free(text: str, words: str, tmp_path: Path) -> Non
 def test_a_number_given_twice_is_refused() -> None:
     with pytest.raises(InputError, match=r"preload = 9\.25 gives the same one"):
         load("e62", {"preload": 9.25, PATH: 10.0})
-    with pytest.raises(InputError, match=r"no shortcut or path named .preloda..*preload"):
+    with pytest.raises(InputError, match=r"no key or shortcut named .preloda..*preload"):
         load("e62", {"preloda": 9.25})

@@ -41,8 +41,8 @@ def by_path(
     for name, value in overrides.items():
         path = str(shortcuts.get(name, name))
         if name not in shortcuts and name not in data and len(steps_of(name)) == 1:
-            known = (*shortcuts, *(key for key in data if not isinstance(data[key], Mapping)))
-            raise UnknownNameError(kind="shortcut or path", name=name, known=known, where=file)
+            known = {*shortcuts, *data}
+            raise UnknownNameError(kind="key or shortcut", name=name, known=known, where=file)
         if path in found:
             allowed = f"a number once: {names[path]} = {found[path]!r} gives the same one"
             raise ModelError(file=file, key=name, value=value, allowed=allowed)

@@ -170,7 +170,7 @@ def test_overrides_of_a_link() -> None:
         ),
         ("stops.lip.restitution", 1, "no key named 'lip'; known: jaw, steeve"),
         ("stops.jaw", 1, "known: stops.jaw.contact, stops.jaw.joint"),
-        ("stop", 1, "no key named 'stop'; known: closures, cylinder"),
+        ("stop", 1, "no key or shortcut named 'stop'; known: closures, cylinder"),
         ("", 1, "no key named ''"),
         ("phases[3].number", 1, r"no place named '\[3\]'"),
         ("gravity_m_s2.x", 1, "no key named 'x'; known: none"),
