@@ -127,6 +127,13 @@ class ImpactError(SimulationError):
     """
 
 
+class MisfitError(NipperError):
+    """Numbers were fitted to data that contradict them (exit status 1).
+
+    Evidence: ``chi_square``, ``degrees_of_freedom``, ``probability``, ``outliers``.
+    """
+
+
 class InfeasibleError(SimulationError):
     """No design within its bounds meets all limits.
 

@@ -41,6 +41,7 @@ def _run(options: argparse.Namespace) -> None:
     from ..mechanism.new_folder import check_new_folder
     from ..study.identify import (
         determinability,
+        goodness,
         identify,
         profile,
         read_problem,
@@ -61,18 +62,21 @@ def _run(options: argparse.Namespace) -> None:
             progress=advance,
         )
     known = determinability(fit.objective, fit.best.z)
+    judged = goodness(fit, known)
     chosen = [path for path, _ in known.ranked()][: max(0, options.profiles)]
     profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
     if options.out is not None:
-        write_model(fit, options.out)
+        write_model(fit, judged, options.out)
     if options.json is not None:
-        write_json(record(fit, known, profiles), options.json)
+        write_json(record(fit, judged, known, profiles), options.json)
     if options.json != "-":
         from rich.console import Console
 
         from ..view.identify_report import print_fit
 
-        print_fit(fit, known, profiles, Console())
+        print_fit(fit, judged, known, profiles, Console())
+    # The result is written, and is no success.
+    judged.check()
 
 
 @contextmanager

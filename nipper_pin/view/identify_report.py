@@ -6,24 +6,34 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from ..study.identify.determine import DETERMINED, Determinability, Profile
+from ..study.identify.determine import DETERMINED, Determinability
 from ..study.identify.fit import Fit
-from ..study.identify.objective import LIMITS
+from ..study.identify.goodness import Goodness, Verdict
+from ..study.identify.limits import LIMITS
+from ..study.identify.profiles import Profile
 from ..study.identify.record import WORD
 from .console import plain_table, say
 
 _NEAR = 1e-3
 _SAME = 1e-3
 _BROKEN = 1.0
+# Two numbers whose errors go together this far are known as a combination alone.
+_STRONG = 0.9
+_PAIRS = 5
 
 
 def print_fit(
-    fit: Fit, known: Determinability, profiles: Sequence[Profile], console: Console
+    fit: Fit,
+    judged: Goodness,
+    known: Determinability,
+    profiles: Sequence[Profile],
+    console: Console,
 ) -> None:
-    """Print what was identified and what the targets determine.
+    """Print what was identified, how good it is and what the targets determine.
 
     Args:
         fit: The fit.
+        judged: How good it is.
         known: What the targets determine.
         profiles: Profile likelihoods.
         console: Where to print; 80 columns are enough.
@@ -37,8 +47,11 @@ def print_fit(
         f"{fit.best.cost:.5g}; {fit.within(0.04)} of {len(problem.targets)} targets are met within "
         f"4 %, {fit.within(0.10)} within 10 %",
     )
-    _targets(fit, console)
-    _free(fit, known, console)
+    bad = judged.verdict is Verdict.CONTRADICTED
+    say(console, judged.sentence(), style="bold red" if bad else "")
+    _targets(fit, judged, console)
+    _free(fit, judged, known, console)
+    _correlations(known, console)
     _limits(fit, console)
     say(console, "What the targets determine", style="bold")
     say(
@@ -53,38 +66,58 @@ def print_fit(
     say(console, WORD, style="bold")
 
 
-def _targets(fit: Fit, console: Console) -> None:
-    table = plain_table("target", "wanted", "found", "deviation")
-    for target, found, deviation in zip(
-        fit.objective.problem.targets, fit.predicted, fit.deviations, strict=True
-    ):
+def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
+    table = plain_table("target", "wanted", "+-", "found", "deviation", "sigmas")
+    for place, target in enumerate(fit.objective.problem.targets):
         table.add_row(
-            target.name, f"{target.value:.5g}", f"{found:.5g}", f"{100 * deviation:+.2f} %"
+            target.name,
+            f"{target.value:.5g}",
+            f"{target.sigma:.2g}",
+            f"{fit.predicted[place]:.5g}",
+            f"{100 * fit.deviations[place]:+.2f} %",
+            f"{_sigmas(judged.residuals[place])}{'!' if place in judged.outliers else ' '}",
         )
     console.print(table)
+    if judged.outliers:
+        say(console, "!: outlier, farther off than chance explains for the worst of all targets")
 
 
-def _free(fit: Fit, known: Determinability, console: Console) -> None:
-    table = plain_table("number", "before", "found", "+-", "bounds", "left")
-    left, deviations = dict(known.ranked()), known.deviations
+def _sigmas(value: float) -> str:
+    return f"{value:+.2f}" if abs(value) < 100.0 else f"{value:+.3g}"
+
+
+def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) -> None:
+    table = plain_table("number", "before", "found", "+-", "scaled", "bounds", "left")
+    left, given = dict(known.ranked()), known.deviations
+    scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
     for item in fit.objective.problem.free:
         value = fit.values[item.path]
-        width = item.high - item.low
-        edge = min(value - item.low, item.high - value) < _NEAR * width
+        edge = min(value - item.low, item.high - value) < _NEAR * item.width
         table.add_row(
             item.path,
             f"{item.start:.5g}",
             f"{value:.5g}{'*' if edge else ' '}",
-            f"{deviations[item.path] * width:.2g}",
+            f"{given[item.path] * item.width:.2g}",
+            f"{scaled[item.path] * item.width:.2g}" if scaled else "-",
             f"{item.low:g}..{item.high:g}",
             f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
         )
     console.print(table)
     say(
         console,
-        "+-: standard deviation. left: part of its range that the targets leave a number; ?: "
+        "+-: standard deviation by the sigmas as given; scaled: by sigmas that the misfit would "
+        "meet. left: part of its range that the targets leave a number; ?: "
         f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
     )
+
+
+def _correlations(known: Determinability, console: Console) -> None:
+    strong = known.strongest(_STRONG)
+    if not strong:
+        return
+    pairs = "; ".join(f"{one} and {other} {size:+.3f}" for one, other, size in strong[:_PAIRS])
+    more = f"; and {len(strong) - _PAIRS} more" if len(strong) > _PAIRS else ""
+    say(console, f"correlated, so that only a combination is well known: {pairs}{more}")
 
 
 def _limits(fit: Fit, console: Console) -> None:

@@ -239,11 +239,18 @@ IDENTIFIED = {
         {"path": "springs.steeve.preload_length_mm", "sigma": 0.5, "values": [7.75, 8.25, 8.75],
          "cost": [0.6, 0.0, 0.45], "quadratic": [0.5, 0.0, 0.5]}
     ],
-    "targets": [{"name": "a", "wanted": 2.0, "found": 2.2, "relative_deviation": 0.1}],
+    "goodness": {"verdict": "agrees", "sentence": "The data agree with the fit."},
+    "targets": [
+        {
+            "name": "a", "wanted": 2.0, "sigma": 0.25, "found": 2.2, "relative_deviation": 0.1,
+            "residual_sigmas": 0.8, "outlier": False,
+        }
+    ],
     "free": [
         {
             "path": "springs.steeve.preload_length_mm", "low": 6.0, "high": 22.0, "before": 11.0,
-            "identified": 8.25, "range_left": 0.43, "determined": True,
+            "identified": 8.25, "standard_deviation": 0.5, "standard_deviation_scaled": None,
+            "range_left": 0.43, "determined": True,
         }
     ],
 }  # fmt: skip
@@ -261,6 +268,7 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
         r"<h2>6 Sensitivities</h2>.*<h2>7 Identification</h2>.*<h2>8 Limits", page, re.S
     )
     assert "Fitted, not validated." in page
+    assert "The data agree with the fit." in page
     assert "<td>8.250</td>" in page
     names = {path.name for path in others}
     assert names >= {"sensitivities.svg", "sensitivities.csv", "identified_numbers.csv"}

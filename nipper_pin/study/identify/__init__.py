@@ -1,11 +1,13 @@
 """Identification: numbers of a model from published ratios or from measured rebounds."""
 
-from .determine import Determinability, Profile, determinability, profile
+from .determine import Determinability, determinability
 from .fit import Descent, Fit, identify
 from .geometry import Sources
+from .goodness import Goodness, Verdict, goodness
 from .objective import Objective
 from .parameters import read_values, with_values
 from .problem import Free, Limits, Problem, read_problem
+from .profiles import Profile, profile
 from .record import record
 from .targets import QUANTITIES, Condition, Target, predict, read_measured
 from .working import WorkingCycle, working_cycle
@@ -18,14 +20,17 @@ __all__ = [
     "Determinability",
     "Fit",
     "Free",
+    "Goodness",
     "Limits",
     "Objective",
     "Problem",
     "Profile",
     "Sources",
     "Target",
+    "Verdict",
     "WorkingCycle",
     "determinability",
+    "goodness",
     "identify",
     "predict",
     "profile",

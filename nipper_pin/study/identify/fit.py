@@ -12,9 +12,10 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from ...arrays import FloatArray
-from ...errors import InputError, SimulationError
+from ...errors import InputError, NipperError, SimulationError
 from ..processes import mapped
-from .objective import UNUSABLE, Objective, excesses
+from .limits import excesses
+from .objective import Objective
 from .problem import Problem
 
 Progress = Callable[[int, int, float], None]
@@ -35,6 +36,7 @@ class Descent:
         cost: Half the sum of squares of all residuals there; infinite if no machine was found.
         steps: Evaluations of the residuals, those for derivatives left out.
         converged: Whether it ended by its tolerance.
+        reason: Why no machine was found; empty if one was.
     """
 
     start: FloatArray
@@ -42,6 +44,7 @@ class Descent:
     cost: float
     steps: int
     converged: bool
+    reason: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +124,10 @@ def identify(
     ranked = tuple(sorted(found, key=lambda item: item.cost))
     if not np.isfinite(ranked[0].cost):
         message = (
-            f"none of {starts} starts is a machine whose transitions can be simulated; narrow the "
-            "bounds around the model's own values"
+            f"none of {starts} starts is a machine whose transitions can be simulated (the first: "
+            f"{found[0].reason}); narrow the bounds around the model's own values"
         )
-        raise SimulationError(message, starts=starts, seed=seed)
+        raise SimulationError(message, starts=starts, seed=seed, reason=found[0].reason)
     z = ranked[0].z
     broken = np.zeros(0)
     if problem.limits is not None:
@@ -161,21 +164,25 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
             the first is taken that makes a machine.
         max_steps: Largest number of evaluations, those for derivatives left out.
     """
-    for draw in np.atleast_2d(begin):
-        if np.abs(objective.residuals(draw)).max() < UNUSABLE:
-            start = draw
-            break
-    else:
-        first = np.atleast_2d(begin)[0]
-        return Descent(first, first, np.inf, len(np.atleast_2d(begin)), converged=False)
-    found = least_squares(
-        objective.residuals,
-        np.clip(start, 1e-6, 1.0 - 1e-6),
-        jac=objective.slopes,
-        bounds=(0.0, 1.0),
-        ftol=1e-8,
-        xtol=1e-6,
-        gtol=1e-6,
-        max_nfev=max_steps,
-    )
-    return Descent(start, found.x, float(found.cost), int(found.nfev), converged=found.status > 0)
+    draws = np.atleast_2d(begin)
+    reason = ""
+    for draw in draws:
+        start = np.clip(draw, 1e-6, 1.0 - 1e-6)
+        try:
+            fenced = objective.fenced(objective.rows(start))
+            found = least_squares(
+                fenced.residuals,
+                start,
+                jac=fenced.slopes,
+                bounds=(0.0, 1.0),
+                ftol=1e-8,
+                xtol=1e-6,
+                gtol=1e-6,
+                max_nfev=max_steps,
+            )
+        except NipperError as error:
+            reason = reason or error.message
+            continue
+        steps, ended = int(found.nfev), bool(found.status > 0)
+        return Descent(draw, found.x, float(found.cost), steps, converged=ended)
+    return Descent(draws[0], draws[0], np.inf, len(draws), converged=False, reason=reason)

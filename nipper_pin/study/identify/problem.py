@@ -79,6 +79,7 @@ class _ProblemTable(Table, frozen=True, kw_only=True):
     prior_weight: _NotNegative = 0.0
     rest_rate: Positive | None = None
     tolerance: _Tolerance = 1e-8
+    absolute_sigma: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,6 +99,11 @@ class Free:
     high: float
     start: float
     why: str
+
+    @property
+    def width(self) -> float:
+        """Width of the range."""
+        return self.high - self.low
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +139,8 @@ class Problem:
             its whole range costs as much as a target that is missed by this many sigmas.
         rest_rate: Separation rate at which transitions end [rad/s or m/s]; None: at their limit.
         tolerance: Relative accuracy of the transitions.
+        absolute_sigma: Whether sigmas are standard deviations of measurements; if not they are
+            weights alone, a judgement, and only the fit tells how large they are.
     """
 
     title: str
@@ -143,6 +151,7 @@ class Problem:
     prior_weight: float = 0.0
     rest_rate: float | None = None
     tolerance: float = 1e-8
+    absolute_sigma: bool = True
 
 
 def read_problem(path: str | Path | None = None) -> Problem:
@@ -177,6 +186,7 @@ def read_problem(path: str | Path | None = None) -> Problem:
         prior_weight=table.prior_weight,
         rest_rate=table.rest_rate,
         tolerance=table.tolerance,
+        absolute_sigma=table.absolute_sigma,
     )
 
 

@@ -10,31 +10,38 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from .determine import DETERMINED, Determinability, Profile
+from .determine import DETERMINED, Determinability
 from .fit import Fit
-from .objective import LIMITS
+from .goodness import Goodness
+from .limits import LIMITS
+from .profiles import Profile
 
 WORD = (
     "Fitted, not validated: numbers that were adjusted to the targets cannot be confirmed by them. "
     "An estimate, never the maker's data."
 )
 
-_KEYS = {"title", "model", "caution", "seed", "targets", "free", "within_4_percent",
+_KEYS = {"title", "model", "caution", "seed", "targets", "free", "within_4_percent", "goodness",
          "singular_values", "identifiable_directions", "profiles"}  # fmt: skip
-_TARGET_KEYS = {"name", "wanted", "found", "relative_deviation"}
-_FREE_KEYS = {"path", "low", "high", "before", "identified", "range_left", "determined"}
+_GOODNESS_KEYS = {"verdict", "sentence"}
+_TARGET_KEYS = {"name", "wanted", "sigma", "found", "relative_deviation", "residual_sigmas",
+                "outlier"}  # fmt: skip
+_FREE_KEYS = {"path", "low", "high", "before", "identified", "standard_deviation",
+              "standard_deviation_scaled", "range_left", "determined"}  # fmt: skip
 
 
-def record(fit: Fit, known: Determinability, profiles: Sequence[Profile] = ()) -> dict[str, Any]:
+def record(
+    fit: Fit, judged: Goodness, known: Determinability, profiles: Sequence[Profile] = ()
+) -> dict[str, Any]:
     """Return an identification as plain data.
 
     Args:
         fit: The fit.
+        judged: How good it is.
         known: What the targets determine.
         profiles: Profile likelihoods.
     """
     problem = fit.objective.problem
-    left, deviations = dict(known.ranked()), known.deviations
     return {
         "title": problem.title,
         "model": problem.sources.name,
@@ -46,38 +53,18 @@ def record(fit: Fit, known: Determinability, profiles: Sequence[Profile] = ()) -
                 "cost": item.cost if np.isfinite(item.cost) else None,
                 "steps": item.steps,
                 "converged": item.converged,
+                "from": fit.objective.values(item.start),
+                "to": fit.objective.values(item.z) if np.isfinite(item.cost) else None,
             }
             for item in fit.descents
         ],
+        "goodness": _goodness(judged),
         "within_4_percent": fit.within(0.04),
         "within_10_percent": fit.within(0.10),
-        "targets": [
-            {
-                "name": target.name,
-                "wanted": target.value,
-                "sigma": target.sigma,
-                "found": float(found),
-                "relative_deviation": float(deviation),
-            }
-            for target, found, deviation in zip(
-                problem.targets, fit.predicted, fit.deviations, strict=True
-            )
-        ],
+        "targets": _targets(fit, judged),
         "limits": dict(zip(LIMITS, map(float, fit.broken), strict=False)),
-        "free": [
-            {
-                "path": item.path,
-                "low": item.low,
-                "high": item.high,
-                "before": item.start,
-                "identified": fit.values[item.path],
-                "standard_deviation": deviations[item.path] * (item.high - item.low),
-                "range_left": left[item.path],
-                "determined": left[item.path] < DETERMINED,
-                "why": item.why,
-            }
-            for item in problem.free
-        ],
+        "free": _numbers(fit, judged, known),
+        "correlations": known.correlations.tolist(),
         "singular_values": known.singular_values.tolist(),
         "directions": [
             dict(zip(known.paths, row, strict=True)) for row in known.directions.tolist()
@@ -94,6 +81,60 @@ def record(fit: Fit, known: Determinability, profiles: Sequence[Profile] = ()) -
             for item in profiles
         ],
     }
+
+
+def _goodness(judged: Goodness) -> dict[str, Any]:
+    return {
+        "verdict": judged.verdict.value,
+        "sentence": judged.sentence(),
+        "chi_square": judged.chi_square,
+        "degrees_of_freedom": judged.degrees_of_freedom,
+        "probability": judged.probability,
+        "scale": judged.scale,
+        "absolute_sigma": judged.absolute_sigma,
+        "outliers": [judged.names[place] for place in judged.outliers],
+        "suspects": list(judged.suspects),
+    }
+
+
+def _targets(fit: Fit, judged: Goodness) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": target.name,
+            "wanted": target.value,
+            "sigma": target.sigma,
+            "found": float(fit.predicted[place]),
+            "relative_deviation": _or_none(fit.deviations[place]),
+            "residual_sigmas": float(judged.residuals[place]),
+            "outlier": place in judged.outliers,
+        }
+        for place, target in enumerate(fit.objective.problem.targets)
+    ]
+
+
+def _numbers(fit: Fit, judged: Goodness, known: Determinability) -> list[dict[str, Any]]:
+    left, given = dict(known.ranked()), known.deviations
+    scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
+    return [
+        {
+            "path": item.path,
+            "low": item.low,
+            "high": item.high,
+            "before": item.start,
+            "identified": fit.values[item.path],
+            "standard_deviation": given[item.path] * item.width,
+            "standard_deviation_scaled": scaled[item.path] * item.width if scaled else None,
+            "range_left": left[item.path],
+            "determined": left[item.path] < DETERMINED,
+            "why": item.why,
+        }
+        for item in fit.objective.problem.free
+    ]
+
+
+def _or_none(value: float) -> float | None:
+    """JSON has no infinity: a value that was to be zero has no relative deviation."""
+    return float(value) if np.isfinite(value) else None
 
 
 def read_identification(path: str | Path) -> dict[str, Any]:
@@ -113,6 +154,8 @@ def read_identification(path: str | Path) -> dict[str, Any]:
         )
         raise InputError(message, file=str(path)) from error
     right = isinstance(document, dict) and document.keys() >= _KEYS
+    right = right and isinstance(document["goodness"], dict)
+    right = right and document["goodness"].keys() >= _GOODNESS_KEYS
     for key, needed in (("targets", _TARGET_KEYS), ("free", _FREE_KEYS)):
         rows = document[key] if right else None
         right = isinstance(rows, list) and all(

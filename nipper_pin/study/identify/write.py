@@ -14,16 +14,18 @@ from ...mechanism import Mechanism, load
 from ...mechanism.new_folder import new_folder
 from ...mechanism.urdf import parse_xml
 from .fit import Fit
+from .goodness import Goodness
 from .parameters import with_values
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def write_model(fit: Fit, folder: str | Path) -> Mechanism:
+def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
     """Write the identified model.
 
     Args:
         fit: The fit.
+        judged: How good it is; the files say so.
         folder: Folder to write; its name becomes the model's. It may exist if it is empty.
 
     Returns:
@@ -43,6 +45,7 @@ def write_model(fit: Fit, folder: str | Path) -> Mechanism:
         f"Identified by nipper-pin identify: {problem.title}",
         f"from the model {problem.sources.name}, {len(fit.descents)} starts, seed {fit.seed}.",
         "AN ESTIMATE: fitted to the targets, which does not validate it. Never the maker's data.",
+        judged.sentence(),
     ]
     text = "".join(f"# {line}\n" for line in heading) + "\n" + toml(document)
     with new_folder(target) as partial:

@@ -74,11 +74,15 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
             (
                 Column("name", "target"),
                 Column("wanted", "wanted", digits),
+                Column("sigma", "±", digits),
                 Column("found", "found", digits),
-                Column("relative_deviation", "deviation", percent),
+                Column("relative_deviation", "deviation", _percent),
+                Column("residual_sigmas", "deviation [sigma]", lambda v: f"{v:+.2f}"),
+                Column("outlier", "outlier", lambda v: "yes" if v else ""),
             ),
             tuple(
-                (item["name"], item["wanted"], item["found"], item["relative_deviation"])
+                (item["name"], item["wanted"], item["sigma"], item["found"],
+                 item["relative_deviation"], item["residual_sigmas"], item["outlier"])
                 for item in document["targets"]
             ),
         ),
@@ -89,15 +93,26 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
                 Column("path", "number"),
                 Column("before", "before", digits),
                 Column("identified", "identified", digits),
+                Column("standard_deviation", "±", digits),
+                Column("standard_deviation_scaled", "± scaled by the misfit", _digits),
                 Column("low", "from", digits),
                 Column("high", "to", digits),
                 Column("range_left", "range left", lambda v: f"{100.0 * v:.0f} %"),
                 Column("determined", "determined", lambda v: "yes" if v else "no"),
             ),
             tuple(
-                (item["path"], item["before"], item["identified"], item["low"], item["high"],
-                 item["range_left"], item["determined"])
+                (item["path"], item["before"], item["identified"], item["standard_deviation"],
+                 item["standard_deviation_scaled"], item["low"], item["high"], item["range_left"],
+                 item["determined"])
                 for item in document["free"]
             ),
         ),
     ]  # fmt: skip
+
+
+def _percent(value: float | None) -> str:
+    return "-" if value is None else percent(value)
+
+
+def _digits(value: float | None) -> str:
+    return "-" if value is None else digits(value)
