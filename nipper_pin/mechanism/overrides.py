@@ -36,12 +36,13 @@ def by_path(
     """
     table = data.get("shortcuts")
     shortcuts = table if isinstance(table, Mapping) else {}
+    known = {*shortcuts, *data, *HEADS}
     found: dict[str, object] = {}
     names: dict[str, str] = {}
     for name, value in overrides.items():
         path = str(shortcuts.get(name, name))
-        if name not in shortcuts and name not in data and len(steps_of(name)) == 1:
-            known = {*shortcuts, *data}
+        steps = steps_of(name)
+        if len(steps) == 1 and name not in known and steps[0] not in known:
             raise UnknownNameError(kind="key or shortcut", name=name, known=known, where=file)
         if path in found:
             allowed = f"a number once: {names[path]} = {found[path]!r} gives the same one"
