@@ -18,6 +18,7 @@ _T = TypeVar("_T")
 _R = TypeVar("_R")
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_AT_START = {name: os.environ.get(name) for name in _THREADS}
 
 
 @contextmanager
@@ -33,6 +34,15 @@ def one_thread_each() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def in_one_thread() -> bool:
+    """Whether BLAS computes in one thread here, as it does in :func:`fresh_processes`.
+
+    In several threads it adds up in another order even three numbers, so the last bits of a
+    result would depend on who computes. BLAS reads the environment once, when it is loaded.
+    """
+    return (_AT_START["OPENBLAS_NUM_THREADS"] or _AT_START["OMP_NUM_THREADS"]) == "1"
 
 
 @contextmanager

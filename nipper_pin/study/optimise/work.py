@@ -1,4 +1,7 @@
-"""Parts of an optimisation: in processes or in this one, each kept as soon as it is finished."""
+"""Parts of an optimisation, in processes of one thread each, kept as soon as they are finished.
+
+SciPy's SLSQP takes another way, from the last bits on, where its BLAS has several threads.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from typing import Any, Self, TypeVar
 
 from ...arrays import FloatArray
 from ...errors import SimulationError
-from ..processes import fresh_processes
+from ..processes import fresh_processes, in_one_thread
 from .store import Store
 
 Progress = Callable[[int, int], None]
@@ -25,7 +28,7 @@ class Work:
 
     Args:
         store: Where they are kept.
-        workers: Processes; 1: this process alone.
+        workers: Processes; 1: one, or this process itself if its BLAS has one thread.
         progress: Called whenever a part is finished or more parts become known.
     """
 
@@ -114,7 +117,7 @@ class Work:
             yield running[future], self._guarded(future.result)
 
     def _processes(self) -> ProcessPoolExecutor | None:
-        if self._pool is None and self._workers > 1:
+        if self._pool is None and not (self._workers == 1 and in_one_thread()):
             self._pool = self._stack.enter_context(fresh_processes(self._workers, _wake))
         return self._pool
 
@@ -124,7 +127,8 @@ class Work:
         except BrokenProcessPool as error:
             message = (
                 "a worker process died, perhaps for want of memory; parts that are finished are "
-                "kept in the folder: run the same command again, with fewer --workers"
+                "kept in the folder: run the same command again, with fewer --workers (a script "
+                "of your own has to call this below `if __name__ == '__main__':`)"
             )
             raise SimulationError(message, workers=self._workers) from error
 
