@@ -61,8 +61,7 @@ def event_errors(
     if not events:
         return ()
     maps = LinearMaps(system)
-    start = segments[0].panels[0].v[0] if segments else events[0].v_before
-    state, place = _State(of_rates(start), _FRESH), 0
+    state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
     last: dict[int, _Step] = {}
     found = []
     for event in events:
@@ -85,6 +84,14 @@ def event_errors(
         shifted = _CLOCK * (event.t - step.t)
         found.append(replace(step.stated, time=step.stated.time + shifted))
     return tuple(found)
+
+
+def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
+    """Round-off of the rates with which a run begins: before an event that it begins with."""
+    if segments and segments[0].t_start < first.t:
+        panel = segments[0].panels[0]
+        return of_rates(system, segments[0].closed, panel.t, panel.q[0], panel.v[0])
+    return of_rates(system, first.closed_before, first.t, first.q, first.v_before)
 
 
 class _State(NamedTuple):

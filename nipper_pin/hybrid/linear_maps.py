@@ -25,6 +25,9 @@ from .unresolved import independent_round_off, of_closures, unresolved
 _EPS = float(np.finfo(float).eps)
 RATE = 16.0 * _EPS
 """Round-off of rates that follow from drives and closures, relative."""
+# Round-off of the cylinder angle, beside the angle or a radian, whichever is more: near the
+# extreme of a drive law terms of the size of one cancel in its rate.
+_ANGLE = 2.0 * _EPS
 
 
 class FlightMap(NamedTuple):
@@ -88,7 +91,8 @@ class LinearMaps:
         if id(panel.q) not in self._ends:
             q, v = panel.interpolate_at(segment.t_end)
             opened = Deviations.of(of_closures(self._system, panel, q, v))
-            self._ends[id(panel.q)] = of_rates(v).joined(opened)
+            found = of_rates(self._system, segment.closed, segment.t_end, q, v)
+            self._ends[id(panel.q)] = found.joined(opened)
         return self._ends[id(panel.q)]
 
     def impact(self, event: Event) -> ImpactMap:
@@ -162,9 +166,27 @@ class LinearMaps:
         return ImpactMap(matrix, own, pushes, np.concatenate([event.v_before, a]), lost)
 
 
-def of_rates(v: FloatArray) -> Deviations:
-    """Round-off of rates that follow from drives and closures, shape (nv,)."""
-    return Deviations.independent(np.zeros_like(v), RATE * np.abs(v))
+def of_rates(
+    system: System, closed: frozenset[str], t: float, q: FloatArray, v: FloatArray
+) -> Deviations:
+    """Round-off of rates that follow from drives and closures.
+
+    That of a rate itself, and what the round-off of the cylinder angle does to all of them: with
+    accelerations a and cylinder speed W it is a dpsi / W, also where a rate passes through zero.
+
+    Args:
+        system: The system.
+        closed: Names of the closed stops.
+        t: When [s].
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+    """
+    shaft = system.shaft
+    rows, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
+    a = system.accelerations(motion, q[None], v[None], rows)[0]
+    shifted = _ANGLE * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
+    turned = Deviations.of(np.concatenate([np.zeros_like(a), a * shifted])[:, None])
+    return Deviations.independent(np.zeros_like(v), RATE * np.abs(v)).joined(turned)
 
 
 def pushing(system: System, event: Event) -> list[Stop]:

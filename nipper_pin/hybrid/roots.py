@@ -10,6 +10,10 @@ from ..arrays import FloatArray
 from ..errors import ConvergenceError
 
 _MAX_STEPS = 80
+# Of its higher side: the bottom of a dip that the parabola puts above this is above zero.
+_SHALLOW = 0.25
+# Parabolas through points around the bottom of a dip, each closer by this factor than the last.
+_PARABOLAS, _CLOSER = 3, 0.1
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 
@@ -48,10 +52,12 @@ def first_descent(
             lowest, estimate = _vertex(grid[near], values[near])
             # The parabola of a resolved function is good to a fraction of the dip's depth.
             if (
-                grid[dip - 1] < lowest < grid[dip + 1]
-                and estimate <= 0.5 * values[near].min()
-                and function(lowest) <= 0.0
+                not grid[dip - 1] < lowest < grid[dip + 1]
+                or estimate > _SHALLOW * values[near].max()
             ):
+                continue
+            lowest, value = _lowest(function, lowest, grid[near])
+            if value <= 0.0:
                 return float(grid[int(np.searchsorted(grid, lowest)) - 1]), lowest
     if not below.size:
         return None
@@ -66,6 +72,31 @@ def _vertex(x: FloatArray, y: FloatArray) -> tuple[float, float]:
         return float(x[1]), float(y[1])
     slope = left + curvature * (x[1] - x[0])
     return float(x[1] - 0.5 * slope / curvature), float(y[1] - 0.25 * slope**2 / curvature)
+
+
+def _lowest(
+    function: Callable[[float], float], place: float, grid: FloatArray
+) -> tuple[float, float]:
+    """Lowest place of a dip between three points, as far as it decides on the sign, and its value.
+
+    The place is improved by parabolas through ever closer points: what one leaves of the depth goes
+    with the square of its distance, that of the next with the fourth power.
+    """
+    value, apart = function(place), _CLOSER * float(grid[2] - grid[0])
+    for _ in range(_PARABOLAS):
+        if value <= 0.0:
+            break
+        x = np.clip([place - apart, place, place + apart], grid[0], grid[2])
+        if not x[0] < x[1] < x[2]:
+            break
+        sides = function(float(x[0])), function(float(x[2]))
+        found, _ = _vertex(x, np.array([sides[0], value, sides[1]]))
+        found = min(max(found, float(grid[0])), float(grid[2]))
+        lower = function(found)
+        if lower >= value:
+            break
+        place, value, apart = found, lower, _CLOSER * apart
+    return place, value
 
 
 def polish(

@@ -13,7 +13,7 @@ from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
 from ..mechanism import Stop
 from .collocation import Series, evaluate, nodes
-from .panel import Panel, forces_at, one_state_at
+from .panel import SMALLEST, Panel, forces_at, one_state_at
 from .roots import first_descent, polish
 
 SIMULTANEOUS = 1e-13
@@ -96,9 +96,6 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> 
         return _flight_root(panel, stop, gap, rate)
     h, gaps = panel.h, stop.gaps(panel.q)
 
-    def interpolant(sigma: float) -> float:
-        return float(evaluate(gaps, np.array([sigma]), 0)[0])
-
     def rough(t: float) -> tuple[float, float]:
         both = np.stack([gaps, stop.rates(panel.v)], axis=1)
         gap_rate = evaluate(both, np.array([(t - panel.t) / h]), 0)[0]
@@ -110,7 +107,18 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> 
 
     grid = nodes(panel.order)
     values = grid.sample_value @ gaps
-    return _polished(panel, first_descent(grid.samples, values, interpolant), rough, exact)
+    if gap <= 0.0 < rate and values[1] <= 0.0:
+        # It opens from round-off and closes before the next sample: its highest place is between.
+        peak = panel.t - rate / min(stop.rate(panel.a[0]), -SMALLEST)
+        first = panel.t + h * float(grid.samples[1])
+        if not peak < first or exact(peak)[0] <= 0.0:
+            return panel.t
+        return polish(exact, peak, first)
+
+    def lowest(sigma: float) -> float:
+        return exact(panel.t + h * sigma)[0]
+
+    return _polished(panel, first_descent(grid.samples, values, lowest), rough, exact)
 
 
 def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | None:

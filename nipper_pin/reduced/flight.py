@@ -86,9 +86,9 @@ def _first_zero(
             if v < 0.0:
                 start = max(high - x / (h * v), 0.5 * (before + high))
             return _zero(nodes, count, h, x0, v0, before, high, start)
-        if j < count - 1 and x < nodes[NODE_X, j - 1] and 0.0 < x <= nodes[NODE_X, j + 1]:
-            # A dip between positive nodes: follow it to its lowest point.
-            low, high = before, grids[SIGMA, level, 0, j + 1]
+        if nodes[NODE_V, j - 1] < 0.0 <= nodes[NODE_V, j]:
+            # A dip between two positive nodes: follow it to its lowest point.
+            low, high = before, grids[SIGMA, level, 0, j]
             for _ in range(60):
                 middle = 0.5 * (low + high)
                 if rate_at(nodes, count, h, v0, middle) < 0.0:

@@ -177,7 +177,7 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
     before = tables.approach * speed
     fastest_rebound = 0.0
     rest, rest_error = np.nan, np.nan
-    dv = 4.0 * EPS * abs(before)
+    dv = tables.approach_residual * speed
     for n in range(most):
         u = speed * t
         w = -restitution * before

@@ -51,6 +51,7 @@ class Tables(NamedTuple):
     low: float
     high: float
     approach: float
+    approach_residual: float
     inertia_residual: float
     touch_angle: float
     sense: float

@@ -44,6 +44,7 @@ class ReducedModel:
         steepest_x: Largest absolute derivative of each by x.
         steepest_u: Largest absolute derivative of each by u.
         approach_rate: dx/du just before the first collision, negative [1 or m/rad].
+        approach_residual: Bound on its round-off.
         lever: Rate of the normal gap by that of x [m/rad or 1].
         restitution: e_N of the mechanism's file, used where a case gives none.
         stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
@@ -71,6 +72,7 @@ class ReducedModel:
     steepest_x: FloatArray = field(repr=False, compare=False)
     steepest_u: FloatArray = field(repr=False, compare=False)
     approach_rate: float
+    approach_residual: float
     lever: float
     restitution: float
     stiffness: FloatArray = field(repr=False, compare=False)
@@ -104,6 +106,7 @@ class ReducedModel:
             low=float(self.gap_low),
             high=float(self.gap_max),
             approach=float(self.approach_rate),
+            approach_residual=float(self.approach_residual),
             inertia_residual=float(self.inertia_residual),
             touch_angle=float(self.touch_angle_rad),
             sense=float(self.sense),

@@ -11,6 +11,7 @@ from ..dynamics.assembly import Partition, assemble, partition
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import DriveMode, System
 from ..errors import InputError
+from ..hybrid.linear_maps import of_rates
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
 from . import series2d
@@ -136,8 +137,8 @@ def build(
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
     split = _split(system, stop.index, stop.name)
     sampler = Sampler(system, split, stop.index, tuple(item.index for item in others))
-    rate = _approach_rate(system, stop.index, stop.name)
     closed = mechanism.phase(mechanism.initial_phase).closed
+    rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
     for other, opening in zip(others, sampler.opening_rates(), strict=True):
         if other.name in closed and opening <= 0.0:
             message = (
@@ -180,6 +181,7 @@ def build(
         steepest_x=2.0 / (domain.high - domain.low) * steep_x,
         steepest_u=2.0 / width * steep_u,
         approach_rate=rate,
+        approach_residual=rounded,
         lever=stop.lever,
         restitution=stop.restitution,
         stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
@@ -207,10 +209,11 @@ def _split(system: System, column: int, name: str) -> Partition:
     return split
 
 
-def _approach_rate(system: System, column: int, name: str) -> float:
-    """Rate dx/du of the initial phase in the touch configuration."""
+def _approach_rate(
+    system: System, closed: frozenset[str], column: int, name: str
+) -> tuple[float, float]:
+    """Rate dx/du of the initial phase in the touch configuration, and its round-off."""
     mechanism = system.mechanism
-    closed = mechanism.phase(mechanism.initial_phase).closed
     stops = [stop.index for stop in mechanism.stops if stop.name in closed]
     _, rates, _ = system.shaft.driven(np.zeros(1))
     given = [*system.shaft.indices, *stops]
@@ -223,7 +226,8 @@ def _approach_rate(system: System, column: int, name: str) -> float:
             "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
         )
         raise InputError(message, stop=name, rate=rate)
-    return rate
+    rounded = of_rates(system, closed, 0.0, np.zeros_like(v), v)
+    return rate, rounded.size(len(v) + column)
 
 
 def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[FloatArray, float]:

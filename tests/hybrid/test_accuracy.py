@@ -2,18 +2,39 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
+from nipper_pin.study.transitions import transition_table
+
+SCRIPT = Path(__file__).parents[2] / "scripts" / "measure_stated_errors.py"
+extended_only = pytest.mark.skipif(
+    np.finfo(np.longdouble).eps > 1e-18, reason="numpy.longdouble has no 80 bits on this machine"
+)
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text()
 )["cases"]
 OVERRIDES = {"e": "stops.jaw.restitution", "k": "springs.steeve.stiffness_N_per_m"}
+
+
+@pytest.fixture(scope="module")
+def measurement() -> ModuleType:
+    """The script that measures true over stated errors against the 80-bit solution."""
+    spec = importlib.util.spec_from_file_location(SCRIPT.stem, SCRIPT)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[SCRIPT.stem] = module
+    spec.loader.exec_module(module)
+    return module
 
 
 def ratios(name: str, tolerance: float) -> tuple[list[float], list[float]]:
@@ -107,3 +128,39 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
         clock = 32.0 * np.finfo(float).eps * event.t
         assert 0.75 * one.time <= two.time <= 1.33 * one.time + clock
         assert 0.75 * one.impulse <= two.impulse <= 8.0 * one.impulse
+
+
+@extended_only
+@pytest.mark.parametrize("degrees", [115.582, 115.6, 117.0])
+def test_a_jaw_that_touches_slowly_has_the_round_off_of_fast_drives(
+    measurement: ModuleType, degrees: float
+) -> None:
+    """Near the extreme of the pendulum all rates pass through zero, and their round-off does not.
+
+    A round-off that is taken relative to the rate alone is 80 to 20,000 times too small here.
+    """
+    one = measurement.Trial(0, False, 650.0, 0.2, 0.2, 9000.0, 11.0, degrees)
+    rows = measurement.judged(measurement.solved(one))["rows"]
+    assert {row[0] for row in rows} == {"direct", "reduced"}
+    assert max(row[-1] for row in rows) <= 1.0
+    rates = [row[-1] for row in rows if row[2] == "approach rate"]
+    assert max(rates) > 1e-3
+
+
+@pytest.mark.parametrize("engine", ["direct", "reduced"])
+def test_the_first_collision_is_as_wrong_as_the_rate_before_it(engine: str) -> None:
+    """Its round-off is that of the approach: the restitution has no part in it."""
+    impulse, rate = [], []
+    for restitution in (0.02, 0.5):
+        table = transition_table(
+            load("e62"),
+            speed_rpm=650.0,
+            restitution=restitution,
+            engine=engine,  # type: ignore[arg-type]
+        )
+        rate.append(table.rate_error[0, 0] / abs(table.approach_rate[0, 0]))
+        impulse.append(table.impulse_error[0, 0] / table.impulse[0, 0])
+    assert rate[0] == pytest.approx(rate[1], rel=1e-12)
+    assert min(rate) > 8.0 * np.finfo(float).eps
+    assert impulse[0] == pytest.approx(impulse[1], rel=1e-12)
+    assert min(impulse) > 8.0 * np.finfo(float).eps

@@ -153,3 +153,23 @@ def test_polish_is_not_sent_to_and_fro_by_a_slope_that_is_half_the_true_one() ->
     """Such Newton steps end as far beyond the root as they began before it, again and again."""
     root = polish(lambda x: (2.0 * (0.3 - x), -1.0), 0.0, 1.0, 0.35)
     assert root == pytest.approx(0.3, abs=4.0 * EPS)
+
+
+@pytest.mark.parametrize("depth", [1e-5, 3e-11, 1e-14])
+@pytest.mark.parametrize("skew", [-1.0, 1.0])
+def test_a_dip_is_followed_to_its_bottom(depth: float, skew: float) -> None:
+    """A parabola through three samples finds the place of a skew dip to a part of its width.
+
+    That is a thousand times too far from the bottom to see that 3e-11 of it lies below zero.
+    """
+    centre = 0.43
+
+    def function(x: float) -> float:
+        return (x - centre) ** 2 * (1.0 + skew * (x - centre)) ** 2 - depth
+
+    values = np.array([function(x) for x in GRID])
+    assert (values > 0.0).all()
+    bracket = _first(function)
+    assert bracket is not None
+    assert function(bracket[0]) > 0.0 >= function(bracket[1])
+    assert abs(bracket[1] - centre) <= 2.0 * np.sqrt(depth)
