@@ -27,9 +27,7 @@ class TrueTransition:
         premise_holds: Whether the machine arrives in its initial phase; None where that was not
             asked. Where it is False the transition is that of the turns.
         collisions: Collisions of the transition stop, from the first one to rest.
-        errors: Estimated errors of each.
         transition: The transition; None without rest.
-        duration_error: Estimated error of its duration [s]; None without rest.
         outcome: How it ended.
         message: What is to be known of it; empty if it is an ordinary one.
     """
@@ -37,11 +35,27 @@ class TrueTransition:
     solution: Solution
     premise_holds: bool | None
     collisions: tuple[Collision, ...]
-    errors: tuple[EventError, ...]
     transition: Transition | None
-    duration_error: float | None
     outcome: Outcome
     message: str = ""
+
+    @property
+    def errors(self) -> tuple[EventError, ...]:
+        """Estimated errors of the collisions."""
+        return tuple(self.solution.errors[hit.event.number - 1] for hit in self.collisions)
+
+    @property
+    def duration_error(self) -> float | None:
+        """Estimated error of the duration [s]; None without rest."""
+        if self.transition is None:
+            return None
+        stop = self.solution.mechanism.transition_stop
+        end = next(
+            event
+            for event in self.solution.events[self.collisions[-1].event.number :]
+            if event.kind is EventKind.REST and stop in event.stops
+        )
+        return float(self.solution.errors[end.number - 1].time)
 
 
 def true_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
@@ -77,7 +91,7 @@ def assumed_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
     stop = mechanism.transition_stop
     hits = tuple(hit for hit in solution.collisions if hit.stop == stop)
     found = solution.transitions[-1] if solution.transitions else None
-    return _read(solution, hits, found, solution.outcome)
+    return TrueTransition(solution, solution.premise_holds, hits, found, solution.outcome)
 
 
 def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTransition:
@@ -115,20 +129,4 @@ def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTrans
     message = f"{why} This is the transition of the simulated turn."
     if solution.repeated_from is None:
         message += f" Turns differ from one another; it is that of number {_TURNS}."
-    return replace(_read(solution, hits, found, outcome), premise_holds=False, message=message)
-
-
-def _read(
-    solution: Solution, hits: tuple[Collision, ...], found: Transition | None, outcome: Outcome
-) -> TrueTransition:
-    stop = solution.mechanism.transition_stop
-    errors = tuple(solution.errors[hit.event.number - 1] for hit in hits)
-    late = None
-    if found is not None:
-        end = next(
-            event
-            for event in solution.events[hits[-1].event.number :]
-            if event.kind is EventKind.REST and stop in event.stops
-        )
-        late = float(solution.errors[end.number - 1].time)
-    return TrueTransition(solution, solution.premise_holds, hits, errors, found, late, outcome)
+    return TrueTransition(solution, False, hits, found, outcome, message)
