@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..errors import InputError
 from .arguments import write_json
+
+# Time between two lines of progress where there is no terminal [s].
+_EVERY_S = 30.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--scheduler", metavar="ADDRESS", help="a Dask scheduler, for example tcp://host:8786"
+    )
+    parser.add_argument(
+        "--chunks",
+        metavar="A-B",
+        help="only chunks A to B, counted from 0: a part of a sweep for each job of an array",
     )
     parser.add_argument(
         "--dry-run", action="store_true", help="check the study and say what it would compute"
@@ -55,21 +65,75 @@ def _run(options: argparse.Namespace) -> None:
                 folder,
                 workers=options.workers,
                 scheduler=options.scheduler,
+                chunks=_bounds(options.chunks),
                 progress=advance,
             )
         document = report.record()
-        new = report.scenarios - report.found
-        text = f"{size} in {report.folder}: {report.found:,} were there, {new:,} computed in "
-        text += f"{report.wall_s:.3g} s"
+        if report.scenarios < plan.scenarios:
+            size = f"{report.scenarios:,} of {size}"
+        text = f"{size} in {report.folder}: {report.found:,} were there, {report.computed:,} "
+        text = "\n".join([text + f"computed in {report.wall_s:.3g} s", *report.sentences()])
     if options.json is not None:
         write_json(document, options.json)
     if options.json != "-":
         sys.stdout.write(text + "\n")
 
 
+def _bounds(text: str | None) -> tuple[int, int] | None:
+    """First and last chunk of ``--chunks``; one number is one chunk."""
+    if text is None:
+        return None
+    first, _, last = text.partition("-")
+    try:
+        return int(first), int(last or first)
+    except ValueError as error:
+        message = f"--chunks {text}: write A-B, such as 0-9, or the number of one chunk"
+        raise InputError(message, argument=text) from error
+
+
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
-    """A bar on a terminal; in any case a word about what is kept after an interrupt."""
+    """A bar on a terminal, a line now and then elsewhere; a word of what an interrupt leaves."""
+    stored = [0, 0]
+    with _bar() if sys.stderr.isatty() else _lines() as show:
+
+        def advance(done: int, found: int, total: int) -> None:
+            stored[:] = done, total
+            show(done, found, total)
+
+        try:
+            yield advance
+        except KeyboardInterrupt:
+            sys.stderr.write(
+                f"nipper-pin: interrupted; {stored[0]:,} of {stored[1]:,} scenarios are in "
+                f"{folder}: run the same command again for the others\n"
+            )
+            raise
+
+
+@contextmanager
+def _lines() -> Iterator[Callable[[int, int, int], None]]:
+    """A line on stderr every half minute: how far, how fast, how long still."""
+    began = told = time.monotonic()
+
+    def show(done: int, found: int, total: int) -> None:
+        nonlocal told
+        now = time.monotonic()
+        if now - told < _EVERY_S:
+            return
+        told = now
+        rate = (done - found) / (now - began)
+        left = f", {rate:,.3g}/s, about {(total - done) / rate:,.0f} s left" if rate > 0.0 else ""
+        sys.stderr.write(f"nipper-pin: {done:,} of {total:,} scenarios after "
+                         f"{now - began:,.0f} s{left}\n")  # fmt: skip
+        sys.stderr.flush()
+
+    yield show
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int, int], None]]:
+    """A bar that goes on."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -79,7 +143,6 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
         TimeRemainingColumn,
     )
 
-    stored = [0, 0]
     bar = Progress(
         TextColumn("scenarios"),
         BarColumn(),
@@ -88,22 +151,13 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
         TimeRemainingColumn(),
         console=Console(stderr=True),
         transient=True,
-        disable=not sys.stderr.isatty(),
     )
     task = bar.add_task("scenarios", total=None, rate="")
 
-    def advance(done: int, found: int, total: int) -> None:
-        stored[:] = done, total
+    def show(done: int, found: int, total: int) -> None:
         seconds = bar.tasks[0].elapsed or 0.0
         rate = f"{(done - found) / seconds:,.0f}/s" if done > found and seconds > 0.0 else ""
         bar.update(task, completed=done, total=total, rate=rate)
 
-    try:
-        with bar:
-            yield advance
-    except KeyboardInterrupt:
-        sys.stderr.write(
-            f"nipper-pin: interrupted; {stored[0]:,} of {stored[1]:,} scenarios are in {folder}: "
-            "run the same command again for the others\n"
-        )
-        raise
+    with bar:
+        yield show

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import InputError, UnknownNameError
 from ..hybrid.storage import complete_file
-from ..study.sweep.store import SweepTable, read_sweep
+from ..study.sweep import SweepTable, read_sweep
 from .style import LINES, SMALL, TEXT, WIDTH_IN, tidy
 
 # Rows that are read, and lines that are drawn of them.

@@ -305,7 +305,8 @@ class Cluster:
         self.running: list[subprocess.Popen[bytes]] = []
         self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
                    "--scheduler-file", str(self.file))  # fmt: skip
-        wait_for(self.file.exists)
+        # It is there before it is written.
+        wait_for(lambda: self.file.exists() and self.file.read_text().rstrip().endswith("}"))
         self.address = json.loads(self.file.read_text())["address"]
 
     def start(self, *arguments: str) -> subprocess.Popen[bytes]:

@@ -17,7 +17,6 @@ from ...reduced import ReducedModel, build, transition, unfit
 from ..identify.parameters import with_values
 from ..identify.targets import Condition, transition_quantities
 from ..identify.working import working_cycle
-from ..sweep.chunks import MARKED, sentence
 from ..transitions import retuned
 from .problem import Limit, Problem, read_text
 from .quantities import INDICES, QUANTITIES, cycle_values, lowest, nearest_turn
@@ -87,8 +86,8 @@ class Evaluator:
         try:
             machine = self.mechanism(z)
             values, waiting = self._values(machine, z)
-        except MARKED as error:
-            return Point(z=z, values={}, rows=np.zeros(0), owners=(), why=sentence(error))
+        except NipperError as error:
+            return Point(z=z, values={}, rows=np.zeros(0), owners=(), why=error.message)
         for place, limit in enumerate(self.problem.limits):
             found = _slacks(limit, values, waiting)
             rows.extend(found)

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from pathlib import Path
+from traceback import extract_tb
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...errors import NipperError
+from ...errors import NipperError, SimulationError
 from ...mechanism import Mechanism
-from ..transitions import FAILED, transition_table
+from ..transitions import FAILED, TransitionTable, transition_table
 from .changes import changed
-from .job import Job, read_job
+from .job import NO_MODEL, Job, read_job
 from .quantities import quantity
+from .results.chunk_file import encode
 
-NO_MODEL = "no_model"
-"""Outcome of a scenario whose machine cannot be built."""
 _NO_ENGINE = "none"
-# A scenario out of millions that meets a case nobody foresaw must not cost all the others.
-MARKED = (NipperError, ArithmeticError, ValueError, RuntimeError)
-"""Errors that mark one scenario and do not end a study."""
+_LEFT = "the reduced engine"
+
+
+class DefectError(SimulationError):
+    """A fault of the program: an error that none of its parts raises on purpose.
+
+    Evidence: ``scenario`` (the first one that it may be of), ``error``.
+    """
 
 
 def run_chunk(job_text: bytes, start: int, rows: FloatArray) -> bytes:
@@ -38,11 +44,15 @@ def run_chunk(job_text: bytes, start: int, rows: FloatArray) -> bytes:
 
     Raises:
         InputError: This process runs other versions than the planning one.
+        DefectError: A scenario meets a fault of the program.
     """
     job = _job(job_text)
     columns = _Columns(job, start, rows)
     for first, last in _runs(rows[:, list(job.moving)]):
-        _solve(job, job_text, rows, columns, slice(first, last))
+        try:
+            _solve(job, job_text, rows, columns, slice(first, last))
+        except Exception as error:
+            raise _defect(error, start + first, start + last) from error
     return columns.parquet()
 
 
@@ -53,7 +63,9 @@ class _Columns:
         n = len(rows)
         self.numbers = np.arange(start, start + n, dtype=np.int64)
         self.rows = rows
-        self.axes = [axis.name for axis in job.axes]
+        self.job = job
+        # Rows that the direct engine had to serve, by the reason.
+        self.direct: Counter[str] = Counter()
         self.engine = np.full(n, _NO_ENGINE, dtype="U8")
         self.outcome = np.full(n, FAILED, dtype="U24")
         self.message = [""] * n
@@ -65,32 +77,42 @@ class _Columns:
         self.outcome[part] = outcome
         self.message[part] = [message] * (part.stop - part.start)
 
+    def keep(self, part: slice, table: TransitionTable) -> None:
+        """Take over the results of scenarios of one mechanism."""
+        self.engine[part], self.outcome[part] = table.engine, table.outcome
+        self.message[part] = table.message
+        self.collisions[part] = table.collisions
+        for name, found in self.values.items():
+            found[part] = quantity(table, name)
+        chosen, _, why = table.why.partition(";")[0].partition(": ")
+        for engine, message in zip(table.engine, table.message, strict=True):
+            if engine == "direct":
+                left = message if message.startswith(_LEFT) else f"{_LEFT} did not solve them"
+                self.direct[why if chosen == "direct" else left] += 1
+
     def parquet(self) -> bytes:
         """The bytes of the file."""
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
-        words = ["engine", "outcome", "message"]
-        data: dict[str, Any] = {
-            "scenario": self.numbers,
-            **{name: self.rows[:, place] for place, name in enumerate(self.axes)},
-            "engine": self.engine.tolist(),
-            "outcome": self.outcome.tolist(),
-            "message": self.message,
-            "collisions": self.collisions,
-            **self.values,
-        }
-        sink = pa.BufferOutputStream()
-        # Bytes of numbers of the same size compress when they stand byte by byte.
-        split = [*self.axes, *self.values]
-        pq.write_table(
-            pa.table(data),
-            sink,
-            compression="zstd",
-            use_dictionary=words,
-            use_byte_stream_split=split,
+        job = self.job
+        return encode(
+            {
+                "scenario": self.numbers,
+                **{axis.name: self.rows[:, place] for place, axis in enumerate(job.axes)},
+                "engine": self.engine.tolist(),
+                "outcome": self.outcome.tolist(),
+                "message": self.message,
+                "collisions": self.collisions,
+                **self.values,
+            },
+            words=("engine", "outcome", "message"),
+            units=job.units,
+            about={
+                "model": job.name,
+                "versions": dict(job.versions),
+                "plan": job.identity,
+                "study": job.study,
+                "direct": dict(sorted(self.direct.items())),
+            },
         )
-        return bytes(sink.getvalue())
 
 
 def _runs(keys: FloatArray) -> Iterator[tuple[int, int]]:
@@ -105,8 +127,8 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
     values = {job.axes[place].target.path: float(rows[part.start, place]) for place in job.moving}
     try:
         mechanism = changed(job, values) if values else _unchanged(text)
-    except MARKED as error:
-        columns.fail(part, NO_MODEL, sentence(error))
+    except NipperError as error:
+        columns.fail(part, NO_MODEL, error.message)
         return
     try:
         speed, restitution, stiffness, preload = _cases(job, mechanism, rows[part])
@@ -121,25 +143,21 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
             max_collisions=job.max_collisions,
             drive=job.drive,
         )
-    except MARKED as error:
-        columns.fail(part, FAILED, sentence(error))
+    except NipperError as error:
+        columns.fail(part, FAILED, error.message)
         return
-    columns.engine[part], columns.outcome[part] = table.engine, table.outcome
-    columns.message[part] = table.message
-    columns.collisions[part] = table.collisions
-    for name, found in columns.values.items():
-        found[part] = quantity(table, name)
+    columns.keep(part, table)
 
 
-def sentence(error: Exception) -> str:
-    """What went wrong, and that it is a fault of the program if it is.
-
-    Args:
-        error: The error.
-    """
-    if isinstance(error, NipperError):
-        return error.message
-    return f"unforeseen, please report it: {type(error).__name__}: {error}"
+def _defect(error: Exception, first: int, last: int) -> DefectError:
+    """What to report of an error that is no scenario's outcome."""
+    place = extract_tb(error.__traceback__)[-1]
+    numbers = f"scenario {first}" if last - first == 1 else f"scenarios {first} to {last - 1}"
+    message = (
+        f"{numbers}: a fault of the program, please report it: {type(error).__name__}: {error} "
+        f"({Path(place.filename).name}, line {place.lineno})"
+    )
+    return DefectError(message, scenario=first, error=repr(error))
 
 
 def _cases(

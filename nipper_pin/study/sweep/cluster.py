@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
-from concurrent.futures import CancelledError
+import logging
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import contextmanager
 from importlib.util import find_spec
+from queue import Empty, SimpleQueue
+from typing import Any
 
 from ...arrays import FloatArray
 from ...errors import InputError, SimulationError
-from .chunks import run_chunk
+from .chunks import DefectError, run_chunk
+from .job import versions
 from .plan import Chunk
 
-_CONNECT_S = 20.0
+# How long to wait for a scheduler, for its first worker and an answer of each [s]; for workers to
+# come again when all are lost; and between two looks at the workers.
+_CONNECT_S, _LOST_S, _LOOK_S = 20.0, 30.0, 1.0
 # Chunks on the scheduler for each thread of its workers: one runs, others wait at hand.
 _AHEAD = 3
+_SCHEMES = ("tcp", "tls", "ws", "wss", "ucx")
+# What Dask says of a lost scheduler on its own: many lines, where one sentence of ours will do.
+_LOGGERS = ("distributed", "tornado", "asyncio")
+_KEPT = "what is finished is kept: run the same command again"
 
 
 def on_scheduler(
-    job_text: bytes, tasks: Iterable[tuple[Chunk, FloatArray]], address: str
-) -> Generator[tuple[Chunk, bytes], None, None]:
+    job_text: bytes,
+    tasks: Iterable[tuple[Chunk, FloatArray]],
+    address: str,
+    look: Callable[[], None],
+) -> Generator[tuple[Chunk, bytes | DefectError], None, None]:
     """Compute chunks on the workers of a scheduler, and give each as it finishes.
 
     The scheduler gives the chunks of a worker that dies to others. Results come back here, where
@@ -28,16 +43,109 @@ def on_scheduler(
         job_text: Text of the job.
         tasks: Chunks with their rows.
         address: Address of the scheduler, such as ``tcp://host:8786``.
+        look: Called now and then while nothing finishes.
 
     Raises:
-        InputError: The scheduler cannot be reached, has no workers, or these have other versions.
-        SimulationError: The scheduler was lost, or a chunk took down every worker that had it.
+        InputError: The scheduler cannot be reached, has no workers, or these lack the package.
+        SimulationError: The scheduler or all workers were lost, or a chunk took down every worker
+            that had it.
     """
+    _check_address(address)
+    from distributed.scheduler import KilledWorker
+
+    with _silent(), _client(address) as client:
+        _check_workers(client, address)
+        try:
+            yield from _Work(client, address, look).results(job_text, tasks)
+        except KilledWorker as error:
+            message = (
+                f"a chunk took down several workers of {address}, perhaps for want of memory; "
+                f"{_KEPT}"
+            )
+            raise SimulationError(message, scheduler=address) from error
+        except (OSError, CancelledError) as error:
+            message = f"the scheduler {address} was lost; {_KEPT}"
+            raise SimulationError(message, scheduler=address) from error
+
+
+class _Work:
+    """Chunks that are under way."""
+
+    def __init__(self, client: Any, address: str, look: Callable[[], None]) -> None:
+        self._client, self._address, self._look = client, address, look
+        self._running: dict[str, Chunk] = {}
+        self._finished: SimpleQueue[Any] = SimpleQueue()
+        self._threads = sum(client.nthreads().values())
+
+    def results(
+        self, job_text: bytes, tasks: Iterable[tuple[Chunk, FloatArray]]
+    ) -> Iterator[tuple[Chunk, bytes | DefectError]]:
+        """Submit as many as the workers need, and give what comes back."""
+        # They have to be held: the scheduler forgets what nobody wants.
+        held: dict[str, Any] = {}
+        for chunk, rows in tasks:
+            while len(self._running) >= _AHEAD * max(1, self._threads):
+                future = self._next()
+                held.pop(future.key)
+                yield self._taken(future)
+            future = self._client.submit(run_chunk, job_text, chunk.start, rows, pure=False)
+            held[future.key] = future
+            self._running[future.key] = chunk
+            future.add_done_callback(self._finished.put)
+        while self._running:
+            future = self._next()
+            held.pop(future.key)
+            yield self._taken(future)
+
+    def _taken(self, future: Any) -> tuple[Chunk, bytes | DefectError]:
+        chunk = self._running.pop(future.key)
+        try:
+            content: bytes = future.result()
+        except DefectError as defect:
+            return chunk, defect
+        finally:
+            future.release()
+        return chunk, content
+
+    def _next(self) -> Any:
+        """Wait for a chunk, and see that somebody is there to compute it."""
+        last = time.monotonic()
+        while True:
+            try:
+                return self._finished.get(timeout=_LOOK_S)
+            except Empty:
+                self._look()
+            # What Dask does to come back takes it longer, and gives up what was under way.
+            if self._client.status != "running":
+                raise CancelledError
+            self._threads = sum(self._client.nthreads().values())
+            if self._threads:
+                last = time.monotonic()
+            elif time.monotonic() - last > _LOST_S:
+                message = (
+                    f"all workers of {self._address} were lost, and for {_LOST_S:.0f} s none came; "
+                    f"{_KEPT}"
+                )
+                raise SimulationError(message, scheduler=self._address)
+
+
+def _check_address(address: str) -> None:
+    """Refuse what is no scheduler's address, and a machine without Dask."""
     if find_spec("distributed") is None:
         message = "--scheduler needs Dask: pip install 'nipper-pin[cluster]'"
         raise InputError(message, package="distributed")
-    from distributed import Client, Future, as_completed
-    from distributed.scheduler import KilledWorker
+    scheme, separator, _ = address.partition("://")
+    if separator and scheme not in _SCHEMES:
+        message = (
+            f"--scheduler {address}: no address of a scheduler; such begin with tcp:// or tls://, "
+            "as `dask scheduler` prints it"
+        )
+        raise InputError(message, scheduler=address)
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    from distributed import Client
 
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
@@ -45,37 +153,55 @@ def on_scheduler(
         message = f"--scheduler {address}: cannot be reached ({error}); start `dask scheduler`"
         raise InputError(message, scheduler=address) from error
     with client:
-        try:
-            client.wait_for_workers(1, timeout=_CONNECT_S)
-        except TimeoutError as error:
-            message = f"--scheduler {address}: has no workers; start `dask worker {address}`"
-            raise InputError(message, scheduler=address) from error
-        running: dict[str, Chunk] = {}
-        done = as_completed(loop=client.loop)
+        yield client
 
-        def result(future: Future) -> tuple[Chunk, bytes]:
-            content: bytes = future.result()
-            future.release()
-            return running.pop(future.key), content
 
-        try:
-            for chunk, rows in tasks:
-                while len(running) >= _AHEAD * max(1, sum(client.nthreads().values())):
-                    yield result(next(done))
-                future = client.submit(run_chunk, job_text, chunk.start, rows, pure=False)
-                running[future.key] = chunk
-                done.add(future)
-            while running:
-                yield result(next(done))
-        except KilledWorker as error:
-            message = (
-                f"a chunk took down several workers of {address}, perhaps for want of memory; what "
-                "is finished is kept: run the same command again"
-            )
-            raise SimulationError(message, scheduler=address) from error
-        except (OSError, CancelledError) as error:
-            message = (
-                f"the scheduler {address} was lost ({error}); what is finished is kept: run the "
-                "same command again"
-            )
-            raise SimulationError(message, scheduler=address) from error
+def _check_workers(client: Any, address: str) -> None:
+    """Wait for the first worker, and refuse those that cannot compute what is to be computed."""
+    try:
+        client.wait_for_workers(1, timeout=_CONNECT_S)
+    except TimeoutError as error:
+        message = f"--scheduler {address}: has no workers; start `dask worker {address}`"
+        raise InputError(message, scheduler=address) from error
+    # In a thread of its own, since a worker that hangs would never answer.
+    pool = ThreadPoolExecutor(1)
+    try:
+        answer = pool.submit(client.run, versions, on_error="return").result(_CONNECT_S)
+    except TimeoutError as error:
+        message = f"--scheduler {address}: a worker does not answer; start its workers again"
+        raise InputError(message, scheduler=address) from error
+    finally:
+        pool.shutdown(wait=False)
+    other = [worker for worker, found in answer.items() if found != versions()]
+    if other:
+        found = answer[other[0]]
+        message = (
+            f"--scheduler {address}: {len(other)} of {len(answer)} workers cannot compute this, "
+            f"such as {other[0]} ({_lacking(found)}); install the same versions everywhere"
+        )
+        raise InputError(message, scheduler=address, workers=other)
+
+
+def _lacking(found: Any) -> str:
+    """What a worker lacks, from its answer."""
+    if isinstance(found, dict):
+        return ", ".join(
+            f"{name} {found.get(name)} instead of {wanted}"
+            for name, wanted in versions().items()
+            if found.get(name) != wanted
+        )
+    return f"the package is not installed there: {found}"
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Nothing from Dask beside our own sentence."""
+    loggers = [logging.getLogger(name) for name in _LOGGERS]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)

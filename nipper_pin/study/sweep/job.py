@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 
 import msgspec
@@ -14,6 +15,10 @@ from .axes import Axis
 
 # Packages whose versions can change a bit of a result.
 _PACKAGES = ("nipper-pin", "pin", "numpy", "scipy", "numba")
+COLUMNS = ("scenario", "engine", "outcome", "message", "collisions", "premise_holds")
+"""Columns of the results that every sweep has."""
+NO_MODEL = "no_model"
+"""Outcome of a scenario whose machine cannot be built."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +38,9 @@ class Job:
         max_collisions: Largest number of collisions of a scenario.
         quantities: Names of what is kept.
         versions: Versions of the packages that compute, by name.
+        drawn: How sampled parameters are drawn, in words; empty if there are none.
+        units: Unit of each column of the results that has one.
+        study: Text of the study.
     """
 
     name: str
@@ -47,6 +55,16 @@ class Job:
     max_collisions: int
     quantities: tuple[str, ...]
     versions: Mapping[str, str]
+    drawn: str
+    units: Mapping[str, str]
+    study: str
+
+    @property
+    def identity(self) -> str:
+        """Name of what the rows depend on, however many there are."""
+        # Neither where the model's folder stands nor a comment is a property of the results.
+        text = replace(self, folder="", study="").text()
+        return hashlib.sha256(text).hexdigest()
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ..processes import fresh_processes
-from .chunks import run_chunk
+from .chunks import DefectError, run_chunk
 from .plan import Chunk
 
 # Chunks that wait for each worker beside the one that it computes.
@@ -18,8 +18,8 @@ _AHEAD = 1
 
 def on_this_machine(
     job_text: bytes, tasks: Iterable[tuple[Chunk, FloatArray]], workers: int
-) -> Generator[tuple[Chunk, bytes], None, None]:
-    """Compute chunks in processes, and give each as it finishes.
+) -> Generator[tuple[Chunk, bytes | DefectError], None, None]:
+    """Compute chunks in processes, and give each as it finishes, or the defect that it met.
 
     Even one worker is a process of its own: what it computes does not depend on what else this
     one does.
@@ -53,10 +53,14 @@ def on_this_machine(
                 future.cancel()
 
 
-def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, bytes]]:
+def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, bytes | DefectError]]:
     """Wait for at least one chunk, and take out all that are done."""
     for future in wait(running, return_when=FIRST_COMPLETED).done:
-        yield running.pop(future), future.result()
+        chunk = running.pop(future)
+        try:
+            yield chunk, future.result()
+        except DefectError as defect:
+            yield chunk, defect
 
 
 def _wake() -> None:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 from ...arrays import FloatArray
 from ..transitions import REDUCED_PAYS_FROM
 from .axes import Axis
 from .job import Job
-from .samples import Layout, Rows, Samples
+from .samples import Layout, Rows, Samples, stages
 from .study_file import read_study
 
 # Scenarios of one chunk where one mechanism serves many, between these.
@@ -75,41 +75,24 @@ class Plan:
     @property
     def hash(self) -> str:
         """Name of the results: plans with the same hash have the same rows in the same chunks."""
-        # Where the model's folder stands is no property of the results.
-        text = replace(self.job, folder="").text()
-        rest = repr((self.samples, self.chunk)).encode()
-        return hashlib.sha256(text + rest).hexdigest()
+        rest = repr((self.job.identity, self.samples, self.chunk))
+        return hashlib.sha256(rest.encode()).hexdigest()
 
     def chunks(self) -> list[Chunk]:
         """All chunks. They depend on the plan alone, and so does the engine of every scenario.
 
         Scenarios of one mechanism are divided evenly if one chunk does not hold them; otherwise a
-        chunk holds whole mechanisms.
+        chunk holds whole mechanisms. Points that were added to a sequence have chunks of their own.
         """
-        layout = Layout(self.axes, self.samples)
-        total, inner = layout.total, layout.inner
-        most = self.chunk or (
-            min(max(_LEAST, math.ceil(total / _CHUNKS)), _MOST)
-            if inner > _LEAST
-            else inner * _mechanisms_together(total // inner, inner)
-        )
-        if inner <= most:
-            step = most // inner * inner
-            edges = [*range(0, total, step), total]
-        else:
-            pieces = math.ceil(inner / most)
-            edges = [
-                first + part * inner // pieces
-                for first in range(0, total, inner)
-                for part in range(pieces)
-            ]
-            edges.append(total)
+        edges = [0]
+        for stage in stages(self.axes, self.samples):
+            edges.extend(stage.start + edge for edge in _edges(stage.layout, self.chunk))
         return [
             Chunk(number=number, start=start, stop=stop)
             for number, (start, stop) in enumerate(pairwise(edges))
         ]
 
-    def rows(self, chunks: list[Chunk]) -> Iterator[tuple[Chunk, FloatArray]]:
+    def rows(self, chunks: Iterable[Chunk]) -> Iterator[tuple[Chunk, FloatArray]]:
         """Values of the parameters, chunk by chunk, each shape (scenarios, parameters)."""
         rows = Rows(self.axes, self.samples)
         for chunk in chunks:
@@ -127,6 +110,25 @@ def read_plan(path: str) -> Plan:
     """
     study = read_study(path)
     return Plan(title=study.title, job=study.job, samples=study.samples, chunk=study.chunk)
+
+
+def _edges(layout: Layout, chunk: int | None) -> list[int]:
+    """Ends of the chunks of one layout, ascending."""
+    total, inner = layout.total, layout.inner
+    most = chunk or (
+        min(max(_LEAST, math.ceil(total / _CHUNKS)), _MOST)
+        if inner > _LEAST
+        else inner * _mechanisms_together(total // inner, inner)
+    )
+    if inner <= most:
+        step = most // inner * inner
+        return [*range(step, total, step), total]
+    pieces = math.ceil(inner / most)
+    return [
+        first + part * inner // pieces
+        for first in range(0, total, inner)
+        for part in range(1, pieces + 1)
+    ]
 
 
 def _mechanisms_together(mechanisms: int, inner: int) -> int:

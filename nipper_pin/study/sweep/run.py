@@ -4,51 +4,25 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, SimulationError
+from .chunks import DefectError
 from .local import on_this_machine
-from .plan import Plan
-from .store import Store
+from .plan import Chunk, Plan
+from .report import SweepReport
+from .results import Store, Tally
+from .results.chunk_file import DamageError, read
+from .results.tally import SUMMARY
 
 Progress = Callable[[int, int, int], None]
 """Called with (scenarios stored, of these found on disk, scenarios in all)."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class SweepReport:
-    """What a run of a sweep did.
-
-    Attributes:
-        folder: Where the results are.
-        scenarios: Scenarios of the plan, all of which are stored.
-        found: Those that were stored before.
-        chunks: Chunks of the plan.
-        workers: Local processes, or the address of the scheduler.
-        wall_s: Time of this run [s].
-    """
-
-    folder: Path
-    scenarios: int
-    found: int
-    chunks: int
-    workers: int | str
-    wall_s: float
-
-    def record(self) -> dict[str, Any]:
-        """The report as plain data for JSON."""
-        return {
-            "folder": str(self.folder),
-            "scenarios": self.scenarios,
-            "found": self.found,
-            "chunks": self.chunks,
-            "workers": self.workers,
-            "wall_s": self.wall_s,
-        }
+# How often to look for chunks of other processes, and how long one may bring nothing forth [s].
+_LOOK_S, _PATIENCE_S = 0.1, 1800.0
 
 
 def run_sweep(
@@ -57,23 +31,26 @@ def run_sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
+    chunks: tuple[int, int] | None = None,
     progress: Progress | None = None,
 ) -> SweepReport:
     """Compute what is missing of a sweep, and store each chunk as soon as it is finished.
 
     The rows do not depend on who computes them: chunks follow from the plan, and each is computed
-    alone, in one thread.
+    alone, in one thread. Several processes may work in one folder: each chunk is computed by one.
 
     Args:
         plan: The plan.
         folder: Folder of the results; one that holds a part of them is completed.
         workers: Local processes; by default as many as there are processors.
         scheduler: Address of a Dask scheduler to use instead.
-        progress: Called at the start and after every chunk.
+        chunks: Numbers of the first and the last chunk to compute; by default all.
+        progress: Called at the start, after every chunk, and while others are waited for.
 
     Raises:
         InputError: An argument cannot be used, or the folder holds another sweep.
-        SimulationError: Workers were lost; what is finished is kept.
+        SimulationError: Workers were lost, or scenarios met a fault of the program; what is
+            finished is kept. Or no scenario at all has a result.
     """
     if workers is not None and workers < 1:
         message = f"workers = {workers}: at least 1"
@@ -82,34 +59,150 @@ def run_sweep(
         message = "--workers counts local processes, and --scheduler has its own; leave one out"
         raise InputError(message, workers=workers, scheduler=scheduler)
     began = time.perf_counter()
-    store = Store(folder, plan)
-    chunks = plan.chunks()
-    missing = store.missing(chunks)
-    total = plan.scenarios
-    found = done = total - sum(chunk.stop - chunk.start for chunk in missing)
-    if progress is not None:
-        progress(done, found, total)
-    count = min(len(missing), workers or os.cpu_count() or 1)
-    if missing:
-        text, tasks = plan.job.text(), plan.rows(missing)
-        if scheduler is None:
-            results = on_this_machine(text, tasks, count)
+    # A range of its own is as good as a lock, where a file system has none.
+    with Store(folder, plan, locks=chunks is None) as store:
+        run = _Run(store, workers, scheduler, _chosen(store.plan.chunks(), chunks), progress)
+        run.complete()
+    report = SweepReport(
+        folder=Path(folder),
+        scenarios=run.total,
+        found=run.total - run.computed,
+        computed=run.computed,
+        chunks=run.chunks,
+        damaged=tuple(run.damaged.values()),
+        workers=scheduler or run.count,
+        wall_s=time.perf_counter() - began,
+        tally=run.tally,
+    )
+    report.check()
+    return report
+
+
+def _chosen(chunks: list[Chunk], bounds: tuple[int, int] | None) -> list[Chunk]:
+    """Chunks of a range; one that ends behind the last chunk ends with it."""
+    if bounds is None:
+        return chunks
+    first, last = bounds
+    if not 0 <= first <= last or first >= len(chunks):
+        message = f"--chunks {first}-{last}: there are {len(chunks)} chunks, 0 to {len(chunks) - 1}"
+        raise InputError(message, chunks=[first, last])
+    return chunks[first : last + 1]
+
+
+class _Run:
+    """One run of a sweep: what is there, what this process computes, what others do."""
+
+    def __init__(
+        self,
+        store: Store,
+        workers: int | None,
+        scheduler: str | None,
+        chosen: list[Chunk],
+        progress: Progress | None,
+    ) -> None:
+        self._store, self._scheduler, self._progress = store, scheduler, progress
+        self._workers = workers or os.cpu_count() or 1
+        self._left = {chunk.number: chunk for chunk in chosen}
+        self._done = self._found = 0
+        self.chunks = len(chosen)
+        self.total = sum(chunk.stop - chunk.start for chunk in chosen)
+        self.computed = self.count = 0
+        self.tally = Tally()
+        self.damaged: dict[int, str] = {}
+        self.defects: list[DefectError] = []
+
+    def complete(self) -> None:
+        """Compute what is missing, and wait for what other processes compute."""
+        for chunk in list(self._left.values()):
+            self._take_up(chunk)
+        self._found = self._done
+        self._tell()
+        self._compute(self._claimed())
+        while self._left:
+            self._compute(self._given_up())
+        if self.defects:
+            message = (
+                f"{self.defects[0].message}; {len(self.defects)} of {self.chunks} chunks are not "
+                "stored for such a reason, all others are"
+            )
+            raise SimulationError(message, **self.defects[0].evidence)
+
+    def _take_up(self, chunk: Chunk) -> bool:
+        """Count a chunk that is on disk; a damaged one is as good as none."""
+        try:
+            table = self._store.rows(chunk)
+        except DamageError as error:
+            self.damaged[chunk.number] = Path(error.evidence["file"]).name
+            return False
+        if table is not None:
+            self._finish(chunk, table)
+        return table is not None
+
+    def _finish(self, chunk: Chunk, table: object) -> None:
+        self.tally.add(table)
+        self._done += chunk.stop - chunk.start
+        self._left.pop(chunk.number)
+
+    def _claimed(self) -> Iterator[Chunk]:
+        """Chunks that no other process has, one by one as they are asked for."""
+        for chunk in list(self._left.values()):
+            if self._store.take(chunk) and not self._stored(chunk):
+                yield chunk
+
+    def _given_up(self) -> Iterator[Chunk]:
+        """Wait for chunks of other processes; gives those that they have not finished."""
+        changed = time.monotonic()
+        while self._left:
+            before = len(self._left)
+            claimed = list(self._claimed())
+            if claimed:
+                yield from claimed
+                return
+            now = time.monotonic()
+            changed = now if len(self._left) < before else changed
+            if now - changed > _PATIENCE_S:
+                message = (
+                    f"other processes have had {len(self._left)} chunks for {_PATIENCE_S / 60:.0f} "
+                    "minutes and finished none; end them, and run the same command again"
+                )
+                raise SimulationError(message, chunks=list(self._left))
+            self._tell()
+            time.sleep(_LOOK_S)
+
+    def _stored(self, chunk: Chunk) -> bool:
+        """Whether another process has stored a chunk since this one looked last."""
+        found = self._take_up(chunk)
+        if found:
+            self._store.release(chunk)
+        return found
+
+    def _compute(self, chunks: Iterable[Chunk]) -> None:
+        chunks = iter(chunks)
+        # Nothing to do: no process is started.
+        first = next(chunks, None)
+        if first is None:
+            return
+        text, tasks = self._store.plan.job.text(), self._store.plan.rows(chain([first], chunks))
+        if self._scheduler is None:
+            self.count = min(len(self._left), self._workers)
+            results = on_this_machine(text, tasks, self.count)
         else:
             from .cluster import on_scheduler
 
-            results = on_scheduler(text, tasks, scheduler)
+            results = on_scheduler(text, tasks, self._scheduler, self._tell)
         # Closed at once if something fails here, so that no worker goes on for nothing.
         with closing(results):
             for chunk, content in results:
-                store.write(chunk, content)
-                done += chunk.stop - chunk.start
-                if progress is not None:
-                    progress(done, found, total)
-    return SweepReport(
-        folder=Path(folder),
-        scenarios=total,
-        found=found,
-        chunks=len(chunks),
-        workers=scheduler or count,
-        wall_s=time.perf_counter() - began,
-    )
+                if isinstance(content, DefectError):
+                    self.defects.append(content)
+                    self._left.pop(chunk.number)
+                else:
+                    self._store.write(chunk, content)
+                    self._finish(chunk, read(content, SUMMARY))
+                    self.computed += chunk.stop - chunk.start
+                self._store.release(chunk)
+                self._tell()
+
+    def _tell(self) -> None:
+        if self._progress is not None:
+            self._progress(self._done, self._found, self.total)

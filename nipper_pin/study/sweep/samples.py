@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from .axes import Axis
@@ -25,11 +27,13 @@ class Samples:
         method: Scrambled Sobol sequence or Latin hypercube.
         count: Number of samples.
         seed: Seed; the same one gives the same samples.
+        earlier: Counts that the sequence had before points were added, ascending.
     """
 
     method: Method
     count: int
     seed: int
+    earlier: tuple[int, ...] = ()
 
 
 class Layout:
@@ -60,13 +64,15 @@ class Layout:
         inner = _product(len(item.values) for item in table)
         self.inner = inner if drawn else inner * count
 
-    def indices(self, start: int, stop: int) -> tuple[list[tuple[Axis, Any]], Any]:
-        """Places on the grids, and numbers of samples, of scenarios ``start`` to ``stop``.
+    def indices(self, numbers: NDArray[np.int64]) -> tuple[list[tuple[Axis, Any]], Any]:
+        """Places on the grids, and numbers of samples, of scenarios.
+
+        Args:
+            numbers: Their numbers, shape (n,).
 
         Returns:
             Grid parameters with their places, each shape (n,); numbers of samples, shape (n,).
         """
-        numbers = np.arange(start, stop, dtype=np.int64)
         places = []
         for size in reversed(self._sizes):
             numbers, place = np.divmod(numbers, size)
@@ -74,6 +80,38 @@ class Layout:
         places.reverse()
         drawn = places.pop(self._place)
         return list(zip(self._grid, places, strict=True)), drawn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """Scenarios of the points that were added at a time.
+
+    Attributes:
+        start: First scenario.
+        first: First sample.
+        layout: Order of these scenarios.
+    """
+
+    start: int
+    first: int
+    layout: Layout
+
+
+def stages(axes: Sequence[Axis], samples: Samples | None) -> list[Stage]:
+    """Scenarios in the parts in which their samples were asked for; mostly that is one.
+
+    Args:
+        axes: All parameters.
+        samples: How the sampled ones are drawn; None if there are none.
+    """
+    if samples is None:
+        return [Stage(start=0, first=0, layout=Layout(axes, None))]
+    found, start = [], 0
+    for first, last in pairwise([0, *samples.earlier, samples.count]):
+        layout = Layout(axes, replace(samples, count=last - first))
+        found.append(Stage(start=start, first=first, layout=layout))
+        start += layout.total
+    return found
 
 
 class Rows:
@@ -87,16 +125,21 @@ class Rows:
     def __init__(self, axes: Sequence[Axis], samples: Samples | None) -> None:
         """Prepare the samples."""
         self._axes = tuple(axes)
-        self._layout = Layout(axes, samples)
+        self._stages = stages(axes, samples)
         self._drawn = [item for item in axes if not item.values]
         self._stream = None if samples is None else _stream(samples, len(self._drawn))
 
     def between(self, start: int, stop: int) -> FloatArray:
         """Rows of scenarios ``start`` to ``stop``, shape (stop - start, parameters)."""
-        grid, drawn = self._layout.indices(start, stop)
+        return self.at(np.arange(start, stop, dtype=np.int64))
+
+    def at(self, numbers: NDArray[np.int64]) -> FloatArray:
+        """Rows of ascending scenarios of one stage, shape (n, parameters)."""
+        stage = [item for item in self._stages if item.start <= numbers[0]][-1]
+        grid, drawn = stage.layout.indices(numbers - stage.start)
         columns = {axis.name: np.array(axis.values)[place] for axis, place in grid}
         if self._stream is not None:
-            unit = _gathered(self._stream, drawn)
+            unit = _gathered(self._stream, stage.first + drawn)
             for place, axis in enumerate(self._drawn):
                 columns[axis.name] = axis.sampled(unit[:, place])
         return np.stack([columns[axis.name] for axis in self._axes], axis=1)
@@ -107,7 +150,7 @@ class _Stream(Protocol):
 
 
 def _gathered(stream: _Stream, numbers: Any) -> FloatArray:
-    """Points by their numbers, which go up by at most one and may start again from zero."""
+    """Points by their numbers, which go up and may start again."""
     parts = np.split(numbers, np.flatnonzero(np.diff(numbers) < 0) + 1)
     found = []
     for part in parts:

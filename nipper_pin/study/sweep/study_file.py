@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -21,9 +22,10 @@ from ...mechanism.urdf import parse_xml
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths
-from .job import Job, versions
+from .job import COLUMNS, Job, versions
 from .quantities import DEFAULT, check_quantities
 from .samples import MOST_SAMPLES, Layout, Method, Samples
+from .units import units_of
 
 _MOST_SCENARIOS = 10**12
 _Count = Annotated[int, Meta(ge=1)]
@@ -94,6 +96,7 @@ def read_study(path: str) -> Study:
     file = Path(path)
     table = read_table(file, _StudyTable)
     check_quantities(table.quantities, f"{file.name}: quantities")
+    _check_columns(list(table.parameters), table.quantities, file.name)
     mechanism = base_mechanism(table.model, table.set, file)
     axes = tuple(_axis(name, item, mechanism, file.name) for name, item in table.parameters.items())
     if not axes:
@@ -119,8 +122,30 @@ def read_study(path: str) -> Study:
         max_collisions=table.case.max_collisions,
         quantities=table.quantities,
         versions=versions(),
+        drawn=_words(samples),
+        units=units_of(axes, table.quantities, mechanism),
+        study=file.read_text(encoding="utf-8"),
     )
     return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
+
+
+def _words(samples: Samples | None) -> str:
+    """What of the samples their points depend on, however many are asked for."""
+    if samples is None:
+        return ""
+    whole = "" if samples.method == "sobol" else f" of {samples.count}"
+    return f"{samples.method}{whole}, seed {samples.seed}"
+
+
+def _check_columns(names: Sequence[str], quantities: Sequence[str], file: str) -> None:
+    """Refuse names that stand twice at the head of the results."""
+    for place, name in enumerate(quantities):
+        if name in quantities[:place]:
+            refuse(file, "quantities", name, "every name once")
+    for name in names:
+        if name in (*COLUMNS, *quantities):
+            refuse(file, f"parameters.{name}", name,
+                   "not the name of a column of the results; write the path instead")  # fmt: skip
 
 
 def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> Axis:
@@ -133,8 +158,9 @@ def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> 
         refuse(file, key, "no values", "values = [...], or low and high")
     else:
         low, high = item.low, item.high
-    if not (math.isfinite(low) and math.isfinite(high)):
-        refuse(file, key, [low, high], "finite numbers")
+    for value in (low, high, *item.values):
+        if not math.isfinite(value):
+            refuse(file, key, value, "finite numbers")
     if not item.values and not low < high:
         refuse(file, key, [low, high], "low below high")
     if item.scale == "log" and not low > 0.0:

@@ -1,0 +1,78 @@
+"""What a run of a sweep did, and whether it gave anything."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...errors import SimulationError
+from .results import Tally
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepReport:
+    """What a run of a sweep did.
+
+    Attributes:
+        folder: Where the results are.
+        scenarios: Scenarios of the chunks that were asked for, all of which are stored.
+        found: Those that were stored before, or by another process meanwhile.
+        computed: Those that this run computed.
+        chunks: Chunks that were asked for.
+        damaged: Names of chunks that were damaged, and are computed anew.
+        workers: Local processes, or the address of the scheduler.
+        wall_s: Time of this run [s].
+        tally: What the rows say together.
+    """
+
+    folder: Path
+    scenarios: int
+    found: int
+    computed: int
+    chunks: int
+    damaged: tuple[str, ...]
+    workers: int | str
+    wall_s: float
+    tally: Tally
+
+    def record(self) -> dict[str, Any]:
+        """The report as plain data for JSON."""
+        return {
+            "folder": str(self.folder),
+            "scenarios": self.scenarios,
+            "found": self.found,
+            "computed": self.computed,
+            "chunks": self.chunks,
+            "damaged": list(self.damaged),
+            "workers": self.workers,
+            "wall_s": self.wall_s,
+            **self.tally.record(),
+        }
+
+    def check(self) -> None:
+        """Refuse a sweep without any result.
+
+        Raises:
+            SimulationError: No scenario has one.
+        """
+        if self.tally.without_result < self.scenarios:
+            return
+        reason, count = self.tally.most_frequent
+        message = (
+            f"none of {self.scenarios:,} scenarios has a result, {count:,} of them because: "
+            f"{reason} (rows are in {self.folder}, each with its message)"
+        )
+        raise SimulationError(message, scenarios=self.scenarios, reason=reason)
+
+    def sentences(self) -> list[str]:
+        """What of the rows one has to know before one uses them."""
+        tally, found = self.tally, []
+        if self.damaged:
+            found.append(f"damaged, and computed anew: {', '.join(self.damaged)}")
+        for reason, count in tally.direct.most_common(3):
+            found.append(f"{count:,} by the direct engine: {reason}")
+        if tally.without_result:
+            reason, count = tally.most_frequent
+            found.append(f"{tally.without_result:,} without a result, {count:,} because: {reason}")
+        return found

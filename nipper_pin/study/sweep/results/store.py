@@ -1,0 +1,113 @@
+"""A sweep on disk: ``plan.json``, and one Parquet file a chunk, each complete or not there."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ....errors import InputError
+from ....hybrid.storage import complete_file
+from ...folders import make_folder
+from ..plan import Chunk, Plan
+from .chunk_file import check, read_file
+from .locks import Locks
+from .record import continued, plan_record, read_document
+from .tally import SUMMARY
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+PLAN, CHUNKS, _LOCKS = "plan.json", "chunks", "locks"
+
+
+class Store:
+    """The folder of one sweep. Several processes may have it open, on several machines.
+
+    Args:
+        folder: The folder; made if it does not exist.
+        plan: The plan whose results it holds.
+        locks: Whether to refuse a folder whose file system has no locks.
+
+    Attributes:
+        plan: The plan in the chunks of this folder: those of a study that had fewer points of a
+            Sobol sequence stay as they are.
+
+    Raises:
+        InputError: It cannot be written, or holds the results of another plan.
+    """
+
+    def __init__(self, folder: str | Path, plan: Plan, *, locks: bool = True) -> None:
+        """Open the folder, and take up what is there if it belongs to the plan."""
+        need_pyarrow()
+        self._folder = Path(folder)
+        self._chunks = self._folder / CHUNKS
+        make_folder(self._chunks)
+        self._locks = Locks(self._folder / _LOCKS, needed=locks)
+        with self._locks.folder():
+            self.plan = self._taken_up(plan)
+        self._identity = self.plan.job.identity
+
+    def __enter__(self) -> Store:
+        """Use it."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave chunks that are not finished to others."""
+        self._locks.close()
+
+    def rows(self, chunk: Chunk) -> pa.Table | None:
+        """Rows of a chunk as far as a summary needs them; None if it is not on disk.
+
+        Raises:
+            DamageError: It is there, and is not what was written.
+        """
+        path = self._path(chunk)
+        if not path.is_file():
+            return None
+        table = read_file(path, SUMMARY)
+        check(table, path.name, chunk.start, chunk.stop, self._identity)
+        return table
+
+    def take(self, chunk: Chunk) -> bool:
+        """Take a chunk to compute it, if no other process has."""
+        return self._locks.take(chunk.number)
+
+    def release(self, chunk: Chunk) -> None:
+        """Leave a chunk to others."""
+        self._locks.release(chunk.number)
+
+    def write(self, chunk: Chunk, content: bytes) -> None:
+        """Store one chunk; its file appears only when it is complete."""
+        with complete_file(self._path(chunk)) as partial:
+            partial.write_bytes(content)
+
+    def _path(self, chunk: Chunk) -> Path:
+        return self._chunks / f"{chunk.number:07d}.parquet"
+
+    def _taken_up(self, plan: Plan) -> Plan:
+        file = self._folder / PLAN
+        if file.exists():
+            document = read_document(file)
+            plan = continued(plan, document, self._folder)
+            if plan.hash == document["hash"]:
+                return plan
+        elif any(self._chunks.iterdir()):
+            message = f"{self._folder}: holds chunks and no {PLAN}; give another folder with --out"
+            raise InputError(message, folder=str(self._folder))
+        with complete_file(file) as partial:
+            partial.write_text(json.dumps(plan_record(plan), indent=1) + "\n", encoding="utf-8")
+        return plan
+
+
+def need_pyarrow() -> None:
+    """Refuse to go on without pyarrow, and say how to get it.
+
+    Raises:
+        InputError: It is not installed.
+    """
+    from importlib.util import find_spec
+
+    if find_spec("pyarrow") is None:
+        message = "sweeps are stored by pyarrow: pip install 'nipper-pin[sweep]'"
+        raise InputError(message, package="pyarrow")

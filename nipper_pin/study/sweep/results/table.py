@@ -1,0 +1,86 @@
+"""Results of a sweep, read again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ....errors import InputError
+from .chunk_file import DamageError, read_file
+from .record import read_document
+from .store import CHUNKS, PLAN, need_pyarrow
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SweepTable:
+    """Scenarios of a sweep, all of them or evenly thinned out.
+
+    Attributes:
+        title: What the sweep is about.
+        model: What the model is, in a few words.
+        axes: Parameters, each with ``name``, ``path``, ``low``, ``high``, ``scale`` and ``values``
+            (empty if it is sampled).
+        quantities: Names of what was kept.
+        scenarios: Scenarios of the plan.
+        stored: Scenarios on disk.
+        table: The rows; the unit of a column is in the metadata of its field.
+    """
+
+    title: str
+    model: str
+    axes: tuple[dict[str, Any], ...]
+    quantities: tuple[str, ...]
+    scenarios: int
+    stored: int
+    table: pa.Table
+
+
+def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
+    """Read what a sweep has stored so far.
+
+    Args:
+        folder: Folder of the sweep.
+        most: Most rows to read, evenly spread over all scenarios.
+
+    Raises:
+        InputError: The folder holds no sweep, or nothing of it yet, or is damaged.
+    """
+    need_pyarrow()
+    import pyarrow as pa
+
+    document = read_document(Path(folder) / PLAN)
+    files = sorted((Path(folder) / CHUNKS).glob("*.parquet"))
+    step = 1 if most is None else -(-int(document["scenarios"]) // most)
+    # Every k-th scenario has to meet all values of the grids: k shares no factor with them.
+    sizes = 2 * math.prod(len(axis["values"]) or 1 for axis in document["axes"])
+    while step > 1 and math.gcd(step, sizes) > 1:
+        step += 1
+    parts, stored = [], 0
+    for file in files:
+        try:
+            part = read_file(file)
+        except DamageError as error:
+            message = f"{error.message}; run the sweep again: it computes this chunk anew"
+            raise InputError(message, file=str(file)) from error
+        stored += len(part)
+        if step > 1:
+            first = -part["scenario"][0].as_py() % step
+            part = part.take(pa.array(range(first, len(part), step), type=pa.int64()))
+        parts.append(part)
+    if not parts:
+        message = f"{folder}: nothing is computed yet; run nipper-pin sweep"
+        raise InputError(message, folder=str(folder))
+    return SweepTable(
+        title=document["title"],
+        model=document["description"].get("title") or document["model"],
+        axes=tuple(document["axes"]),
+        quantities=tuple(document["quantities"]),
+        scenarios=document["scenarios"],
+        stored=stored,
+        table=pa.concat_tables(parts),
+    )

@@ -1,0 +1,254 @@
+"""What a sweep leaves on disk: no damage is read as numbers, and every file says what it is."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from sweep_studies import plan, study
+
+from nipper_pin import InputError, load
+from nipper_pin.cli import main
+from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
+from nipper_pin.study.sweep.results.chunk_file import DamageError, read
+
+SMALL = """
+chunk = 2
+quantities = ["duration_s", "rebound_amplitude_1", "impulse_N_s_1", "first_two_share"]
+[parameters.restitution]
+values = [0.1, 0.2]
+[parameters.preload]
+values = [10.0, 12.0]
+[parameters."urdf.link.top_nipper.inertial.mass.value"]
+values = [1.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("swept")
+    path = study(folder, SMALL)
+    run_sweep(read_plan(path), folder / "out", workers=1)
+    return folder
+
+
+@pytest.fixture
+def copy(swept: Path, tmp_path: Path) -> Path:
+    shutil.copytree(swept, tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def chunk(folder: Path, number: int = 0) -> Path:
+    return folder / "out" / "chunks" / f"{number:07d}.parquet"
+
+
+# --- damage ------------------------------------------------------------------------------------
+
+
+def test_no_flipped_bit_is_read(swept: Path) -> None:
+    """Every single bit of a chunk, turned, is an error.
+
+    Without the checksum of the whole file, pages alone let a bit of the footer through: a column
+    that has another name, or another column's pages.
+    """
+    whole = chunk(swept).read_bytes()
+    read(whole)
+    damaged = bytearray(whole)
+    for bit in range(8 * len(whole)):
+        damaged[bit // 8] ^= 1 << bit % 8
+        with pytest.raises(DamageError):
+            read(bytes(damaged))
+        damaged[bit // 8] ^= 1 << bit % 8
+    assert damaged == whole
+
+
+@pytest.mark.parametrize("part", ["head", "tail", "middle", "empty", "longer"])
+def test_no_part_of_a_chunk_is_read(swept: Path, part: str) -> None:
+    whole = chunk(swept).read_bytes()
+    half = len(whole) // 2
+    parts = {
+        "head": whole[:-1],
+        "tail": whole[1:],
+        "middle": whole[:half] + whole[half + 1 :],
+        "empty": b"",
+        "longer": whole + b"\0",
+    }
+    with pytest.raises(DamageError):
+        read(parts[part])
+
+
+def test_pages_carry_checksums_of_their_own(swept: Path) -> None:
+    """Whoever reads chunks by pyarrow alone can have their numbers checked.
+
+    The byte that is changed is in the middle of the pages of a column of numbers.
+    """
+    whole = bytearray(chunk(swept).read_bytes())
+    columns = pq.read_metadata(pa.BufferReader(bytes(whole))).row_group(0)
+    column = next(
+        columns.column(place)
+        for place in range(columns.num_columns)
+        if columns.column(place).path_in_schema == "duration_s"
+    )
+    whole[column.data_page_offset + column.total_compressed_size - 4] ^= 1
+    source = pa.BufferReader(bytes(whole))
+    with pytest.raises(OSError, match=r"(?i)crc"):
+        pq.read_table(source, page_checksum_verification=True)
+
+
+def test_a_damaged_chunk_is_named_and_computed_anew(
+    copy: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With its footer intact, too: reading names it and what to do, and doing that mends it."""
+    whole, file = chunk(copy, 1).read_bytes(), chunk(copy, 1)
+    damaged = bytearray(whole)
+    damaged[60] ^= 4
+    file.write_bytes(damaged)
+    assert pq.read_metadata(file).num_rows == 2
+    out, path = str(copy / "out"), str(copy / "study.toml")
+    assert main(["plot", out]) == 2
+    said = capsys.readouterr().err
+    assert "0000001.parquet: damaged" in said
+    assert "run the sweep again" in said
+    assert said.count("\n") == 1
+    assert main(["sweep", path, "--out", out, "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "2 were there, 2 computed" in said
+    assert "damaged, and computed anew: " in said
+    assert file.read_bytes() == whole
+    assert read_sweep(out).stored == 4
+
+
+def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: Path) -> None:
+    """Each doctored chunk can be read, and is not what belongs in its place.
+
+    A file of another number, of another plan, one that lost a row, and rows in another order.
+    """
+    (tmp_path / "other").mkdir()
+    other = plan(tmp_path / "other", SMALL.replace("12.0", "12.5"))
+    run_sweep(other, tmp_path / "other" / "out", workers=1)
+    found, whole = read_plan(str(copy / "study.toml")), chunk(copy).read_bytes()
+    table = pq.read_table(chunk(copy))
+    doctored = {
+        "number": chunk(copy, 1).read_bytes(),
+        "plan": chunk(tmp_path / "other").read_bytes(),
+        "row": written(table.slice(0, 1)),
+        "order": written(table.take([1, 0])),
+    }
+    for name, content in doctored.items():
+        read(content)
+        chunk(copy).write_bytes(content)
+        report = run_sweep(found, copy / "out", workers=1)
+        assert (report.found, report.damaged) == (2, ("0000000.parquet",)), name
+        assert chunk(copy).read_bytes() == whole
+
+
+def written(table: pa.Table) -> bytes:
+    """A table with a right checksum, of which nothing else is right."""
+    sink = pa.BufferOutputStream()
+    with pq.ParquetWriter(sink, table.schema) as writer:
+        writer.write_table(table)
+        writer.add_key_value_metadata({"nipper_pin.crc32": "crc32:00000000"})
+    content = bytes(sink.getvalue())
+    head, mark, tail = content.rpartition(b"crc32:")
+    return head + mark + b"%08x" % zlib.crc32(content) + tail[8:]
+
+
+# --- what files say of themselves --------------------------------------------------------------
+
+
+def test_every_chunk_says_what_it_is_of(swept: Path) -> None:
+    """Units, model, versions and the study, in the file itself and wherever it is copied to."""
+    schema = pq.read_schema(chunk(swept))
+    units = {field.name: (field.metadata or {}).get(b"unit") for field in schema}
+    assert {name: unit for name, unit in units.items() if unit is not None} == {
+        "restitution": b"1", "preload": b"mm", "duration_s": b"s", "rebound_amplitude_1": b"rad",
+        "impulse_N_s_1": b"N s", "first_two_share": b"1",
+    }  # fmt: skip
+    about = json.loads(schema.metadata[b"nipper_pin"])
+    assert about["model"] == "e62"
+    assert about["versions"]["numpy"] == np.__version__
+    assert set(about["versions"]) == {"nipper-pin", "pin", "numpy", "scipy", "numba"}
+    assert about["study"] == (swept / "study.toml").read_text(encoding="utf-8")
+    stored = json.loads((swept / "out" / "plan.json").read_text(encoding="utf-8"))
+    assert stored["study"] == about["study"]
+
+
+def test_units_are_those_of_the_numbers(swept: Path) -> None:
+    """A row computed from its metadata alone: value and unit give the preload of the machine."""
+    row = pq.read_table(chunk(swept)).to_pylist()[0]
+    assert pq.read_schema(chunk(swept)).field("preload").metadata[b"unit"] == b"mm"
+    spring = load("e62", {"springs.steeve.preload_length_mm": row["preload"]}).springs[0]
+    assert spring.preload == pytest.approx(1e-3 * row["preload"], rel=1e-15)
+
+
+def test_a_comment_in_the_study_changes_no_results(copy: Path) -> None:
+    path = copy / "study.toml"
+    path.write_text(path.read_text(encoding="utf-8") + "# a word\n", encoding="utf-8")
+    assert run_sweep(read_plan(str(path)), copy / "out").found == 4
+
+
+# --- more points -------------------------------------------------------------------------------
+
+POINTS = """
+chunk = 3
+quantities = ["duration_s"]
+[samples]
+method = "sobol"
+count = 5
+seed = 3
+[parameters.restitution]
+low = 0.1
+high = 0.2
+[parameters."links.top_nipper.mass_kg"]
+values = [1.0, 1.2]
+"""
+
+
+def test_more_points_of_a_sequence_keep_the_first_ones(tmp_path: Path) -> None:
+    """5, then 9, then 12 points: files of the first ones stay, rows are those of 12 at once.
+
+    Rows are compared as a set: a point keeps its number, and new ones get numbers behind all.
+    """
+    out = tmp_path / "out"
+    run_sweep(plan(tmp_path, POINTS), out, workers=1)
+    first = {path.name: path.read_bytes() for path in (out / "chunks").iterdir()}
+    for count, found in ((9, 10), (12, 18), (12, 24)):
+        report = run_sweep(plan(tmp_path, POINTS.replace("count = 5", f"count = {count}")), out)
+        assert (report.found, report.scenarios) == (found, 2 * count)
+    for name, content in first.items():
+        assert (out / "chunks" / name).read_bytes() == content
+    whole = plan(tmp_path, POINTS.replace("count = 5", "count = 12"))
+    run_sweep(whole, tmp_path / "whole", workers=1)
+    both = [read_sweep(folder).table for folder in (out, tmp_path / "whole")]
+    assert both[0]["scenario"].to_pylist() == list(range(24))
+    columns = ("restitution", "links.top_nipper.mass_kg")
+    keys = [sorted(zip(*(t[name].to_pylist() for name in columns), strict=True)) for t in both]
+    assert keys[0] == keys[1]
+    durations = [np.sort(table["duration_s"].to_numpy()) for table in both]
+    np.testing.assert_allclose(durations[0], durations[1], rtol=1e-8)
+
+
+def test_what_cannot_be_continued_is_refused(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_sweep(plan(tmp_path, POINTS), out, workers=1)
+    before = sorted((out / "chunks").iterdir())
+    for old, new, said in (
+        ("count = 5", "count = 4", "asks for fewer"),
+        ("seed = 3", "seed = 4", "differ in: samples"),
+        ('"sobol"', '"latin_hypercube"', "differ in: samples"),
+        ("chunk = 3", "chunk = 4", "differ in: chunk"),
+        ("1.2]", "1.3]", "differ in: axes"),
+    ):
+        with pytest.raises(InputError, match=said):
+            run_sweep(plan(tmp_path, POINTS.replace(old, new)), out)
+    assert sorted((out / "chunks").iterdir()) == before
+    whole = POINTS.replace("sobol", "latin_hypercube")
+    run_sweep(plan(tmp_path, whole), tmp_path / "latin", workers=1)
+    with pytest.raises(InputError, match="made as a whole"):
+        run_sweep(plan(tmp_path, whole.replace("count = 5", "count = 9")), tmp_path / "latin")

@@ -1,0 +1,139 @@
+"""What a sweep says of its rows: reasons, engines, faults of the program, and its exit status."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sweep_studies import TABLE, plan, study
+
+from nipper_pin import SimulationError
+from nipper_pin.cli import main
+from nipper_pin.study.sweep import chunks, read_sweep, run_sweep
+from nipper_pin.study.sweep.chunks import DefectError, run_chunk
+from nipper_pin.study.sweep.plan import Chunk
+
+RADII = '[parameters."drives.pendulum.crank_radius_mm"]\nvalues = [{}]\n'
+
+
+def test_a_sweep_without_any_result_fails(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Status 1, and the reason of three of its four rows; they stay, and say so again."""
+    arguments = ["sweep", study(tmp_path, RADII.format("-5.0, -6.0, -7.0, 10000.0")),
+                 "--out", str(tmp_path / "out"), "--workers", "1"]  # fmt: skip
+    for _ in range(2):
+        assert main(arguments) == 1
+        said = capsys.readouterr().err
+        assert "none of 4 scenarios has a result, 3 of them because: " in said
+        assert "crank_radius_mm = -5" in said
+        assert said.count("\n") == 1
+    assert read_sweep(tmp_path / "out").stored == 4
+
+
+def test_rows_without_a_result_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The summary and its JSON say what a count of the rows themselves says."""
+    arguments = ["sweep", study(tmp_path, RADII.format("63.0, -6.0, 64.0, 10000.0, -7.0")),
+                 "--out", str(tmp_path / "out")]  # fmt: skip
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    assert "3 without a result, 2 because: " in said
+    assert "2 by the direct engine: the reduced engine pays from 64 cases on" in said
+    assert main([*arguments, "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    for name, counts in (("outcome", document["outcomes"]), ("engine", document["engines"])):
+        values = [row[name] for row in rows]
+        assert counts == {value: values.count(value) for value in set(values)}
+    assert document["without_result"] == sum(np.isnan(row["duration_s"]) for row in rows) == 3
+
+
+def test_rows_that_the_reduced_engine_leaves_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Springs this weak open the jaw again in flights that the tables do not cover."""
+    text = TABLE.replace("low = 7000.0", "low = 20.0").replace("count = 600", "count = 100")
+    arguments = ["sweep", study(tmp_path, text), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    left = [row["message"] for row in rows if row["engine"] == "direct"]
+    assert 0 < len(left) < 100
+    for reason in set(left):
+        assert reason.startswith("the reduced engine: ")
+        assert f"{left.count(reason)} by the direct engine: {reason}" in said
+
+
+# --- faults of the program ---------------------------------------------------------------------
+
+
+def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> None:
+    """Transitions that raise an error wherever this speed is among them."""
+    right = chunks.transition_table
+
+    def table(*arguments: Any, **values: Any) -> Any:
+        if speed in values["speed_rpm"]:
+            raise error
+        return right(*arguments, **values)
+
+    monkeypatch.setattr(chunks, "transition_table", table)
+
+
+def in_this_process(
+    text: bytes, tasks: Iterable[tuple[Chunk, Any]], _workers: int
+) -> Iterator[tuple[Chunk, bytes | DefectError]]:
+    for chunk, rows in tasks:
+        try:
+            yield chunk, run_chunk(text, chunk.start, rows)
+        except DefectError as defect:
+            yield chunk, defect
+
+
+SPEEDS = """
+chunk = 1
+[parameters.speed_rpm]
+values = [450.0, 550.0, 650.0]
+"""
+
+
+@pytest.mark.parametrize(
+    "error", [ValueError("a shape"), ZeroDivisionError("division"), KeyError("name")]
+)
+def test_a_fault_of_the_program_is_shown(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    error: Exception,
+) -> None:
+    """No row says that it is an outcome; others are kept, and come first when it is mended."""
+    path, out = study(tmp_path, SPEEDS), tmp_path / "out"
+    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
+    with monkeypatch.context() as broken:
+        faulty(broken, error, 550.0)
+        assert main(["sweep", path, "--out", str(out)]) == 1
+    said = capsys.readouterr().err
+    assert f"scenario 1: a fault of the program, please report it: {type(error).__name__}" in said
+    assert "test_sweep_outcomes.py, line" in said
+    assert "1 of 3 chunks are not stored" in said
+    assert said.count("\n") == 1
+    assert read_sweep(out).table["scenario"].to_pylist() == [0, 2]
+    assert main(["sweep", path, "--out", str(out)]) == 0
+    assert "2 were there, 1 computed" in capsys.readouterr().out
+
+
+def test_an_error_of_the_package_is_an_outcome(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = plan(tmp_path, SPEEDS)
+    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
+    faulty(monkeypatch, SimulationError("a dead centre"), 550.0)
+    run_sweep(found, tmp_path / "out")
+    rows = read_sweep(tmp_path / "out").table.to_pylist()
+    assert [row["outcome"] for row in rows] == ["at_rest", "failed", "at_rest"]
+    assert rows[1]["message"] == "a dead centre"
