@@ -60,7 +60,7 @@ def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
     assert table.column_names == [
         "scenario", "links.top_nipper.mass_kg", "preload", "restitution", "speed_rpm",
         "springs.steeve.stiffness_N_per_m", "engine", "outcome", "message", "collisions",
-        "duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999",
+        "premise_holds", "duration_s", "impulse_N_s_1", "rebound_time_s_2", "time_s_9999",
     ]  # fmt: skip
     rows = table.to_pylist()
     assert [row["scenario"] for row in rows] == list(range(32))

@@ -14,7 +14,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
 from ...mechanism import Mechanism
-from ..transitions import FAILED, TransitionTable, transition_table
+from ..transitions import FAILED, TURN, TransitionTable, transition_table
 from .changes import changed
 from .job import NO_MODEL, Job, read_job
 from .quantities import quantity
@@ -22,6 +22,7 @@ from .results.chunk_file import encode
 
 _NO_ENGINE = "none"
 _LEFT = "the reduced engine"
+_TURNS = "whole turns, since the premise of a transition does not hold"
 
 
 class DefectError(SimulationError):
@@ -70,6 +71,7 @@ class _Columns:
         self.outcome = np.full(n, FAILED, dtype="U24")
         self.message = [""] * n
         self.collisions = np.zeros(n, dtype=np.int32)
+        self.premise = np.full(n, None, dtype=object)
         self.values = {name: np.full(n, np.nan) for name in job.quantities}
 
     def fail(self, part: slice, outcome: str, message: str) -> None:
@@ -82,16 +84,23 @@ class _Columns:
         self.engine[part], self.outcome[part] = table.engine, table.outcome
         self.message[part] = table.message
         self.collisions[part] = table.collisions
+        self.premise[part] = table.premise_holds
         for name, found in self.values.items():
             found[part] = quantity(table, name)
         chosen, _, why = table.why.partition(";")[0].partition(": ")
         for engine, message in zip(table.engine, table.message, strict=True):
-            if engine == "direct":
-                left = message if message.startswith(_LEFT) else f"{_LEFT} did not solve them"
-                self.direct[why if chosen == "direct" else left] += 1
+            if engine == TURN:
+                self.direct[_TURNS] += 1
+            elif engine == "direct" and chosen == "direct":
+                self.direct[why] += 1
+            elif engine == "direct":
+                left = message.startswith(_LEFT)
+                self.direct[message if left else f"{_LEFT} did not solve them"] += 1
 
     def parquet(self) -> bytes:
         """The bytes of the file."""
+        import pyarrow as pa
+
         job = self.job
         return encode(
             {
@@ -101,6 +110,7 @@ class _Columns:
                 "outcome": self.outcome.tolist(),
                 "message": self.message,
                 "collisions": self.collisions,
+                "premise_holds": pa.array(self.premise.tolist(), type=pa.bool_()),
                 **self.values,
             },
             words=("engine", "outcome", "message"),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
+from ..transitions import TURN
 from .results import Tally
 
 
@@ -72,6 +73,11 @@ class SweepReport:
             found.append(f"damaged, and computed anew: {', '.join(self.damaged)}")
         for reason, count in tally.direct.most_common(3):
             found.append(f"{count:,} by the direct engine: {reason}")
+        if tally.premise["false"]:
+            found.append(
+                f"{tally.premise['false']:,} do not arrive in the initial phase (premise_holds is "
+                f"false); {tally.engines[TURN]:,} of them were computed by whole turns"
+            )
         if tally.without_result:
             reason, count = tally.most_frequent
             found.append(f"{tally.without_result:,} without a result, {count:,} because: {reason}")

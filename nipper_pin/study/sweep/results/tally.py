@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from .chunk_file import about
 if TYPE_CHECKING:
     import pyarrow as pa
 
-SUMMARY = ("scenario", "engine", "outcome", "message")
+SUMMARY = ("scenario", "engine", "outcome", "message", "premise_holds")
 """Columns that a summary is made of."""
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
@@ -26,6 +27,8 @@ class Tally:
         outcomes: Rows by outcome.
         engines: Rows by engine.
         direct: Rows of the direct engine by the reason why it served.
+        premise: Rows by whether the premise of a transition holds: "true", "false", or "null" where
+            that is not known.
     """
 
     def __init__(self) -> None:
@@ -34,6 +37,7 @@ class Tally:
         self.outcomes: Counter[str] = Counter()
         self.engines: Counter[str] = Counter()
         self.direct: Counter[str] = Counter()
+        self.premise: Counter[str] = Counter()
         # Reasons that differ in their numbers alone count together; one of them is told.
         self._failed: Counter[str] = Counter()
         self._told: dict[str, str] = {}
@@ -46,6 +50,8 @@ class Tally:
         """
         self.rows += len(table)
         self.direct.update(about(table)["direct"])
+        held = table["premise_holds"].value_counts().to_pylist()
+        self.premise.update({json.dumps(item["values"]): item["counts"] for item in held})
         counted = table.group_by(["engine", "outcome", "message"]).aggregate([([], "count_all")])
         for row in counted.to_pylist():
             count = row["count_all"]
@@ -73,5 +79,6 @@ class Tally:
             "outcomes": dict(self.outcomes),
             "engines": dict(self.engines),
             "direct": dict(self.direct),
+            "premise_holds": dict(self.premise),
             "without_result": self.without_result,
         }
