@@ -35,7 +35,10 @@ if TYPE_CHECKING:
     from .hybrid.storage import load_case, load_solution, save, save_case
     from .hybrid.trajectory import Motion, Reactions
     from .mechanism import Mechanism, load
-    from .study.transitions import transition_table
+    from .study.calls import check, identify, optimise, sweep
+    from .study.sweep import read_sweep
+    from .study.transitions import TransitionTable, transition_table
+    from .view.show import view
 else:
     # Type checkers read the lines above instead: with this function they would accept any name.
     _PLACES = {
@@ -49,12 +52,18 @@ else:
         "hybrid.storage": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.trajectory": ("Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),
-        "study.transitions": ("transition_table",),
+        "study.calls": ("check", "identify", "optimise", "sweep"),
+        "study.sweep": ("read_sweep",),
+        "study.transitions": ("TransitionTable", "transition_table"),
     }
+    # Rooms that can be called; whoever imports from one puts it here anyway.
+    _ROOMS = ("view",)
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
         """Import what is behind a name when it is first asked for."""
+        if name in _ROOMS:
+            return import_module(f".{name}", __name__)
         if name not in _PLACE_OF:
             message = f"module {__name__!r} has no attribute {name!r}"
             raise AttributeError(message)
@@ -63,8 +72,8 @@ else:
         return value
 
     def __dir__() -> list[str]:
-        """Names that are there already, and those that come when they are asked for."""
-        return sorted({*globals(), *__all__})
+        """What is public, there already or not."""
+        return sorted([*__all__, "__version__"])
 
 
 __all__ = [
@@ -91,14 +100,21 @@ __all__ = [
     "SingularConfigurationError",
     "Solution",
     "Transition",
+    "TransitionTable",
     "UnknownNameError",
     "Window",
+    "check",
+    "identify",
     "load",
     "load_case",
     "load_solution",
+    "optimise",
+    "read_sweep",
     "record",
     "save",
     "save_case",
     "simulate",
+    "sweep",
     "transition_table",
+    "view",
 ]

@@ -14,6 +14,7 @@ _EXTRAS = {
     "cluster": ("distributed",),
     "peers": ("mujoco", "sksundae", "pydrake", "exudyn", "pybullet"),
 }
+_IMPORT = re.compile(r"could not import '(\w+)")
 _WORD = re.compile(r"\w+")
 _Report = pytest.TestReport | pytest.CollectReport
 
@@ -47,6 +48,8 @@ def _remedy(reason: str) -> tuple[str, str]:
         for name in packages:
             if name in words:
                 return name, f"pip install -e '.[{extra}]'"
+    if found := _IMPORT.match(reason):
+        return found[1], f"pip install {found[1]}"
     return "", reason
 
 

@@ -7,10 +7,9 @@ import argparse
 from ..errors import InputError
 from ..hybrid.case import Window
 from ..hybrid.solution import Solution
+from ..view.show import PORT
 from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
 from .case_options import add_window, new_case
-
-_PORT = 7000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gif", metavar="FILE", help="write the film in side view as a GIF instead of serving it"
     )
-    parser.add_argument("--port", type=int, metavar="N", help=f"port to serve at (default {_PORT})")
+    parser.add_argument("--port", type=int, metavar="N", help=f"port to serve at (default {PORT})")
     parser.add_argument("--no-browser", action="store_true", help="serve without opening a browser")
     parser.set_defaults(run=_run)
 
@@ -75,7 +74,7 @@ def _run(options: argparse.Namespace) -> None:
 
         write_gif(solution, options.gif, look)
     if served:
-        port = _PORT if options.port is None else options.port
+        port = PORT if options.port is None else options.port
         serve(scene_page(film(solution, look)), port, browser=not options.no_browser)
 
 

@@ -19,7 +19,7 @@ from ..errors import (
     SimulationError,
     SingularConfigurationError,
 )
-from ..mechanism import Mechanism, Stop
+from ..mechanism import Mechanism, Stop, need_mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
 from .case import Case, Window
 from .cycles import repeats
@@ -53,8 +53,12 @@ def simulate(
 
     Raises:
         SimulationError: The motion cannot be followed; the message says where and why.
-        InputError: The mechanism does not close in its touch configuration.
+        InputError: The mechanism does not close in its touch configuration, or is only its name.
     """
+    need_mechanism(mechanism, "simulate")
+    if not isinstance(case, Case):
+        message = f"simulate takes a case, and this is {case!r}: nip.Case(speed_rpm=650.0)"
+        raise InputError(message, case=case)
     began = time.perf_counter()
     transition = case.window is Window.TRANSITION
     cylinder = mechanism.cylinder

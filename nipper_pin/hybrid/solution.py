@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..arrays import FloatArray
 from ..dynamics.shaft import ShaftMotion
@@ -78,11 +78,12 @@ class Checks:
 
 
 # Most runs are asked for none of what the properties below import where they need it.
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """A simulated stretch of motion; a transition without rebound is a collision and no motion.
 
-    Tables, dense motion, forces and balances are computed when they are first asked for.
+    Tables, dense motion, forces and balances are computed when they are first asked for; a solution
+    that is pickled leaves them behind.
 
     Attributes:
         mechanism: The mechanism.
@@ -105,6 +106,35 @@ class Solution:
     evaluations: int
     wall_s: float
     repeated_from: int | None
+
+    def __repr__(self) -> str:
+        """One line."""
+        from .summary import line
+
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        from .summary import page
+
+        return page(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was simulated; Pinocchio's objects, which are found again, cannot be pickled."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def to_frame(self, library: str | None = None) -> Any:
+        """Collisions as a data frame, with the names and units of the JSON document.
+
+        Args:
+            library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+
+        Raises:
+            InputError: It is not installed.
+        """
+        from ..frames import data_frame
+        from .summary import columns
+
+        return data_frame(columns(self), library)
 
     @cached_property
     def system(self) -> System:

@@ -10,7 +10,7 @@ import copy
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..errors import AssemblyError, ModelError, UnknownNameError
+from ..errors import AssemblyError, InputError, ModelError, UnknownNameError
 from .mechanism import Mechanism
 
 
@@ -59,6 +59,26 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
         return build_mechanism(name, urdf, data, folder)
     except AssemblyError as error:
         raise _with_advice(error, overrides or {}) from None
+
+
+def need_mechanism(value: object, call: str) -> None:
+    """Refuse what is no mechanism, above all a model's name.
+
+    Args:
+        value: What a function was given.
+        call: Its public name, for the message.
+
+    Raises:
+        InputError: It is no mechanism.
+    """
+    if isinstance(value, Mechanism):
+        return
+    if isinstance(value, str | Path):
+        name = str(value)
+        message = f"{call} takes a loaded model: {call}(nip.load({name!r}), ...), not {name!r}"
+        raise InputError(message, value=name)
+    message = f"{call} takes what nip.load gives, and this is of type {type(value).__name__}"
+    raise InputError(message, value=value)
 
 
 def from_sources(

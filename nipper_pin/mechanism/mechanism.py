@@ -191,7 +191,7 @@ class Phase:
     closed: frozenset[str]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Mechanism:
     """A validated planar mechanism with closures, drives, springs and stops; equal to itself only.
 
@@ -240,6 +240,17 @@ class Mechanism:
     description: Mapping[str, object]
     mesh_folder: str
     model: pin.Model = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        """One line."""
+        from .summary import line
+
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        from .summary import page
+
+        return page(self)
 
     @property
     def degrees_of_freedom(self) -> int:

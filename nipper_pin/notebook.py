@@ -1,0 +1,42 @@
+"""What a notebook shows of a value: a heading, facts and a table, as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+
+_MOST_ROWS = 12
+
+
+def html(
+    title: str,
+    facts: Mapping[str, object],
+    header: Sequence[str] = (),
+    rows: Sequence[Sequence[object]] = (),
+) -> str:
+    """Return the HTML; every text in it is escaped.
+
+    Args:
+        title: What it is.
+        facts: Values by name.
+        header: Names of the columns.
+        rows: Rows, of which the first 12 are shown.
+    """
+    told = "".join(f"{_row([name, value], 'td')}" for name, value in facts.items())
+    text = f"<p><b>{escape(title)}</b></p><table>{told}</table>"
+    if not rows:
+        return text
+    shown = "".join(_row(row, "td") for row in rows[:_MOST_ROWS])
+    more = len(rows) - _MOST_ROWS
+    tail = f"<p>and {more:,} more</p>" if more > 0 else ""
+    return f"{text}<table><thead>{_row(header, 'th')}</thead><tbody>{shown}</tbody></table>{tail}"
+
+
+def _row(cells: Iterable[object], kind: str) -> str:
+    return "<tr>" + "".join(f"<{kind}>{escape(_text(cell))}</{kind}>" for cell in cells) + "</tr>"
+
+
+def _text(cell: object) -> str:
+    if cell is None:
+        return "-"
+    return f"{cell:.6g}" if isinstance(cell, float) else str(cell)

@@ -1,0 +1,149 @@
+"""The studies as calls of Python: each takes the file of its command, or what was read from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..mechanism import Mechanism, need_mechanism
+
+if TYPE_CHECKING:
+    from . import identify as identification
+    from . import optimise as optimisation
+    from .check import ModelReport
+    from .sweep import Plan, SweepReport
+
+
+def check(mechanism: Mechanism, speed_rpm: float | None = None) -> ModelReport:
+    """Walk one cycle of a model and say what it is: structure, timing, clearances, forces.
+
+    Args:
+        mechanism: The model.
+        speed_rpm: Cylinder speed [r/min]; by default the rated one.
+
+    Returns:
+        The report of ``nipper-pin check``.
+
+    Raises:
+        SimulationError: The cycle cannot be simulated.
+        InputError: The speed is none, or this is no mechanism.
+    """
+    need_mechanism(mechanism, "check")
+    from .check import check_model
+
+    speed = mechanism.cylinder.rated_speed_rpm if speed_rpm is None else speed_rpm
+    return check_model(mechanism, speed)
+
+
+def sweep(
+    study: str | Path | Plan,
+    folder: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int, int, int], None] | None = None,
+) -> SweepReport:
+    """Compute what is missing of a sweep; :func:`nipper_pin.read_sweep` gives its rows.
+
+    Args:
+        study: The TOML file, or the plan that was read from it.
+        folder: Folder of the results; one that holds a part of them is completed.
+        workers: Local processes; by default as many as there are processors.
+        scheduler: Address of a Dask scheduler to use instead.
+        progress: Called with (scenarios stored, of these found on disk, scenarios in all).
+
+    Returns:
+        What was done, with the folder.
+
+    Raises:
+        InputError: The file or an argument cannot be used, or the folder holds another sweep.
+        SimulationError: Workers were lost; what is finished is kept.
+    """
+    from .sweep import Plan, read_plan, run_sweep
+
+    plan = study if isinstance(study, Plan) else read_plan(str(study))
+    return run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
+
+
+def optimise(
+    problem: str | Path | optimisation.Problem,
+    *,
+    starts: int = 6,
+    seed: int = 1,
+    check: bool = True,
+    points: int = 12,
+    workers: int | None = None,
+    folder: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> optimisation.Optimum:
+    """Find the best design inside bounds and limits.
+
+    Args:
+        problem: The TOML file, or the problem that was read from it.
+        starts: Number of descents by each aim.
+        seed: Seed of starts and of the global check.
+        check: Whether differential evolution checks the best descent.
+        points: Points of the Pareto front of a problem with two aims.
+        workers: Processes; by default as many as there are processors. 1: this process alone.
+        folder: Where finished parts are kept and found again; by default nowhere.
+        progress: Called with (parts finished, parts known so far).
+
+    Returns:
+        The optimum, what holds it back, and how it was controlled.
+
+    Raises:
+        InputError: The file or an argument cannot be used, or the folder holds another problem.
+        InfeasibleError: No design that was found meets all limits.
+        SimulationError: No sample is a machine that can be simulated, or a process died.
+    """
+    from .optimise import Problem, read_problem
+    from .optimise import optimise as search
+
+    return search(
+        problem if isinstance(problem, Problem) else read_problem(problem),
+        starts=starts,
+        seed=seed,
+        check=check,
+        points=points,
+        workers=workers,
+        folder=folder,
+        progress=progress,
+    )
+
+
+def identify(
+    problem: str | Path | identification.Problem | None = None,
+    *,
+    starts: int = 4,
+    seed: int = 1,
+    workers: int | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> identification.Fit:
+    """Fit numbers of a model to published ratios or to measured rebounds.
+
+    Args:
+        problem: The TOML file, or the problem that was read from it; by default the published
+            ratios.
+        starts: Number of descents.
+        seed: Seed of the starts.
+        workers: Processes; by default as many as there are processors. 1: this process alone.
+        progress: Called with (starts done, starts in all, least cost so far).
+
+    Returns:
+        The fit.
+
+    Raises:
+        InputError: The file or an argument cannot be used.
+        SimulationError: No start led to a machine that can be simulated.
+    """
+    from .identify import Problem, read_problem
+    from .identify import identify as fit
+
+    return fit(
+        problem if isinstance(problem, Problem) else read_problem(problem),
+        starts=starts,
+        seed=seed,
+        workers=workers,
+        progress=progress,
+    )

@@ -1,0 +1,64 @@
+"""A solution seen: served to the browser, or written as a page or a film."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..hybrid.solution import Solution
+
+PORT = 7000
+"""Port that a scene is served at."""
+
+
+def view(
+    solution: Solution,
+    file: str | Path | None = None,
+    *,
+    slow: float = 1000.0,
+    exaggerate: float = 1.0,
+    port: int = PORT,
+    browser: bool = True,
+) -> Path | None:
+    """Show a solution.
+
+    Args:
+        solution: The solution.
+        file: ``NAME.html`` for one page that holds everything, ``NAME.gif`` for the film in side
+            view; None to serve it until Ctrl-C.
+        slow: Time is stretched 1 : slow around events.
+        exaggerate: The gap of the transition stop is drawn so many times as large, 1 to 50.
+        port: Port to serve at; 0 for any that is free.
+        browser: Whether to open the page that is served in the user's browser.
+
+    Returns:
+        The file; None if it was served.
+
+    Raises:
+        InputError: A value is out of range, or the file or port cannot be used.
+    """
+    from ..hybrid.solution import Solution as Simulated
+
+    if not isinstance(solution, Simulated):
+        message = f"view shows a solution, and this is {solution!r}: nip.view(nip.simulate(...))"
+        raise InputError(message, solution=solution)
+    from .scene import Look, film, scene_page, serve, write_page
+
+    look = Look(slow=slow, exaggerate=exaggerate)
+    if file is None:
+        serve(scene_page(film(solution, look)), port, browser=browser)
+        return None
+    target = Path(file)
+    if target.suffix == ".html":
+        write_page(solution, target, look)
+    elif target.suffix == ".gif":
+        from .scene.gif import write_gif
+
+        write_gif(solution, target, look)
+    else:
+        message = f"{target}: a scene is written as NAME.html or NAME.gif"
+        raise InputError(message, file=str(target))
+    return target

@@ -1,0 +1,311 @@
+"""The library as scripts and notebooks use it: one door, short texts, pickles, data frames."""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nipper_pin as nip
+from nipper_pin import frames
+from nipper_pin.study.check import check_model
+from nipper_pin.study.sweep import SweepReport
+
+SWEEP = 'format = 1\nchunk = 2\nquantities = ["duration_s"]\n[case]\nspeed_rpm = 650.0\n'
+SWEEP += "[parameters.restitution]\nvalues = [0.1, 0.2, 0.3]\n"
+
+
+class Page(HTMLParser):
+    """Tags and texts of a piece of HTML; every tag that is opened has to be closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.texts: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, _attrs: object) -> None:
+        self.tags.append(tag)
+        self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+@pytest.fixture
+def solution(e62: nip.Mechanism) -> nip.Solution:
+    return nip.simulate(e62, nip.Case(speed_rpm=650.0))
+
+
+def test_texts_are_short_and_tell_apart(solution: nip.Solution) -> None:
+    assert repr(solution) == (
+        "<Solution of e62: 650 r/min, transition, held drive, "
+        f"{len(solution.collisions)} collisions, at_rest>"
+    )
+    turns = nip.simulate(solution.mechanism, nip.Case(speed_rpm=450.0, window="cycle", cycles=2))
+    assert "450 r/min, 2 turns, held drive" in repr(turns)
+    assert "completed" in repr(turns)
+    assert repr(solution.mechanism) == (
+        "<Mechanism e62: 7 joints, 2 closures, 2 drives, stops jaw, steeve, mobility 3>"
+    )
+
+
+def test_a_notebook_shows_the_collisions(solution: nip.Solution) -> None:
+    page = Page(solution._repr_html_())
+    assert page.tags.count("th") == 9
+    # Case, outcome, duration; heading; one row a collision.
+    assert page.tags.count("tr") == 3 + 1 + len(solution.collisions)
+    for hit in solution.collisions:
+        for value in (hit.t, hit.approach_rate, hit.energy_lost, hit.rebound_time):
+            assert f"{value:.6g}" in page.texts
+    assert f"{1e3 * solution.transitions[0].duration:.6g} ms" in page.texts
+
+
+def test_texts_of_a_model_cannot_become_tags() -> None:
+    title = "<script>alert('x')</script> & co"
+    mechanism = nip.load("e62", {"title": title})
+    pages = [
+        mechanism._repr_html_(),
+        nip.simulate(mechanism, nip.Case(speed_rpm=650.0))._repr_html_(),
+    ]
+    for text in pages:
+        page = Page(text)
+        assert "script" not in page.tags
+        assert any(title in item for item in page.texts)
+
+
+def test_long_tables_are_cut_and_say_so(e62: nip.Mechanism) -> None:
+    turns = nip.simulate(e62, nip.Case(speed_rpm=450.0, window="cycle", cycles=3))
+    page = Page(turns._repr_html_())
+    assert page.tags.count("tr") == 2 + int(bool(turns.transitions)) + 1 + 12
+    assert f"and {len(turns.collisions) - 12:,} more" in page.texts
+
+
+def test_a_used_solution_pickles_and_is_the_same(solution: nip.Solution) -> None:
+    """Everything that is kept was asked for before; what comes back computes the same bits."""
+
+    def numbers(run: nip.Solution) -> tuple[object, ...]:
+        times = np.linspace(*run.trajectory.span, 7)
+        return (
+            nip.record(run),
+            run.energy,
+            run.errors,
+            run.phases,
+            run.trajectory.reactions(times).contacts["jaw"].tolist(),
+            [impulse.tolist() for impulse in run.drive_impulses],
+        )
+
+    before = numbers(solution)
+    again = pickle.loads(pickle.dumps(solution))
+    assert "system" not in vars(again)
+    assert numbers(again) == before
+
+
+def test_a_solution_crosses_between_processes(solution: nip.Solution) -> None:
+    """One simulated and used elsewhere arrives; one from here is used there."""
+    program = (
+        "import pickle, sys, nipper_pin as nip\n"
+        "came = pickle.load(sys.stdin.buffer)\n"
+        "made = nip.simulate(came.mechanism, came.case)\n"
+        "made.collisions, made.energy, made.trajectory\n"
+        "pickle.dump((came.collisions[1].rebound_time, made), sys.stdout.buffer)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], input=pickle.dumps(solution), capture_output=True,
+        check=True,
+    )  # fmt: skip
+    time, made = pickle.loads(done.stdout)
+    assert time == solution.collisions[1].rebound_time
+    assert [hit.t for hit in made.collisions] == [hit.t for hit in solution.collisions]
+
+
+def test_collisions_as_a_frame(solution: nip.Solution) -> None:
+    """Of pyarrow, which is installed with the tests: names, units and numbers of the document."""
+    pytest.importorskip("pyarrow")
+    frame = solution.to_frame("pyarrow")
+    hits = nip.record(solution)["collisions"]
+    assert frame.column_names == list(hits[0])
+    assert frame.to_pylist() == [
+        {key: value if value is not None else pytest.approx(np.nan, nan_ok=True)
+         for key, value in hit.items()}
+        for hit in hits
+    ]  # fmt: skip
+    assert str(frame.schema.field("time_s").type) == "double"
+
+
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_collisions_as_a_frame_of(library: str, solution: nip.Solution) -> None:
+    pytest.importorskip(library)
+    frame = solution.to_frame(library)
+    assert type(frame).__module__.startswith(library)
+    assert list(frame["time_s"]) == [item["time_s"] for item in nip.record(solution)["collisions"]]
+
+
+@pytest.mark.parametrize(
+    ("installed", "asked", "chosen"),
+    [
+        ({"pandas", "polars", "pyarrow"}, None, "pandas"),
+        ({"polars", "pyarrow"}, None, "polars"),
+        ({"pandas", "polars"}, "polars", "polars"),
+    ],
+)
+def test_the_library_that_is_there_makes_the_frame(
+    installed: set[str], asked: str | None, chosen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def maker(name: str) -> SimpleNamespace:
+        return SimpleNamespace(DataFrame=lambda columns: (name, columns), table=None)
+
+    monkeypatch.setattr(frames, "find_spec", lambda name: name if name in installed else None)
+    monkeypatch.setattr(frames, "import_module", maker)
+    assert frames.data_frame({"a": [1.0]}, asked) == (chosen, {"a": [1.0]})
+
+
+def test_without_a_library_the_frame_says_what_to_install(
+    solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(frames, "find_spec", lambda _: None)
+    with pytest.raises(nip.InputError, match="pip install pandas"):
+        solution.to_frame()
+    with pytest.raises(nip.InputError, match="polars is not installed: pip install polars"):
+        solution.to_frame("polars")
+    with pytest.raises(nip.InputError, match="'excel' cannot be used"):
+        solution.to_frame("excel")
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: nip.simulate("e62", nip.Case(speed_rpm=650.0)), r"simulate\(nip.load\('e62'\)"),
+        (lambda: nip.simulate(Path("e62"), nip.Case(speed_rpm=650.0)), "takes a loaded model"),
+        (lambda: nip.simulate(None, nip.Case(speed_rpm=650.0)), "of type NoneType"),
+        (lambda: nip.simulate(nip.load(), 650.0), r"nip.Case\(speed_rpm=650.0\)"),
+        (lambda: nip.check("e62"), r"check\(nip.load\('e62'\)"),
+        (lambda: nip.view("e62"), "view shows a solution"),
+    ],
+)
+def test_a_wrong_argument_is_one_clear_error(call: Any, words: str) -> None:
+    with pytest.raises(nip.InputError, match=words):
+        call()
+
+
+def test_check_is_that_of_the_command(e62: nip.Mechanism) -> None:
+    rated = nip.check(e62)
+    assert rated.record() == check_model(e62, 450.0).record()
+    assert nip.check(e62, 650.0).speed_rpm == 650.0
+
+
+def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    study = tmp_path / "study.toml"
+    study.write_text(SWEEP, encoding="utf-8")
+    seen: list[tuple[int, int, int]] = []
+    report = nip.sweep(
+        study, tmp_path / "out", workers=1, progress=lambda *counts: seen.append(counts)
+    )
+    assert isinstance(report, SweepReport)
+    assert (report.scenarios, report.workers, seen[-1]) == (3, 1, (3, 0, 3))
+    rows = nip.read_sweep(report.folder).table
+    table = nip.transition_table(nip.load(), speed_rpm=650.0, restitution=[0.1, 0.2, 0.3])
+    # Few cases take the direct engine here, a chunk the reduced one: each to 1e-10.
+    assert rows["duration_s"].to_pylist() == pytest.approx(table.duration.tolist(), rel=2e-10)
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("optimise", {"starts": 2, "seed": 5, "check": False, "points": 3, "workers": 1,
+                      "folder": "somewhere", "progress": print}),
+        ("identify", {"starts": 2, "seed": 5, "workers": 1, "progress": print}),
+    ],
+)  # fmt: skip
+def test_studies_read_their_file_and_pass_everything_on(
+    name: str, given: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With other values than the defaults; every argument of the call is in the list."""
+    room = __import__(f"nipper_pin.study.{name}", fromlist=["x"])
+    asked: list[tuple[object, dict[str, object]]] = []
+    monkeypatch.setattr(room, name, lambda problem, **others: asked.append((problem, others)))
+    file = Path(__file__).parents[1] / "scripts" / {
+        "optimise": "optimise_rebound.toml", "identify": "identify_camera.toml"}[name]  # fmt: skip
+    getattr(nip, name)(file, **given)
+    assert asked[-1][1] == given
+    assert asked[-1][0].title == room.read_problem(file).title
+    getattr(nip, name)(asked[-1][0])
+    assert asked[-1][0] is asked[-2][0]
+    parameters = inspect.signature(getattr(nip, name)).parameters
+    assert set(parameters) == {"problem", *given}
+    assert asked[-1][1] == {key: parameters[key].default for key in given}
+
+
+def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) -> None:
+    page = nip.view(solution, tmp_path / "a.html")
+    film = nip.view(solution, str(tmp_path / "a.gif"), slow=100.0)
+    assert (page, film) == (tmp_path / "a.html", tmp_path / "a.gif")
+    assert (tmp_path / "a.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert (tmp_path / "a.gif").read_bytes()[:6] == b"GIF89a"
+    with pytest.raises(nip.InputError, match=r"NAME.html or NAME.gif"):
+        nip.view(solution, tmp_path / "a.png")
+    with pytest.raises(nip.InputError, match="exaggerate = 99"):
+        nip.view(solution, tmp_path / "c.html", exaggerate=99.0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.gif", "a.html"]
+
+
+@pytest.mark.parametrize("name", ["scene.html", "scene.gif", None])
+def test_view_passes_the_look_on(
+    name: str | None, solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import nipper_pin.view.scene.gif as gif
+    from nipper_pin.view import scene
+
+    seen: list[scene.Look] = []
+    for room, call in ((scene, "write_page"), (gif, "write_gif")):
+        monkeypatch.setattr(room, call, lambda _run, _file, look: seen.append(look))
+    monkeypatch.setattr(scene, "film", lambda _run, look: seen.append(look))
+    monkeypatch.setattr(scene, "scene_page", lambda _film: "")
+    monkeypatch.setattr(scene, "serve", lambda _page, _port, browser: None)  # noqa: ARG005
+    nip.view(solution, name, slow=50.0, exaggerate=7.0)
+    nip.view(solution, name)
+    assert seen == [scene.Look(slow=50.0, exaggerate=7.0), scene.Look()]
+
+
+def test_view_serves_where_it_is_told(
+    solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import nipper_pin.view.scene
+
+    served: list[tuple[str, int, bool]] = []
+    monkeypatch.setattr(
+        nipper_pin.view.scene,
+        "serve",
+        lambda page, port, *, browser: served.append((page[:15], port, browser)),
+    )
+    assert nip.view(solution, port=0, browser=False) is None
+    assert nip.view(solution) is None
+    assert [item[1:] for item in served] == [(0, False), (7000, True)]
+
+
+def test_the_room_of_views_and_the_call_are_one() -> None:
+    """In either order of asking, in a fresh process, and without loading what is not asked for."""
+    program = (
+        "import sys, inspect, nipper_pin as nip\n"
+        "first = nip.view\n"
+        "assert not {'numpy', 'rich', 'pinocchio'} & set(sys.modules)\n"
+        "import nipper_pin.view.table\n"
+        "assert nip.view is first and callable(nip.view)\n"
+        "assert nip.view.table.print_solution\n"
+        "assert list(inspect.signature(nip.view).parameters)[:2] == ['solution', 'file']\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
