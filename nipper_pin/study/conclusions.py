@@ -66,21 +66,31 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
         f"{clamp:.3g} N."
     ]
     by_path = {row.path: row for row in found.rows}
-    if SPEED in by_path:
+    if SPEED in by_path and not by_path[SPEED].doubtful:
         faster = by_path[SPEED].per
         text.append(
             f"1 % more speed makes the first bounce {_more(faster[0], 'higher', 'lower')}, the "
             f"transition {_more(faster[1], 'longer', 'shorter')} and the clamping force "
             f"{_more(faster[2], 'larger', 'smaller')}."
         )
+    units = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
+    # Numbers that are zero have amounts of their own for units.
+    units.update((row.unit, row.unit) for row in found.rows if row.unit not in units)
     for place, quantity in enumerate(QUANTITIES):
-        for unit, one in (("mm", "1 mm"), ("deg", "1 degree"), ("%", "1 %")):
+        for unit, one in units.items():
             text.extend(_strongest(found, quantity, place, unit, one))
-    gain = [row for row in found.rows if _helps(row)]
+    gain = [row for row in found.rows if _helps(row) and not row.doubtful]
     if gain:
         text.append(
             "These calm the bounce and press harder at the same time: "
             + "; ".join(_dose(row) for row in sorted(gain, key=_worth)[:_FEW])
+            + "."
+        )
+    doubtful = [label(row.path) for row in found.rows if row.doubtful]
+    if doubtful:
+        text.append(
+            "The two ways to find them disagree, so that nothing is said of: "
+            + ", ".join(doubtful)
             + "."
         )
     still = [row.path for row in found.rows if np.abs(row.per).max() < _NOTHING]
@@ -101,7 +111,10 @@ def _strongest(
     rows = [
         row
         for row in found.ranked(quantity)
-        if row.unit == unit and row.path != SPEED and abs(row.per[place]) >= _NOTHING
+        if row.unit == unit
+        and row.path != SPEED
+        and not row.doubtful
+        and abs(row.per[place]) >= _NOTHING
     ][:_FEW]
     if not rows:
         return ()
@@ -117,7 +130,7 @@ def _helps(row: Sensitivity) -> bool:
     """Whether a small change lowers bounce and time by enough, and raises the force."""
     bounce, lasts, clamp = row.per
     sense = -1.0 if bounce > 0.0 else 1.0
-    small = abs(bounce) * _SMALL[row.unit] >= _GAIN
+    small = abs(bounce) * _SMALL.get(row.unit, 0.0) >= _GAIN
     adjustable = row.path != SPEED and not row.path.startswith("stops.")
     return bool(small and adjustable and sense * lasts < 0.0 < sense * clamp)
 

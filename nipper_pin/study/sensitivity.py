@@ -11,13 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..errors import SimulationError
 from ..hybrid.case import Case, Window
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
@@ -27,6 +28,7 @@ from .identify.parameters import read_values, with_values
 from .identify.targets import Condition, transition_quantities
 from .identify.working import middle_half, working_cycle
 from .processes import mapped
+from .steps import step_of
 
 QUANTITIES = ("first_rebound_amplitude", "transition_time", "clamping_force")
 """Amplitude of the first rebound; time from the first collision to rest; mean lip force over the
@@ -35,11 +37,13 @@ middle half of the closed phase."""
 SPEED = "speed_rpm"
 """The path of the cylinder speed, which is a setting and no number of the model."""
 
+DOUBTFUL = 1e-3
+"""Disagreement of the two ways, by the largest effect of a number, from which neither counts."""
+
 _TOLERANCE = 1e-12
+# Effects below this are compared with it instead [% per unit].
+_SMALL = 0.1
 _SAMPLES = 48
-# Half widths of the differences: of a length [mm], of an angle [deg], of all others by their value.
-_STEPS = {"_mm": 0.05, "_deg": 0.05}
-_RELATIVE_STEP = 2e-3
 # What the tables of the reduced engine cover, by what the transition needs.
 _ROOM = 1.5
 # Numbers of the document that neither bounces nor lip forces see while the drives are held, and
@@ -64,7 +68,8 @@ class Sensitivity:
     Attributes:
         path: The number.
         value: Its value.
-        unit: Unit of ``per``: "mm", "deg", or "%" of the value for all others.
+        unit: Unit of ``per``: "mm", "deg", "%" of the value for all others, or an amount (such as
+            "0.01" of a restitution) where the value is smaller than that.
         per: Relative change of each of :data:`QUANTITIES` for one unit more [%], as a function of
             the first order, shape (3,).
         control: The same, found in the other way, shape (3,).
@@ -80,6 +85,12 @@ class Sensitivity:
     def disagreement(self) -> float:
         """Largest difference between the two ways [% per unit]."""
         return float(np.abs(self.per - self.control).max())
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the two ways disagree by more than the truncation of either explains."""
+        largest = max(_SMALL, float(np.abs(self.per).max()))
+        return not self.disagreement <= DOUBTFUL * largest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,6 +133,7 @@ class Sensitivities:
                     "unit": row.unit,
                     **dict(zip(QUANTITIES, row.per.tolist(), strict=True)),
                     "disagreement_of_two_ways": row.disagreement,
+                    "doubtful": row.doubtful,
                 }
                 for row in self.rows
             ],
@@ -188,6 +200,13 @@ def sensitivities(
     values = dict(zip(inner, read_values(sources, inner), strict=True))
     values[SPEED] = speed_rpm
     here = _direct(mechanism, speed_rpm)
+    if not (here > 0.0).all():
+        none = [name for name, value in zip(QUANTITIES, here, strict=True) if not value > 0.0]
+        message = (
+            f"{mechanism.name} at {speed_rpm:g} r/min: {', '.join(none)} is zero or does not "
+            "exist, so that nothing changes it by a percentage; change the model or the speed"
+        )
+        raise SimulationError(message, quantities=none)
     find = partial(_row, sources, speed_rpm, here)
     rows = []
     for row in mapped(find, [(path, values[path]) for path in chosen], workers):
@@ -209,37 +228,22 @@ def _row(
 ) -> Sensitivity:
     """Find the effect of one number, in both ways."""
     path, value = number
-    unit, step = _unit(path, value)
-
-    other = partial(_other, near=here)
+    step = step_of(path, value)
+    control = replace(step, half_width=0.5 * step.half_width)
 
     def at(find: Callable[[Mechanism, float], FloatArray], x: float) -> FloatArray:
         if path == SPEED:
             return find(sources.build(), x)
         return find(with_values(sources, {path: x}).build(), speed_rpm)
 
-    narrow, wide = (
-        (at(_direct, value + h) - at(_direct, value - h)) / (2.0 * h) for h in (step, 2.0 * step)
-    )
-    h = 0.5 * step
-    control = (at(other, value + h) - at(other, value - h)) / (2.0 * h)
-    # 1 % of the value, or one unit, in percent of the quantity.
-    scale = (value if unit == "%" else 100.0) / here
+    scale = 100.0 * step.amount / here
     return Sensitivity(
         path=path,
         value=value,
-        unit=unit,
-        per=scale * (4.0 * narrow - wide) / 3.0,
-        control=scale * control,
+        unit=step.unit,
+        per=scale * step.extrapolated(partial(at, _direct), value),
+        control=scale * control.slope(partial(at, partial(_other, near=here)), value),
     )
-
-
-def _unit(path: str, value: float) -> tuple[str, float]:
-    """Unit of one number and the half width of its differences."""
-    for ending, step in _STEPS.items():
-        if path.endswith(ending):
-            return ending[1:], step
-    return "%", _RELATIVE_STEP * abs(value)
 
 
 def _direct(mechanism: Mechanism, speed_rpm: float) -> FloatArray:

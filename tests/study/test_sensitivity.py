@@ -9,6 +9,7 @@ a wrong unit, a point that drags its neighbours along or a spring that is not re
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from nipper_pin import Mechanism
+from nipper_pin import Mechanism, SimulationError, load
+from nipper_pin.study import sensitivity
 from nipper_pin.study.conclusions import conclusions, label
 from nipper_pin.study.identify import working_cycle
 from nipper_pin.study.identify.working import middle_half
@@ -168,6 +170,76 @@ def test_record_is_complete(found: Sensitivities) -> None:
     for row, item in zip(rows, found.rows, strict=True):
         assert [row[name] for name in QUANTITIES] == item.per.tolist()
         assert all(type(row[name]) is float for name in QUANTITIES)
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_a_restitution_at_the_end_of_its_range(value: float) -> None:
+    """No NaN, none that spoils the ranking, no step outside: the steeve does not matter here.
+
+    The jaw is at rest before the steeve meets its stop, so exact zeros are right for it.
+    """
+    paths = ("stops.steeve.restitution", "stops.jaw.restitution")
+    found = sensitivities(load("e62", {paths[0]: value}), 450.0, paths)
+    steeve, jaw = found.rows
+    assert steeve.unit == ("0.01" if value == 0.0 else "%")
+    assert steeve.per.tolist() == [0.0, 0.0, 0.0]
+    assert found.ranked(QUANTITIES[0])[0] is jaw
+    assert not jaw.doubtful
+
+
+def test_a_number_that_is_zero_has_its_effect_by_an_amount() -> None:
+    """A jaw that hardly rebounds: its amplitude goes with e^2, so e = 0.002 has a slope to find.
+
+    One amount of 0.01 is five times the value, so linearly a change by 2 (0.01 / e) = 1000 %; the
+    law is exact but for the change of the deceleration with the height, 1e-3 of it here.
+    """
+    found = sensitivities(load("e62", {"stops.jaw.restitution": 0.002}), SPEED,
+                          ("stops.jaw.restitution",))  # fmt: skip
+    (row,) = found.rows
+    assert row.unit == "0.01"
+    assert row.per[0] == pytest.approx(1000.0, rel=5e-3)
+    assert not row.doubtful
+    assert any("What 0.01 more changes" in line for line in conclusions(found))
+
+
+def test_quantities_that_are_zero_are_refused() -> None:
+    """A jaw that does not rebound at all has no amplitude that could change by a percentage."""
+    with pytest.raises(SimulationError, match=QUANTITIES[0]):
+        sensitivities(load("e62", {"stops.jaw.restitution": 0.0}), SPEED, ("speed_rpm",))
+
+
+def test_the_control_is_another_way(found: Sensitivities) -> None:
+    """A control that repeated its value would agree to the last bit, as no other way does."""
+    for row in found.rows:
+        seen = np.abs(row.per) > 1e-3
+        assert seen.any()
+        assert (row.per != row.control)[seen].all()
+
+
+def _wrong(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A force, amplitude or time of which 1 % follows another law."""
+
+    def changed(mechanism: Mechanism, *others: Any, **named: Any) -> Any:
+        value = function(mechanism, *others, **named)
+        return value * (1.0 + 0.01 * np.sin(1e4 * mechanism.springs[0].preload))
+
+    return changed
+
+
+@pytest.mark.parametrize("way", ["_direct", "_other"])
+def test_an_error_in_either_way_is_seen(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    """Each is doctored in turn: the row is called doubtful, and nothing is concluded from it."""
+    monkeypatch.setattr(sensitivity, way, _wrong(getattr(sensitivity, way)))
+    result = sensitivities(e62, SPEED, ("springs.steeve.preload_length_mm", "speed_rpm"))
+    preload, speed = result.rows
+    assert preload.doubtful
+    assert not speed.doubtful
+    assert result.record()["percent_per_unit"][0]["doubtful"] is True
+    text = " ".join(conclusions(result))
+    assert "nothing is said of: preload length of spring steeve" in text
+    assert text.count("preload length") == 1
 
 
 def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:

@@ -65,7 +65,8 @@ def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
         f"Relative change of (a) the first rebound amplitude, (b) the transition time and (c) the "
         f"mean clamping force for one unit more of a number of the model, at "
         f"{found.speed_rpm:g} r/min: above the dotted line 1 mm of a length or 1 degree of an "
-        "angle, below it 1 % of all others; the strongest of each kind.",
+        "angle (of a number that is zero the amount in its brackets), below it 1 % of all others; "
+        "the strongest of each kind.",
         figure,
     )
 
