@@ -67,10 +67,12 @@ class ModelError(InputError):
 class UnknownNameError(InputError):
     """A name that does not exist, together with the names that do.
 
-    Evidence: ``kind``, ``name``, ``known``, ``where``.
+    Evidence: ``kind``, ``name``, ``known``, ``where``, ``now``.
     """
 
-    def __init__(self, kind: str, name: str, known: Iterable[str], where: str = "") -> None:
+    def __init__(
+        self, kind: str, name: str, known: Iterable[str], where: str = "", now: str = ""
+    ) -> None:
         """Create the error.
 
         Args:
@@ -78,15 +80,18 @@ class UnknownNameError(InputError):
             name: The unknown name.
             known: Names that exist.
             where: File and key that hold the name.
+            now: What the thing that is meant is called, if that is known.
         """
         names = sorted(known)
         place = f"{where}: " if where else ""
+        help_ = f"it is called {now!r}" if now else f"known: {', '.join(names) or 'none'}"
         super().__init__(
-            f"{place}there is no {kind} named {name!r}; known: {', '.join(names) or 'none'}",
+            f"{place}there is no {kind} named {name!r}; {help_}",
             kind=kind,
             name=name,
             known=names,
             where=where,
+            now=now,
         )
 
 

@@ -43,10 +43,10 @@ def measurements(seed: int) -> list[tuple[float, str, float, float]]:
     for speed in SPEEDS_RPM:
         first, second = nip.simulate(machine, nip.Case(speed_rpm=speed)).collisions[:2]
         seen = (
-            ("first_rebound_amplitude", first.rebound_amplitude, ANGLE_SIGMA_RAD),
-            ("first_rebound_time", first.rebound_time, TIME_SIGMA_S),
-            ("second_rebound_amplitude", second.rebound_amplitude, ANGLE_SIGMA_RAD),
-            ("second_rebound_time", second.rebound_time, TIME_SIGMA_S),
+            ("rebound_amplitude_1", first.rebound_amplitude, ANGLE_SIGMA_RAD),
+            ("rebound_time_s_1", first.rebound_time, TIME_SIGMA_S),
+            ("rebound_amplitude_2", second.rebound_amplitude, ANGLE_SIGMA_RAD),
+            ("rebound_time_s_2", second.rebound_time, TIME_SIGMA_S),
         )
         for quantity, exact, sigma in seen:
             if exact is None:

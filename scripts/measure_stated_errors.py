@@ -316,9 +316,7 @@ def main() -> None:
     for kernel in KERNELS:
         command = [sys.executable, __file__, "--kernel", kernel, "--cases", str(given.cases)]
         environment = os.environ | {"OPENBLAS_CORETYPE": kernel}
-        subprocess.run(
-            [*command, "--folder", str(given.folder)], env=environment, check=True
-        )
+        subprocess.run([*command, "--folder", str(given.folder)], env=environment, check=True)
     report(given.folder, given.cases)
 
 

@@ -36,12 +36,12 @@ def main() -> None:
     for stroke, opening in CASES:
         found = optimise(limited(single, stroke, opening), check=False)
         preload, ratio, angle = found.best.numbers.values()
-        rebound = 1e3 * found.best.values["first_amplitude_rad"]
+        rebound = 1e3 * found.best.values["rebound_amplitude_1"]
         print(
             f"{stroke or '-':>9}  {opening or '-':>10}  {rebound:14.4f}  {found.gain or 0.0:+6.1%}"
             f"  {preload:8.3f}  {ratio:6.3f}  {angle:6.2f}"
         )
-    time = Aim(quantity="transition_time_s", sense=1.0)
+    time = Aim(quantity="duration_s", sense=1.0)
     both = optimise(replace(problem, aims=(problem.aims[0], time)), check=False, points=5)
     for item in both.front:
         rebound, duration = (item.values[aim.quantity] for aim in both.problem.aims)

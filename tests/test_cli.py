@@ -41,7 +41,7 @@ def test_json_on_stdout_is_one_document_and_nothing_else(tmp_path: Path) -> None
     assert first["approach_rate"] < 0.0 < first["separation_rate"]
     assert [phase["phase"] for phase in document["phases"]] == [3]
     assert set(document["transition"]) == {
-        "premise_holds", "duration_s", "collisions", "first_two_share",
+        "premise_holds", "duration_s", "duration_error_s", "collisions", "first_two_share",
     }  # fmt: skip
     assert set(document["checks"]) == {"closure_m", "closure_rate_m_s", "energy_balance"}
     assert set(document["work"]) >= {"evaluations", "wall_s"}

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from .collisions import Collision
+from .quantities import COLLISION, TRANSITION
 from .solution import Solution
 
 
@@ -24,7 +25,6 @@ def record(solution: Solution) -> dict[str, Any]:
     """
     origin = solution.collisions[0].t if solution.collisions else 0.0
     transition = solution.transitions[0] if solution.transitions else None
-    stop = solution.mechanism.transition_stop
     return {
         "case": {
             "model": solution.mechanism.name,
@@ -35,14 +35,7 @@ def record(solution: Solution) -> dict[str, Any]:
             },
         },
         "outcome": solution.outcome.value,
-        "collisions": [
-            {
-                **_collision(item, origin),
-                "time_error_s": solution.errors[item.event.number - 1].time,
-                "impulse_error": solution.errors[item.event.number - 1].impulse,
-            }
-            for item in solution.collisions
-        ],
+        "collisions": [_collision(solution, item) for item in solution.collisions],
         "phases": [
             {
                 "phase": item.number,
@@ -53,14 +46,7 @@ def record(solution: Solution) -> dict[str, Any]:
             for item in solution.phases
         ],
         "transition": {
-            "premise_holds": solution.premise_holds,
-            "duration_s": transition.duration if transition else None,
-            "collisions": (
-                transition.collisions
-                if transition
-                else sum(item.stop == stop for item in solution.collisions)
-            ),
-            "first_two_share": transition.first_two_share if transition else None,
+            item.name: item.read(solution, transition) for item in TRANSITION if item.read
         },
         "checks": asdict(solution.checks),
         "work": {
@@ -72,19 +58,15 @@ def record(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _collision(item: Collision, origin: float) -> dict[str, Any]:
+def _collision(solution: Solution, item: Collision) -> dict[str, Any]:
     return {
         "number": item.number,
         "stop": item.stop,
-        "time_s": item.t - origin,
-        "cylinder_angle_rad": item.cylinder_angle,
-        "index": item.index,
-        "approach_rate": item.approach_rate,
-        "separation_rate": item.separation_rate,
-        "impulse_N_s": item.impulse,
-        "energy_lost_J": item.energy_lost,
-        "rebound_amplitude": item.rebound_amplitude,
-        "rebound_time_s": item.rebound_time,
+        **{
+            quantity.name: quantity.read(solution, item)
+            for quantity in COLLISION
+            if quantity.read and quantity.fits(solution.mechanism, item.stop)
+        },
     }
 
 

@@ -30,7 +30,7 @@ from .identify.working import middle_half, working_cycle
 from .processes import mapped
 from .steps import step_of
 
-QUANTITIES = ("first_rebound_amplitude", "transition_time", "clamping_force")
+QUANTITIES = ("rebound_amplitude_1", "duration_s", "clamping_force_N")
 """Amplitude of the first rebound; time from the first collision to rest; mean lip force over the
 middle half of the closed phase."""
 
@@ -123,8 +123,8 @@ class Sensitivities:
         return {
             "model": self.model,
             "speed_rpm": self.speed_rpm,
-            "first_rebound_amplitude_rad": self.amplitude_rad,
-            "transition_time_s": self.transition_time_s,
+            "rebound_amplitude_1": self.amplitude_rad,
+            "duration_s": self.transition_time_s,
             "mean_clamping_force_N": self.clamping_force_N,
             "percent_per_unit": [
                 {
@@ -250,7 +250,7 @@ def _direct(mechanism: Mechanism, speed_rpm: float) -> FloatArray:
     """The quantities by the direct engine and by kinematics."""
     found = transition_quantities(mechanism, Condition(speed_rpm), _TOLERANCE, None)
     force = working_cycle(mechanism, speed_rpm).clamping_force
-    return np.array([found["first_rebound_amplitude"], found["transition_time"], force])
+    return np.array([found["rebound_amplitude_1"], found["duration_s"], force])
 
 
 def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray) -> FloatArray:

@@ -21,8 +21,9 @@ from ..hybrid.case import Case, Resolution
 from ..mechanism import Mechanism
 from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
-from ..reduced.inputs import check_run, column, spring_rows
+from ..reduced.inputs import check_run
 from ..reduced.results import CollisionRows
+from .cases import Cases, cases_of, spring_values
 from .true_transition import TrueTransition, assumed_transition, transition_of_turns
 
 Engine = Literal["auto", "direct", "reduced"]
@@ -94,8 +95,10 @@ def transition_table(
     *,
     speed_rpm: ArrayLike,
     restitution: ArrayLike | None = None,
-    stiffness: ArrayLike | None = None,
-    preload: ArrayLike | None = None,
+    stiffness_N_per_m: ArrayLike | None = None,
+    preload_length_mm: ArrayLike | None = None,
+    stiffness_N_m_per_rad: ArrayLike | None = None,
+    preload_deg: ArrayLike | None = None,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 256,
@@ -108,8 +111,11 @@ def transition_table(
         mechanism: The mechanism.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so is the restitution.
         restitution: e_N of the transition stop; by default that of the mechanism.
-        stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
-        preload: Deflections in the springs at zero, likewise [m or rad].
+        stiffness_N_per_m: Rates of the springs on slides [N/m], shape (n,) with one such spring or
+            (n, such springs), in the order of the mechanism; by default those of the mechanism.
+        preload_length_mm: Deflections in these springs at zero [mm], likewise.
+        stiffness_N_m_per_rad: Rates of the springs on hinges [N m/rad], likewise.
+        preload_deg: Deflections in these springs at zero [deg], likewise.
         rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
         tolerance: Relative accuracy.
         max_collisions: Largest number of collisions of a case.
@@ -123,9 +129,40 @@ def transition_table(
         The table. A case that cannot be simulated is marked in it.
 
     Raises:
-        InputError: A parameter is out of range, or the reduced engine is asked for and cannot
-            represent the mechanism.
+        InputError: A parameter is out of range or has another unit, by its size; or the reduced
+            engine is asked for and cannot represent the mechanism.
     """
+    springs = spring_values(
+        mechanism,
+        {
+            "stiffness_N_per_m": stiffness_N_per_m,
+            "preload_length_mm": preload_length_mm,
+            "stiffness_N_m_per_rad": stiffness_N_m_per_rad,
+            "preload_deg": preload_deg,
+        },
+    )
+    return table_of(
+        mechanism,
+        cases_of(mechanism, speed_rpm, restitution, *springs),
+        rest_rate=rest_rate,
+        tolerance=tolerance,
+        max_collisions=max_collisions,
+        drive=drive,
+        engine=engine,
+    )
+
+
+def table_of(
+    mechanism: Mechanism,
+    cases: Cases,
+    *,
+    rest_rate: float | None = None,
+    tolerance: float = 1e-10,
+    max_collisions: int = 256,
+    drive: DriveMode = DriveMode.HELD,
+    engine: Engine = "auto",
+) -> TransitionTable:
+    """Compute the transitions of cases; arguments and errors as for :func:`transition_table`."""
     if engine not in ("auto", "direct", "reduced"):
         message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
         raise InputError(message, engine=engine)
@@ -133,7 +170,6 @@ def transition_table(
         message = f"drive = {drive!r} cannot be used: held or inertial"
         raise InputError(message, drive=drive)
     check_run(rest_rate, tolerance, max_collisions)
-    cases = _cases(mechanism, speed_rpm, restitution, stiffness, preload)
     run = _Run(
         mechanism,
         cases,
@@ -152,47 +188,6 @@ def transition_table(
     for number in left:
         run.direct(number)
     return run.table(why)
-
-
-@dataclass(frozen=True)
-class _Cases:
-    speed_rpm: FloatArray
-    restitution: FloatArray
-    stiffness: FloatArray
-    preload: FloatArray
-
-
-def _cases(
-    mechanism: Mechanism,
-    speed_rpm: ArrayLike,
-    restitution: ArrayLike | None,
-    stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-) -> _Cases:
-    """Parameters of all cases, checked and broadcast."""
-    springs = mechanism.springs
-    if restitution is None:
-        restitution = mechanism.stop(mechanism.transition_stop).restitution
-    if stiffness is None:
-        stiffness = np.array([[spring.stiffness for spring in springs]])
-    if preload is None:
-        preload = np.array([[spring.preload for spring in springs]])
-    speed = column("speed_rpm", speed_rpm, 0.0, np.inf, open_low=True)
-    e_N = column("restitution", restitution, 0.0, 1.0)
-    rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
-    lengths = spring_rows("preload", preload, len(springs), -np.inf)
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1])
-    except ValueError as error:
-        message = f"the arrays of a table need the same number of cases: {error}"
-        raise InputError(message) from error
-    shape = (n, len(springs))
-    return _Cases(
-        np.broadcast_to(speed, (n,)).copy(),
-        np.broadcast_to(e_N, (n,)).copy(),
-        np.broadcast_to(rates, shape).copy(),
-        np.broadcast_to(lengths, shape).copy(),
-    )
 
 
 def _chosen(
@@ -222,7 +217,7 @@ class _Run:
     def __init__(
         self,
         mechanism: Mechanism,
-        cases: _Cases,
+        cases: Cases,
         drive: DriveMode,
         rest_rate: float | None,
         tolerance: float,

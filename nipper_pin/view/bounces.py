@@ -10,8 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from ..arrays import FloatArray
 from ..hybrid.collisions import Transition
+from ..hybrid.quantities import force_unit
 from ..hybrid.solution import Solution
-from .reading import force_unit, gap_noun, shown_collisions, units_of
+from .reading import gap_noun, shown_collisions, units_of
 from .sampling import sample_coordinates
 from .style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 
@@ -87,7 +88,7 @@ def impulse_figure(solution: Solution) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
     axes.grid(axis="y", which="major", color="0.85", linewidth=0.6)
     axes.set_axisbelow(True)
-    units = sorted({f"{force_unit(mechanism, stop.name)} s" for stop in mechanism.stops})
+    units = sorted({f"{force_unit(mechanism, stop)} s" for stop in mechanism.stops})
     tidy(axes, "number of the collision", f"impulse [{' or '.join(units)}]")
     figure.legend(loc="outside lower center", ncols=4, fontsize=TEXT, frameon=False)
     return figure

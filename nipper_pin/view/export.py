@@ -12,12 +12,18 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..hybrid.collisions import Collision
+from ..hybrid.quantities import COLLISION, Quantity, coordinate_unit, force_unit
 from ..hybrid.solution import Solution
 from ..hybrid.storage import complete_file, save, save_case
-from ..mechanism import Joint
 from .plots import plot_solution
 
 _SAMPLES_PER_PHASE = 100
+_ANGLE = "cylinder_angle_rad"
+# In files it counts from the start of the run, as in the solution and in motion.csv.
+_TIME = "time_s"
+_FORCE = {"N": "force_N", "N m": "torque_N_m"}
+_FORCE_ON = {"m": "force_N", "rad": "torque_N_m"}
 
 
 def export(solution: Solution, folder: str | Path) -> list[Path]:
@@ -41,7 +47,7 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
         message = f"{target}: cannot be made a folder ({error.strerror})"
         raise InputError(message, folder=str(target)) from error
     return [
-        _write(target / "collisions.csv", _COLLISION_HEADER, _collisions(solution)),
+        _write(target / "collisions.csv", *_collisions(solution)),
         _write(target / "phases.csv", _PHASE_HEADER, _phases(solution)),
         _write(target / "link_velocities.csv", _LINK_HEADER, _links(solution)),
         _write(target / "motion.csv", *_motion(solution)),
@@ -51,11 +57,6 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
     ]
 
 
-_COLLISION_HEADER = (
-    "number", "stop", "time_s", "cylinder_angle_rad", "cylinder_angle_deg", "index",
-    "approach_rate", "separation_rate", "impulse_N_s", "energy_lost_J", "rebound_amplitude",
-    "rebound_time_s",
-)  # fmt: skip
 _PHASE_HEADER = ("phase", "closed_stops", "start_s", "end_s", "start_index", "end_index")
 _LINK_HEADER = (
     "collision", "link",
@@ -64,19 +65,37 @@ _LINK_HEADER = (
 )  # fmt: skip
 
 
-def _collisions(solution: Solution) -> Iterable[Sequence[Any]]:
-    for item in solution.collisions:
-        yield (
-            item.number, item.stop, item.t, item.cylinder_angle, degrees(item.cylinder_angle),
-            item.index, item.approach_rate, item.separation_rate, item.impulse, item.energy_lost,
-            item.rebound_amplitude, item.rebound_time,
-        )  # fmt: skip
+def _collisions(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
+    mechanism = solution.mechanism
+    kept = [
+        item
+        for item in COLLISION
+        if item.read and any(item.fits(mechanism, stop.name) for stop in mechanism.stops)
+    ]
+    header = ["number", "stop"]
+    for item in kept:
+        header += [item.name, "cylinder_angle_deg"] if item.name == _ANGLE else [item.name]
+
+    def cells(hit: Collision, item: Quantity[Collision]) -> list[Any]:
+        if item.name == _TIME:
+            return [hit.t]
+        value = None
+        if item.read and item.fits(mechanism, hit.stop):
+            value = item.read(solution, hit)
+        return [value, degrees(hit.cylinder_angle)] if item.name == _ANGLE else [value]
+
+    rows = (
+        [hit.number, hit.stop, *(cell for item in kept for cell in cells(hit, item))]
+        for hit in solution.collisions
+    )
+    return header, rows
 
 
 def _phases(solution: Solution) -> Iterable[Sequence[Any]]:
     for item in solution.phases:
         yield (
-            item.number, " ".join(sorted(item.closed)), item.t_start, item.t_end,
+            item.number, " ".join(sorted(item.closed)),
+            item.t_start, item.t_end,
             _index(solution, item.t_start), _index(solution, item.t_end),
         )  # fmt: skip
 
@@ -94,11 +113,17 @@ def _links(solution: Solution) -> Iterable[Sequence[Any]]:
 
 def _motion(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
     mechanism, trajectory = solution.mechanism, solution.trajectory
+    units = [coordinate_unit(mechanism, joint.index) for joint in mechanism.joints]
     header = ["time_s", "limit", "cylinder_angle_rad", "cylinder_angle_deg", "index"]
-    header += [f"{joint.name}_{_unit(joint)}" for joint in mechanism.joints]
-    header += [f"{joint.name}_rate_{_unit(joint)}_s" for joint in mechanism.joints]
-    header += [f"{stop.name}_contact_force_N" for stop in mechanism.stops]
-    header += [f"{drive.name}_torque_N_m" for drive in mechanism.drives]
+    header += [f"{joint.name}_{u}" for joint, u in zip(mechanism.joints, units, strict=True)]
+    header += [f"{joint.name}_rate_{u}_s" for joint, u in zip(mechanism.joints, units, strict=True)]
+    header += [
+        f"{stop.name}_contact_{_FORCE[force_unit(mechanism, stop)]}" for stop in mechanism.stops
+    ]
+    header += [
+        f"{drive.name}_{_FORCE_ON[coordinate_unit(mechanism, drive.index)]}"
+        for drive in mechanism.drives
+    ]
 
     def rows() -> Iterable[Sequence[Any]]:
         for segment in solution.segments:
@@ -119,10 +144,6 @@ def _motion(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
                     )  # fmt: skip
 
     return header, rows()
-
-
-def _unit(joint: Joint) -> str:
-    return "m" if joint.kind == "prismatic" else "rad"
 
 
 def _index(solution: Solution, t: float) -> float:

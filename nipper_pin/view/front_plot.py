@@ -69,9 +69,9 @@ def front_figure(optimum: Optimum) -> Figure:
             label=word,
         )  # fmt: skip
     above.legend(fontsize=SMALL, frameon=False)
-    tidy(above, "", label(one))
+    tidy(above, "", label(one, problem.units[one]))
     _numbers_along(optimum, below)
-    tidy(below, label(two), "place in its bounds")
+    tidy(below, label(two, problem.units[two]), "place in its bounds")
     return figure
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 
 from ..study.optimise.binding import Binding
-from ..study.optimise.quantities import QUANTITIES, label
+from ..study.optimise.quantities import label
 from ..study.optimise.result import CAUTION, Design, Optimum
 from .console import plain_table, say
 
@@ -29,7 +29,7 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
     say(console, "What holds it back", style="bold")
     for item in optimum.account.bindings:
         if item.active:
-            say(console, _price(item, QUANTITIES[aim].unit))
+            say(console, _price(item, problem.units[aim]))
     free = [item.name for item in optimum.account.bindings if not item.active]
     if free:
         say(console, f"with room left: {', '.join(free)}")
@@ -110,7 +110,9 @@ def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> Non
     short = [name.rsplit(".", 1)[-1] for name in names]
     say(console, "Pareto front", style="bold")
     headings = short if len(set(short)) == len(short) else names
-    table = plain_table(*(label(name) for name in (one, two)), *headings)
+    table = plain_table(
+        *(label(name, optimum.problem.units[name]) for name in (one, two)), *headings
+    )
     for item in front:
         values = (item.values[one], item.values[two], *(item.numbers[name] for name in names))
         table.add_row(*(f"{value:.5g}" for value in values))

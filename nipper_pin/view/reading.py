@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..hybrid.case import Window
 from ..hybrid.collisions import Collision, PhaseInterval, Transition
 from ..hybrid.event import Event, EventKind
+from ..hybrid.quantities import force_unit
 from ..hybrid.solution import Solution
 from ..mechanism import Mechanism, Stop, Strut
 
@@ -188,14 +189,4 @@ def phase_name(mechanism: Mechanism, closed: frozenset[str]) -> str:
 def force_name(mechanism: Mechanism, stop: str) -> str:
     """What the force of a closed stop is called, with its unit."""
     noun = "clamping force" if stop == mechanism.transition_stop else "stop force"
-    return f"{noun} [{force_unit(mechanism, stop)}]"
-
-
-def force_unit(mechanism: Mechanism, stop: str) -> str:
-    """Unit of a stop's force; its impulse has this unit times s.
-
-    The force acts at the contact point, or along the coordinate of a stop without one.
-    """
-    found = mechanism.stop(stop)
-    turning = found.contact is None and units_of(mechanism, found.index).noun == "angle"
-    return "N m" if turning else "N"
+    return f"{noun} [{force_unit(mechanism, mechanism.stop(stop))}]"

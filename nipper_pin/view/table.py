@@ -11,6 +11,7 @@ from rich.text import Text
 
 from ..hybrid.collisions import Collision
 from ..hybrid.event import Event, EventKind
+from ..hybrid.quantities import COLLISION, Quantity
 from ..hybrid.solution import Solution
 from .reading import (
     Units,
@@ -19,7 +20,6 @@ from .reading import (
     digits,
     fixed,
     force_name,
-    force_unit,
     index_at,
     phase_name,
     restitution_text,
@@ -36,6 +36,11 @@ from .sampling import force_ranges, lift
 _ROOMY = 100
 # A stop that never comes to rest can collide thousands of times in one turn.
 _MOST_ROWS = 100
+_KEPT = (
+    "index", "time_s", "approach_rate", "separation_rate", "impulse_N_s", "impulse_N_m_s",
+    "energy_lost_J", "rebound_amplitude", "rebound_time_s",
+)  # fmt: skip
+_DECIMALS = {"index": 4, "time_s": 5}
 
 
 def print_solution(
@@ -81,7 +86,6 @@ def _collisions(solution: Solution, console: Console) -> None:
         _headline(console, "No collisions")
         return
     shown = shown_collisions(solution)
-    origin = solution.collisions[0].t
     printed = 0
     for name in dict.fromkeys(item.stop for item in shown):
         of_stop = [item for item in shown if item.stop == name][:_MOST_ROWS]
@@ -90,22 +94,16 @@ def _collisions(solution: Solution, console: Console) -> None:
             console, f"Collisions of stop {name} (rates below zero close it; impulse {place})"
         )
         units = units_of(mechanism, mechanism.stop(name).index)
+        kept = sorted(
+            (item for item in COLLISION if item.name in _KEPT and item.fits(mechanism, name)),
+            key=lambda item: _KEPT.index(item.name),
+        )
         table = _table(
             console,
-            (
-                "no.",
-                "index",
-                "time\nms",
-                f"rate\nbefore\n{units.rate}",
-                f"rate\nafter\n{units.rate}",
-                f"impulse\n{force_unit(mechanism, name)} s",
-                "energy\nlost\nmJ",
-                f"rebound\namplitude\n{units.amplitude}",
-                "rebound\ntime\nms",
-            ),
+            ("no.", *(_heading(item, units) for item in kept)),
         )
-        for item in of_stop:
-            table.add_row(*_collision_cells(item, origin, units))
+        for hit in of_stop:
+            table.add_row(str(hit.number), *(_cell(solution, hit, item, units) for item in kept))
         console.print(table)
         printed += len(of_stop)
         if any(item.rebound_time is None for item in of_stop):
@@ -114,19 +112,28 @@ def _collisions(solution: Solution, console: Console) -> None:
     _copies(solution, console)
 
 
-def _collision_cells(item: Collision, origin: float, units: Units) -> tuple[str, ...]:
-    height, duration = item.rebound_amplitude, item.rebound_time
-    return (
-        str(item.number),
-        fixed(item.index, 4),
-        fixed(1e3 * (item.t - origin), 5),
-        digits(units.rate_factor * item.approach_rate),
-        digits(units.rate_factor * item.separation_rate),
-        digits(item.impulse),
-        digits(1e3 * item.energy_lost),
-        digits(None if height is None else units.amplitude_factor * height),
-        digits(None if duration is None else 1e3 * duration),
-    )
+def _shown(item: Quantity[Collision], units: Units) -> tuple[str, float]:
+    """Unit of a column, and what turns the SI value into it."""
+    by_unit = {
+        "s": ("ms", 1e3),
+        "J": ("mJ", 1e3),
+        "{gap}": (units.amplitude, units.amplitude_factor),
+        "{gap}/s": (units.rate, units.rate_factor),
+    }
+    return by_unit.get(item.unit, (item.unit, 1.0))
+
+
+def _heading(item: Quantity[Collision], units: Units) -> str:
+    unit, _ = _shown(item, units)
+    return "\n".join([*item.words.split(), *([unit] if unit else [])])
+
+
+def _cell(solution: Solution, hit: Collision, item: Quantity[Collision], units: Units) -> str:
+    value = item.read(solution, hit) if item.read else None
+    _, factor = _shown(item, units)
+    if value is None or item.name not in _DECIMALS:
+        return digits(None if value is None else factor * value)
+    return fixed(factor * value, _DECIMALS[item.name])
 
 
 def _copies(solution: Solution, console: Console) -> None:

@@ -61,7 +61,7 @@ def free(bounds: dict[str, tuple[float, float]]) -> str:
 
 BOUNDS = {PRELOAD: (8.0, 16.0), RESTITUTION: (0.1, 0.3), GEAR: (1.8, 2.6)}
 TRUE = {PRELOAD: 12.3, RESTITUTION: 0.17, GEAR: 2.05}
-ASKED = ("first_rebound_amplitude", "first_rebound_time", "second_rebound_time", "transition_time")
+ASKED = ("rebound_amplitude_1", "rebound_time_s_1", "rebound_time_s_2", "duration_s")
 
 
 @pytest.fixture(scope="module")
@@ -146,12 +146,12 @@ def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
 def targets(sigma: float = 0.02) -> str:
     """Four targets of the published kind."""
     rows = []
-    for quantity, value in (("first_rebound_amplitude", 1.14), ("second_rebound_amplitude", 1.1)):
+    for quantity, value in (("rebound_amplitude_1", 1.14), ("rebound_amplitude_2", 1.1)):
         rows.append(
             f'[[targets]]\nname = "{quantity}"\nquantity = "{quantity}"\nat = {{ speed_rpm = 650.0 '
             f"}}\nsince = {{ speed_rpm = 450.0 }}\nvalue = {value}\nrelative_sigma = {sigma}\n"
         )
-    for quantity, value in (("first_rebound_time", 5.4e-3), ("transition_time", 6.6e-3)):
+    for quantity, value in (("rebound_time_s_1", 5.4e-3), ("duration_s", 6.6e-3)):
         rows.append(
             f'[[targets]]\nname = "{quantity}"\nquantity = "{quantity}"\nat = {{ speed_rpm = 650.0 '
             f"}}\nvalue = {value}\nsigma = {sigma * value}\n"
@@ -358,7 +358,7 @@ NONSENSE: Sequence[tuple[str, str, str]] = (
     ("two ways", targets() + free({"links.top_nipper.gyration_mm": (20, 40),
                                    "links.top_nipper.inertia_kg_m2": (1e-4, 1e-2)}), "one of"),
     ("misspelt table", targets() + "[limit]\n" + free({PRELOAD: (8, 16)}), "limit"),
-    ("unknown quantity", targets().replace('quantity = "transition_time"', 'quantity = "colour"')
+    ("unknown quantity", targets().replace('quantity = "duration_s"', 'quantity = "colour"')
      + free({PRELOAD: (8, 16)}), "colour"),
     ("two sigmas", targets() + "relative_sigma = 0.1\n" + free({PRELOAD: (8, 16)}), "one of"),
     ("negative speed", targets().replace("450.0", "-450.0") + free({PRELOAD: (8, 16)}), "speed"),
@@ -380,12 +380,12 @@ def test_nonsense_is_refused_with_the_reason(tmp_path: Path, body: str, word: st
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("speed_rpm,quantity,value\n650,first_rebound_time,1\n", "sigma"),
+        ("speed_rpm,quantity,value\n650,rebound_time_s_1,1\n", "sigma"),
         ("speed_rpm,quantity,value,sigma,colour\n", "colour"),
         ("speed_rpm,quantity,value,sigma\n", "no measurement"),
-        ("speed_rpm,quantity,value,sigma\n650,first_rebound_time,fast,1\n", "value = 'fast'"),
-        ("speed_rpm,quantity,value,sigma\n650,first_rebound_time,nan,1\n", "value = 'nan'"),
-        ("speed_rpm,quantity,value,sigma\n650,first_rebound_time,1,0\n", "above zero"),
+        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,fast,1\n", "value = 'fast'"),
+        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,nan,1\n", "value = 'nan'"),
+        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,1,0\n", "above zero"),
         ("speed_rpm,quantity,value,sigma\n650,bounce,1,1\n", "bounce"),
     ],
 )

@@ -36,8 +36,8 @@ def random_cases(count: int, seed: int) -> dict[str, Any]:
     return {
         "speed_rpm": random.uniform(380.0, 680.0, count),
         "restitution": random.uniform(0.02, 0.45, count),
-        "stiffness": random.uniform(7000.0, 12000.0, count),
-        "preload": random.uniform(0.009, 0.014, count),
+        "stiffness_N_per_m": random.uniform(7000.0, 12000.0, count),
+        "preload_length_mm": random.uniform(9.0, 14.0, count),
     }
 
 
@@ -93,7 +93,7 @@ def test_certified_reference(e62: Mechanism) -> None:
     }
     for engine in ("direct", "reduced"):
         table = transition_table(
-            e62, speed_rpm=650.0, stiffness=11000.0, engine=engine  # type: ignore[arg-type]
+            e62, speed_rpm=650.0, stiffness_N_per_m=11000.0, engine=engine  # type: ignore[arg-type]
         )  # fmt: skip
         count = int(table.collisions[0])
         for key, error in STATED.items():
@@ -121,7 +121,7 @@ def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) 
     first, second = load(), load("e62", {"drives.tension.ratio": 2.25})
     slow = transition_table(first, speed_rpm=np.full(2, 450.0), engine="reduced")
     assert len(built) == 1
-    softer = {"speed_rpm": 500.0, "stiffness": 8000.0}
+    softer = {"speed_rpm": 500.0, "stiffness_N_per_m": 8000.0}
     for cases in ({"speed_rpm": 650.0}, softer, random_cases(70, 3)):
         table = transition_table(first, **cases, engine="reduced")  # type: ignore[arg-type]
         assert (table.outcome == "at_rest").all()
@@ -271,6 +271,9 @@ def test_long_series(e62: Mechanism) -> None:
         ({"speed_rpm": 400.0, "drive": "loose"}, "held or inertial"),
         ({"speed_rpm": 400.0, "tolerance": 0.1}, "tolerance"),
         ({"speed_rpm": 400.0, "rest_rate": 0.0}, "rest_rate"),
+        ({"speed_rpm": 400.0, "preload_length_mm": 11_000.0}, "this is in mm"),
+        ({"speed_rpm": 400.0, "stiffness_N_per_m": [9e3, 9e12]}, "this is in N/m"),
+        ({"speed_rpm": 400.0, "preload_deg": 3.0}, "no spring on a joint"),
     ],
 )
 def test_unusable_parameters(e62: Mechanism, arguments: dict[str, Any], match: str) -> None:

@@ -11,7 +11,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from ...errors import InputError, ModelError, UnknownNameError
+from ...errors import InputError, ModelError
+from ...hybrid.quantities import refuse_unknown
 from ...mechanism import Mechanism
 from ...mechanism.description import Positive, Restitution
 from ..toml_files import Table, base_mechanism, read_table, refuse
@@ -218,10 +219,7 @@ def _check_fit(
 
 def _target(item: _TargetTable, file: str) -> Target:
     key = f"targets: {item.name}"
-    if item.quantity not in QUANTITIES:
-        raise UnknownNameError(
-            kind="quantity", name=item.quantity, known=QUANTITIES, where=f"{file}: {key}"
-        )
+    refuse_unknown([item.quantity], QUANTITIES, f"{file}: {key}")
     if (item.sigma is None) == (item.relative_sigma is None):
         allowed = "one of sigma and relative_sigma"
         raise ModelError(file=file, key=key, value=item.sigma, allowed=allowed)

@@ -14,26 +14,21 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import InputError, SimulationError, UnknownNameError
 from ...hybrid.case import Case, Resolution
+from ...hybrid.quantities import refuse_unknown, transition_value
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome, Solution
 from ...mechanism import Mechanism
 
 QUANTITIES = (
-    "first_rebound_amplitude",
-    "second_rebound_amplitude",
-    "third_rebound_amplitude",
-    "first_rebound_time",
-    "second_rebound_time",
-    "third_rebound_time",
-    "transition_time",
+    *(f"{name}_{k}" for name in ("rebound_amplitude", "rebound_time_s") for k in (1, 2, 3)),
+    "duration_s",
     "first_two_share",
-    "approach_rate",
+    "approach_rate_1",
 )
-"""Quantities of a transition: rebounds of the transition stop in rad (or m) and s, the time from
-the first collision to rest in s, the share of the first two rebounds in it, and the rate at which
-the stop closes first."""
+"""Quantities of a transition (:mod:`nipper_pin.hybrid.quantities`): rebounds of the transition stop
+in rad (or m) and s, the time from the first collision to rest in s, the share of the first two
+rebounds in it, and the rate at which the stop closes first."""
 
-_ORDER = {"first": 0, "second": 1, "third": 2}
 _COLUMNS = ("speed_rpm", "restitution", "stiffness", "quantity", "value", "sigma")
 _NEEDED = ("speed_rpm", "quantity", "value", "sigma")
 
@@ -181,22 +176,8 @@ def with_settings(mechanism: Mechanism, at: Condition) -> Mechanism:
 
 
 def _quantities(solution: Solution) -> dict[str, float]:
-    stop = solution.mechanism.transition_stop
-    hits = [hit for hit in solution.collisions if hit.stop == stop]
-    found = dict.fromkeys(QUANTITIES, math.nan)
-    for name, place in _ORDER.items():
-        if place < len(hits):
-            height, duration = hits[place].rebound_amplitude, hits[place].rebound_time
-            found[f"{name}_rebound_amplitude"] = math.nan if height is None else height
-            found[f"{name}_rebound_time"] = math.nan if duration is None else duration
-    if solution.transitions:
-        transition = solution.transitions[0]
-        share = transition.first_two_share
-        found["transition_time"] = transition.duration
-        found["first_two_share"] = math.nan if share is None else share
-    if hits:
-        found["approach_rate"] = hits[0].approach_rate
-    return found
+    found = {name: transition_value(solution, name) for name in QUANTITIES}
+    return {name: math.nan if value is None else value for name, value in found.items()}
 
 
 def read_measured(path: str | Path) -> tuple[Target, ...]:
@@ -236,8 +217,7 @@ def read_measured(path: str | Path) -> tuple[Target, ...]:
 
 def _measured(line: Mapping[str, str | None], where: str) -> Target:
     quantity = (line["quantity"] or "").strip()
-    if quantity not in QUANTITIES:
-        raise UnknownNameError(kind="quantity", name=quantity, known=QUANTITIES, where=where)
+    refuse_unknown([quantity], QUANTITIES, where)
     numbers: dict[str, float | None] = {}
     for column in ("speed_rpm", "restitution", "stiffness", "value", "sigma"):
         text = (line.get(column) or "").strip()

@@ -18,7 +18,8 @@ from ...hybrid.simulate import simulate
 from ...hybrid.solution import Solution
 from ...mechanism import Mechanism, load
 from ..identify.working import middle_half
-from ..transitions import Engine, TransitionTable, transition_table
+from ..sweep.quantities import quantity
+from ..transitions import Engine, transition_table
 from .problem import Problem
 from .quantities import QUANTITIES, lowest
 
@@ -72,17 +73,10 @@ def _bounces(
     if table.outcome[0] != _AT_REST:
         return {}
     return {
-        name: float(_READ[item.key](table))
+        name: float(quantity(table, name)[0])
         for name, item in QUANTITIES.items()
         if item.source == "transition"
     }
-
-
-_READ: Mapping[str, Callable[[TransitionTable], float]] = {
-    "first_rebound_amplitude": lambda table: float(table.rebound_amplitude[0, 0]),
-    "first_rebound_time": lambda table: float(table.rebound_time[0, 0]),
-    "transition_time": lambda table: float(table.duration[0]),
-}
 
 
 def _turn(mechanism: Mechanism, speed: float) -> Mapping[str, Callable[[], float]]:

@@ -171,7 +171,7 @@ class Evaluator:
             )
         kind = mechanism.joints[mechanism.stop(mechanism.transition_stop).index].kind
         return {
-            name: found[item.key]
+            name: found[name]
             for name, item in QUANTITIES.items()
             if item.source == "transition" and item.joint in (None, kind)
         }
@@ -194,9 +194,9 @@ class Evaluator:
         except NipperError:
             return None
         return {
-            "first_rebound_amplitude": float(found.rebound_amplitude[0]),
-            "first_rebound_time": float(found.rebound_time[0]),
-            "transition_time": found.duration,
+            "rebound_amplitude_1": float(found.rebound_amplitude[0]),
+            "rebound_time_s_1": float(found.rebound_time[0]),
+            "duration_s": found.duration,
         }
 
 

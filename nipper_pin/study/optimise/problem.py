@@ -83,6 +83,7 @@ class Problem:
         parameters: Free numbers.
         aims: One, or two for a Pareto front.
         limits: What has to hold.
+        units: Units of the quantities of aims and limits by name.
         rest_rate: Separation rate at which a transition ends; None: at its limit.
         tolerance: Relative accuracy of the transitions.
         versions: Versions of the packages that compute, by name.
@@ -96,6 +97,7 @@ class Problem:
     parameters: tuple[Parameter, ...]
     aims: tuple[Aim, ...]
     limits: tuple[Limit, ...]
+    units: Mapping[str, str]
     rest_rate: float | None
     tolerance: float
     versions: Mapping[str, str]

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from ...errors import UnknownNameError
+from ...hybrid.quantities import refuse_unknown
 from ...mechanism import Mechanism
 from ...mechanism.description import Positive
 from ..identify.geometry import Sources
@@ -22,7 +22,7 @@ from ..sweep.job import versions
 from ..sweep.study_file import check_bounds, without_visuals
 from ..toml_files import Table, at_key, base_mechanism, model_beside, read_table, refuse
 from .problem import Aim, Limit, Parameter, Problem
-from .quantities import INDICES, QUANTITIES, check_fit
+from .quantities import INDICES, QUANTITIES, check_fit, units
 
 _Names = str | tuple[str, ...]
 _MOST_AIMS = 2
@@ -92,6 +92,7 @@ def read_problem(path: str | Path) -> Problem:
         parameters=_parameters(table, mechanism, sources, speed, file.name),
         aims=aims,
         limits=limits,
+        units=units([item.quantity for item in aims] + list(table.constraints), mechanism),
         rest_rate=table.rest_rate,
         tolerance=table.tolerance,
         versions=versions(),
@@ -123,9 +124,7 @@ def _listed(names: _Names) -> tuple[str, ...]:
 
 
 def _known(names: Sequence[str], where: str) -> Sequence[str]:
-    for name in names:
-        if name not in QUANTITIES:
-            raise UnknownNameError(kind="quantity", name=name, known=QUANTITIES, where=where)
+    refuse_unknown(names, QUANTITIES, where)
     return names
 
 

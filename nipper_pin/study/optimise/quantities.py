@@ -15,6 +15,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
+from ...hybrid.quantities import coordinate_unit, of_transition
 from ...mechanism import INDEX_PER_TURN, Mechanism
 from ..identify.working import WorkingCycle, unfit
 
@@ -27,9 +28,8 @@ class Quantity:
 
     Attributes:
         words: What it is.
-        unit: Its unit, empty without one.
+        unit: Its unit, empty without one; ``{gap}`` is that of the transition stop.
         source: What it takes to find it.
-        key: Its name in :data:`nipper_pin.study.identify.targets.QUANTITIES`, for transitions.
         joint: Kind of joint that its stop must be on, or None for any.
         waiting: Whether its stop is the one that is closed in the initial phase, and not the
             transition stop.
@@ -38,22 +38,21 @@ class Quantity:
     words: str
     unit: str
     source: Source
-    key: str = ""
     joint: str | None = None
     waiting: bool = False
 
 
+def _of_transition(name: str) -> tuple[str, str]:
+    """Words and unit of a quantity of transitions."""
+    found, place = of_transition(name)
+    return f"{found.words} {place}" if place else found.words, found.unit
+
+
 QUANTITIES: Mapping[str, Quantity] = {
-    "first_amplitude_rad": Quantity(
-        "first rebound", "rad", "transition", "first_rebound_amplitude", "revolute"
-    ),
-    "first_amplitude_m": Quantity(
-        "first rebound", "m", "transition", "first_rebound_amplitude", "prismatic"
-    ),
-    "first_rebound_time_s": Quantity(
-        "time of the first rebound", "s", "transition", "first_rebound_time"
-    ),
-    "transition_time_s": Quantity("transition time", "s", "transition", "transition_time"),
+    **{
+        name: Quantity(*_of_transition(name), "transition")
+        for name in ("rebound_amplitude_1", "rebound_time_s_1", "duration_s")
+    },
     "clamping_force_N": Quantity("clamping force", "N", "cycle"),
     "stop_force_N": Quantity("least stop force with the jaw open", "N", "cycle"),
     "closing_index": Quantity("closing index", "", "cycle"),
@@ -69,14 +68,27 @@ QUANTITIES: Mapping[str, Quantity] = {
 INDICES = ("closing_index", "opening_index")
 
 
-def label(name: str) -> str:
+def units(names: Iterable[str], mechanism: Mechanism) -> dict[str, str]:
+    """Units of quantities of a mechanism by name, empty for a number without one.
+
+    Args:
+        names: Names of known quantities.
+        mechanism: The mechanism.
+    """
+    stop = mechanism.stop(mechanism.transition_stop)
+    gap = coordinate_unit(mechanism, stop.index)
+    return {name: QUANTITIES[name].unit.format(gap=gap) for name in names}
+
+
+def label(name: str, unit: str) -> str:
     """What a quantity is and its unit, for axes and headings.
 
     Args:
         name: Its name.
+        unit: Its unit, empty without one.
     """
-    found = QUANTITIES[name]
-    return f"{found.words} [{found.unit}]" if found.unit else found.words
+    words = QUANTITIES[name].words
+    return f"{words} [{unit}]" if unit else words
 
 
 def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:

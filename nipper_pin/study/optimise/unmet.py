@@ -12,7 +12,6 @@ from ...errors import InfeasibleError
 from .descend import FEASIBLE, Descent, Scales, descend, restore
 from .evaluate import Evaluator
 from .problem import Limit, Problem
-from .quantities import QUANTITIES
 from .work import Work
 
 
@@ -68,7 +67,8 @@ def _infeasible(
             }
         )
     words = "; ".join(
-        _sentence(limit, item) for limit, item in zip(_of(problem, broken), broken, strict=True)
+        _sentence(limit, item, problem.units[limit.quantity])
+        for limit, item in zip(_of(problem, broken), broken, strict=True)
     )
     numbers = problem.numbers(z)
     design = ", ".join(f"{key} = {value:.6g}" for key, value in numbers.items())
@@ -84,8 +84,7 @@ def _of(problem: Problem, broken: Sequence[dict[str, object]]) -> list[Limit]:
     return [limit for limit in problem.limits if str(limit) in named]
 
 
-def _sentence(limit: Limit, item: dict[str, object]) -> str:
-    unit = QUANTITIES[limit.quantity].unit
+def _sentence(limit: Limit, item: dict[str, object], unit: str) -> str:
     short = f"{item['missed_by']:.4g}{f' {unit}' if unit else ''}"
     alone = (
         "alone it could be met"

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import INDEX_PER_TURN, Mechanism
-from ..transitions import transition_table
+from ..cases import cases_of
+from ..transitions import table_of
 from .published import Published
 
 # In rated speeds: 400 to 700 r/min of the E62.
@@ -64,11 +65,6 @@ def design_map(mechanism: Mechanism, conditions: Published) -> DesignMap:
     rates = np.array([conditions.stiffnesses[i] for i in _RATES])
     speeds = _SPEEDS * mechanism.cylinder.rated_speed_rpm
     grid = np.meshgrid(rates, RESTITUTIONS, speeds, indexing="ij")
-    table = transition_table(
-        mechanism,
-        speed_rpm=grid[2].ravel(),
-        restitution=grid[1].ravel(),
-        stiffness=grid[0].ravel(),
-        tolerance=1e-9,
-    )
+    cases = cases_of(mechanism, grid[2].ravel(), grid[1].ravel(), grid[0].ravel())
+    table = table_of(mechanism, cases, tolerance=1e-9)
     return DesignMap(rates, speeds, table.duration.reshape(grid[0].shape), len(table), table.why)

@@ -12,7 +12,8 @@ from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
 from ...errors import InputError, SimulationError
 from ...mechanism import Mechanism
-from ..transitions import TransitionTable, transition_table
+from ..cases import cases_of
+from ..transitions import TransitionTable, table_of
 from .published import Published
 
 _TOLERANCE = 1e-12
@@ -138,9 +139,13 @@ def _study(
     mechanism: Mechanism, name: str, key: str, given: dict[str, Any], drive: DriveMode
 ) -> Study:
     values = np.array(given[key], dtype=float)
-    arguments = {**given, "tolerance": _TOLERANCE, "drive": drive, "engine": "direct"}
-    table = transition_table(mechanism, **arguments)
-    all_bounces = transition_table(mechanism, rest_rate=_SLOWEST, **arguments)
+    cases = cases_of(mechanism, **given)
+    table, all_bounces = (
+        table_of(
+            mechanism, cases, rest_rate=rate, tolerance=_TOLERANCE, drive=drive, engine="direct"
+        )
+        for rate in (None, _SLOWEST)
+    )
     for found in (table, all_bounces):
         for i, outcome in enumerate(found.outcome):
             if outcome != "at_rest" or found.collisions[i] < 3:

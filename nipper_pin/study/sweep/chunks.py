@@ -14,7 +14,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
 from ...mechanism import Mechanism
-from ..transitions import FAILED, TURN, TransitionTable, transition_table
+from ..cases import Cases, cases_of
+from ..transitions import FAILED, TURN, TransitionTable, table_of
 from .changes import changed
 from .job import NO_MODEL, Job, read_job
 from .quantities import quantity
@@ -141,13 +142,9 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
         columns.fail(part, NO_MODEL, error.message)
         return
     try:
-        speed, restitution, stiffness, preload = _cases(job, mechanism, rows[part])
-        table = transition_table(
+        table = table_of(
             mechanism,
-            speed_rpm=speed,
-            restitution=restitution,
-            stiffness=stiffness,
-            preload=preload,
+            _cases(job, mechanism, rows[part]),
             rest_rate=job.rest_rate,
             tolerance=job.tolerance,
             max_collisions=job.max_collisions,
@@ -170,10 +167,7 @@ def _defect(error: Exception, first: int, last: int) -> DefectError:
     return DefectError(message, scenario=first, error=repr(error))
 
 
-def _cases(
-    job: Job, mechanism: Mechanism, rows: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Speed and restitution, each shape (n,), stiffness and preload, each shape (n, springs)."""
+def _cases(job: Job, mechanism: Mechanism, rows: FloatArray) -> Cases:
     n = len(rows)
     stop = mechanism.stop(mechanism.transition_stop)
     speed, restitution = np.full(n, job.speed_rpm), np.full(n, stop.restitution)
@@ -189,7 +183,7 @@ def _cases(
             stiffness[:, target.spring] = column
         elif target.kind == "preload":
             preload[:, target.spring] = target.scale * column
-    return speed, restitution, stiffness, preload
+    return cases_of(mechanism, speed, restitution, stiffness, preload)
 
 
 @lru_cache(maxsize=4)

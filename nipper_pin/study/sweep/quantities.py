@@ -2,72 +2,73 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
+from ...hybrid.quantities import COLLISION, RENAMED, TRANSITION, of_transition
+from ...mechanism import Mechanism
 from ..transitions import TransitionTable
 
-DEFAULT = (
-    "duration_s",
-    "duration_error_s",
-    "first_two_share",
-    "impulse_N_s_1",
-    "rebound_amplitude_1",
-    "rebound_time_s_1",
-)
-_WHOLE: dict[str, Callable[[TransitionTable], FloatArray]] = {
-    "duration_s": lambda table: table.duration,
-    "duration_error_s": lambda table: table.duration_error,
-    "first_two_share": lambda table: table.first_two_share,
-}
-# Of collision K, named with "_K" behind.
-_EACH: dict[str, Callable[[TransitionTable], FloatArray]] = {
-    "time_s": lambda table: table.time,
-    "cylinder_angle_rad": lambda table: table.cylinder_angle,
-    "approach_rate": lambda table: table.approach_rate,
-    "separation_rate": lambda table: table.separation_rate,
-    "impulse_N_s": lambda table: table.impulse,
-    "energy_lost_J": lambda table: table.energy_lost,
-    "rebound_amplitude": lambda table: table.rebound_amplitude,
-    "rebound_time_s": lambda table: table.rebound_time,
-    "time_error_s": lambda table: table.time_error,
-    "rate_error": lambda table: table.rate_error,
-    "impulse_error_N_s": lambda table: table.impulse_error,
-    "amplitude_error": lambda table: table.amplitude_error,
-    "rebound_error_s": lambda table: table.rebound_error,
-}
-_NUMBERED = re.compile(r"(.+)_([1-9][0-9]{0,3})")
+_FIRST = ("duration_s", "duration_error_s", "first_two_share")
+_OF_FIRST = ("impulse_N_s", "impulse_N_m_s", "rebound_amplitude", "rebound_time_s")
 
 
-def check_quantities(names: Sequence[str], where: str) -> None:
-    """Refuse names that are no quantity.
+def default(mechanism: Mechanism) -> tuple[str, ...]:
+    """What is kept if a study does not say: the transition and its first collision.
+
+    Args:
+        mechanism: The model.
+    """
+    stop = mechanism.transition_stop
+    return (
+        *_FIRST,
+        *(
+            f"{item.name}_1"
+            for item in COLLISION
+            if item.name in _OF_FIRST and item.fits(mechanism, stop)
+        ),
+    )
+
+
+def check_quantities(names: Sequence[str], mechanism: Mechanism, where: str) -> None:
+    """Refuse names that are no quantity of the model's transition.
 
     Args:
         names: Names such as ``duration_s`` or ``rebound_time_s_2`` (of the second collision).
+        mechanism: The model.
         where: File and key, for messages.
 
     Raises:
         UnknownNameError: A name is none.
     """
+    stop = mechanism.transition_stop
+    each = [item for item in COLLISION if item.column and item.fits(mechanism, stop)]
+    known = [item.name for item in TRANSITION if item.column]
+    known += [f"{item.name}_K" for item in each]
     for name in names:
-        found = _NUMBERED.fullmatch(name)
-        if name not in _WHOLE and (found is None or found[1] not in _EACH):
-            known = (*_WHOLE, *(f"{item}_K" for item in _EACH))
-            raise UnknownNameError(kind="quantity", name=name, known=known, where=where)
+        now = RENAMED.get(name, "")
+        try:
+            item, place = of_transition(name)
+        except KeyError:
+            pass
+        else:
+            if item.column and item.fits(mechanism, stop):
+                continue
+            # An impulse has another unit and name where the stop has no contact point.
+            same = [other.name for other in each if other.column == item.column]
+            now = f"{same[0]}_{place}" if same else ""
+        raise UnknownNameError(kind="quantity", name=name, known=known, where=where, now=now)
 
 
 def quantity(table: TransitionTable, name: str) -> FloatArray:
     """Values of a quantity, shape (n,); NaN where a scenario does not have it."""
-    if name in _WHOLE:
-        return _WHOLE[name](table)
-    found = _NUMBERED.fullmatch(name)
-    key, place = ("", "1") if found is None else (found[1], found[2])
-    rows = _EACH[key](table)
-    column = int(place) - 1
-    if column >= rows.shape[1]:
+    item, place = of_transition(name)
+    rows: FloatArray = getattr(table, item.column)
+    if not place:
+        return rows
+    if place > rows.shape[1]:
         return np.full(len(table), np.nan)
-    return rows[:, column]
+    return rows[:, place - 1]

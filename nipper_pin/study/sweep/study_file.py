@@ -23,7 +23,7 @@ from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths
 from .job import COLUMNS, Job, versions
-from .quantities import DEFAULT, check_quantities
+from .quantities import check_quantities, default
 from .samples import MOST_SAMPLES, Layout, Method, Samples
 from .units import units_of
 
@@ -67,7 +67,7 @@ class _StudyTable(Table, frozen=True, kw_only=True):
     title: str = ""
     model: str = "e62"
     chunk: _Count | None = None
-    quantities: tuple[str, ...] = DEFAULT
+    quantities: tuple[str, ...] | None = None
     case: _CaseTable = _CaseTable()
     set: dict[str, object] = msgspec.field(default_factory=dict)
     samples: _SamplesTable | None = None
@@ -95,9 +95,10 @@ def read_study(path: str) -> Study:
     """
     file = Path(path)
     table = read_table(file, _StudyTable)
-    check_quantities(table.quantities, f"{file.name}: quantities")
-    _check_columns(list(table.parameters), table.quantities, file.name)
     mechanism = base_mechanism(table.model, table.set, file)
+    quantities = default(mechanism) if table.quantities is None else table.quantities
+    check_quantities(quantities, mechanism, f"{file.name}: quantities")
+    _check_columns(list(table.parameters), quantities, file.name)
     axes = tuple(_axis(name, item, mechanism, file.name) for name, item in table.parameters.items())
     if not axes:
         message = f"{file.name}: nothing varies; give [parameters.NAME]"
@@ -120,10 +121,10 @@ def read_study(path: str) -> Study:
         rest_rate=table.case.rest_rate,
         tolerance=table.case.tolerance,
         max_collisions=table.case.max_collisions,
-        quantities=table.quantities,
+        quantities=quantities,
         versions=versions(),
         drawn=_words(samples),
-        units=units_of(axes, table.quantities, mechanism),
+        units=units_of(axes, quantities, mechanism),
         study=file.read_text(encoding="utf-8"),
     )
     return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)

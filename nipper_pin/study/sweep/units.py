@@ -5,37 +5,27 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from ...hybrid.quantities import of_transition
 from ...mechanism import Mechanism
 from .axes import Axis
 
 # What a name can end with, and how people write it.
 _WORDS = {"rpm": "r/min", "kg": "kg", "N": "N", "J": "J", "mm": "mm", "m": "m", "m2": "m2"}
 _WORDS |= {"rad": "rad", "deg": "deg", "s": "s", "per": "/", "turn": "turn"}
-# Names without a unit, since it is that of the coordinate of the stop.
-_OF_COORDINATE = {
-    "approach_rate": "{}/s",
-    "separation_rate": "{}/s",
-    "rate_error": "{}/s",
-    "rebound_amplitude": "{}",
-    "amplitude_error": "{}",
-}
 NONE = "1"
 """Unit of a number without one."""
 
 
-def unit_of(name: str, coordinate: str = "") -> str:
-    """The unit that a name ends with.
+def unit_of(name: str) -> str:
+    """The unit that the last part of a path ends with.
 
     Args:
-        name: Name of a quantity, with or without the number of a collision, or last part of a path.
-        coordinate: Unit of the coordinate of the transition stop, "rad" or "m".
+        name: The last part.
 
     Returns:
         The unit, such as "N/m"; "1" if there is none.
     """
-    plain = re.sub(r"_[0-9]+$|\[[0-9]+\]$", "", name)
-    if plain in _OF_COORDINATE:
-        return _OF_COORDINATE[plain].format(coordinate)
+    plain = re.sub(r"\[[0-9]+\]$", "", name)
     # The first word is what is measured, never its unit.
     words = plain.split("_")[1:]
     found: list[str] = []
@@ -56,9 +46,8 @@ def units_of(
         quantities: What is kept.
         mechanism: The model.
     """
-    stop = mechanism.stop(mechanism.transition_stop)
-    coordinate = "rad" if mechanism.joints[stop.index].kind == "revolute" else "m"
-    found = {name: unit_of(name, coordinate) for name in quantities}
+    stop = mechanism.transition_stop
+    found = {name: of_transition(name)[0].unit_at(mechanism, stop) or NONE for name in quantities}
     for axis in axes:
         head, _, last = axis.target.path.rpartition(".")
         if not head.startswith("urdf."):

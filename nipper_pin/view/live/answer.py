@@ -12,10 +12,11 @@ from ...arrays import FloatArray
 from ...errors import NipperError
 from ...hybrid.case import Case
 from ...hybrid.collisions import Collision
+from ...hybrid.quantities import force_unit
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome, Solution
 from ...mechanism import Mechanism
-from ..reading import digits, force_unit, units_of
+from ..reading import digits, units_of
 from ..sampling import sample_coordinates
 from .settings import SPEED, Knob, changed
 
@@ -115,7 +116,7 @@ def _rows(
         ("share", "share of the first two rebounds", digits(share)),
         ("approach", f"rate of the first collision [{units.rate}]",
          digits(units.rate_factor * first.approach_rate)),
-        ("impulse", f"impulse of the first collision [{force_unit(mechanism, stop.name)} s]",
+        ("impulse", f"impulse of the first collision [{force_unit(mechanism, stop)} s]",
          digits(first.impulse)),
     ]  # fmt: skip
     if others:

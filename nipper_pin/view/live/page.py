@@ -12,8 +12,9 @@ import viser
 from viser import uplot
 
 from ...errors import InputError
+from ...hybrid.quantities import force_unit
 from ...mechanism import Mechanism
-from ..reading import force_unit, gap_noun, units_of
+from ..reading import gap_noun, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer, as_html, boxed
 from .moment import closed_at, impulses_at, moment_text
@@ -190,7 +191,7 @@ class Page:
                 none,
                 (uplot.Series(label=x), uplot.Series(stroke="transparent", points=dots)),
                 scales={"x": uplot.Scale(time=False), "y": uplot.Scale(distr=3)},
-                axes=(time_axis, _axis(f"impulse [{force_unit(mechanism, stop.name)} s]")),
+                axes=(time_axis, _axis(f"impulse [{force_unit(mechanism, stop)} s]")),
                 legend=uplot.Legend(show=False),
                 height=_HEIGHT,
                 padding=_PADDING,

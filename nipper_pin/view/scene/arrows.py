@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
+from ...hybrid.quantities import force_unit
 from ...mechanism import Mechanism, Stop
 from ...mechanism.tree import joint_placements
-from ..reading import force_unit
 from .solids import FIXED
 
 HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full
@@ -19,7 +19,7 @@ _HEAD, _THICK, _WIDE = 0.28, 0.022, 3.0  # of the length; of the length; of the 
 
 def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:
     """Stops whose impulses are drawn: all whose impulse is a force by time, and not a moment."""
-    return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop.name) == "N")
+    return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop) == "N")
 
 
 def arrow_body(mechanism: Mechanism, stop: Stop) -> int:

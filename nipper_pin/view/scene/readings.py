@@ -8,8 +8,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.collisions import Collision
+from ...hybrid.quantities import force_unit
 from ...mechanism import Mechanism, Stop
-from ..reading import case_text, digits, force_name, force_unit, gap_noun, phase_name, units_of
+from ..reading import case_text, digits, force_name, gap_noun, phase_name, units_of
 from .colours import phase_colour
 from .film import Film, drawn_limit
 
@@ -58,7 +59,7 @@ def readings(film: Film) -> dict[str, object]:
 
 def collision_text(mechanism: Mechanism, hit: Collision) -> str:
     """What is said of the last collision."""
-    unit = force_unit(mechanism, hit.stop)
+    unit = force_unit(mechanism, mechanism.stop(hit.stop))
     return f"last: collision {hit.number} ({hit.stop}): impulse {digits(hit.impulse)} {unit} s"
 
 
@@ -78,7 +79,7 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
         )
         if stop.contact is not None:
             yield f"{stop.name} gap at the contact", "mm", 1e3 * stop.lever * gap
-        yield _force(film, stop), force_unit(mechanism, stop.name), film.force[stop.name]
+        yield _force(film, stop), force_unit(mechanism, stop), film.force[stop.name]
 
 
 def _force(film: Film, stop: Stop) -> str:

@@ -1,0 +1,152 @@
+"""Parameters of many transitions: names with units outside, checked SI values inside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import FloatArray
+from ..errors import InputError
+from ..hybrid.quantities import coordinate_unit
+from ..mechanism import Mechanism
+from ..reduced.inputs import column, spring_rows
+
+# A linear spring that is wound further, or is stiffer, has its number in another unit.
+_MOST_TURNS = 10
+_STIFFEST = 1e10
+# Unit of the coordinate, name of the field, factor to SI, unit in sentences.
+_KEYS = {
+    "stiffness_N_per_m": ("m", "stiffness", 1.0, "N/m"),
+    "preload_length_mm": ("m", "preload", 1e-3, "mm"),
+    "stiffness_N_m_per_rad": ("rad", "stiffness", 1.0, "N m/rad"),
+    "preload_deg": ("rad", "preload", math.pi / 180.0, "deg"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Parameters of n cases in SI units, checked.
+
+    Attributes:
+        speed_rpm: Cylinder speeds [r/min], shape (n,).
+        restitution: e_N of the transition stop, shape (n,).
+        stiffness: Spring rates, shape (n, springs) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+    """
+
+    speed_rpm: FloatArray
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+
+
+def cases_of(
+    mechanism: Mechanism,
+    speed_rpm: ArrayLike,
+    restitution: ArrayLike | None = None,
+    stiffness: ArrayLike | None = None,
+    preload: ArrayLike | None = None,
+) -> Cases:
+    """Parameters of all cases, checked and broadcast.
+
+    Args:
+        mechanism: The mechanism; its values where there is None.
+        speed_rpm: [r/min], a number or shape (n,).
+        restitution: Likewise.
+        stiffness: Shape (n,) with one spring or (n, springs) [N/m or N m/rad].
+        preload: Likewise [m or rad].
+
+    Raises:
+        InputError: A value is out of range.
+    """
+    springs = mechanism.springs
+    if restitution is None:
+        restitution = mechanism.stop(mechanism.transition_stop).restitution
+    if stiffness is None:
+        stiffness = np.array([[spring.stiffness for spring in springs]])
+    if preload is None:
+        preload = np.array([[spring.preload for spring in springs]])
+    speed = column("speed_rpm", speed_rpm, 0.0, np.inf, open_low=True)
+    e_N = column("restitution", restitution, 0.0, 1.0)
+    rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
+    lengths = spring_rows("preload", preload, len(springs), -np.inf)
+    try:
+        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1])
+    except ValueError as error:
+        message = f"the arrays of a table need the same number of cases: {error}"
+        raise InputError(message) from error
+    shape = (n, len(springs))
+    return Cases(
+        np.broadcast_to(speed, (n,)).copy(),
+        np.broadcast_to(e_N, (n,)).copy(),
+        np.broadcast_to(rates, shape).copy(),
+        np.broadcast_to(lengths, shape).copy(),
+    )
+
+
+def spring_values(
+    mechanism: Mechanism, given: Mapping[str, ArrayLike | None]
+) -> tuple[FloatArray, FloatArray]:
+    """Rates and deflections of all springs of a mechanism.
+
+    Args:
+        mechanism: The mechanism; its own values where there is None.
+        given: By the names of the model file, for the springs on joints of that kind: a number,
+            shape (n,) with one such spring, or (n, such springs).
+
+    Returns:
+        Stiffness [N/m or N m/rad] and preload [m or rad], shape (1 or n, springs) each.
+
+    Raises:
+        InputError: There is no such spring, or a value cannot be in this unit.
+    """
+    found = {
+        field: np.array([[getattr(spring, field) for spring in mechanism.springs]], dtype=float)
+        for field in ("stiffness", "preload")
+    }
+    for key, value in given.items():
+        if value is None:
+            continue
+        kind, field, scale, unit = _KEYS[key]
+        places = [
+            place
+            for place, spring in enumerate(mechanism.springs)
+            if coordinate_unit(mechanism, spring.index) == kind
+        ]
+        if not places:
+            message = f"{key}: {mechanism.name} has no spring on a joint that moves in {kind}"
+            raise InputError(message, key=key, model=mechanism.name)
+        low = 0.0 if field == "stiffness" else -math.inf
+        rows = spring_rows(key, value, len(places), low)
+        most = _most(mechanism, kind, field) / scale
+        if (np.abs(rows) > most).any():
+            message = (
+                f"{key} = {float(rows[np.abs(rows) > most][0]):g} cannot be used: this is in "
+                f"{unit}, and {mechanism.name} takes {most:.4g} {unit} at most"
+            )
+            raise InputError(message, key=key, most=most, unit=unit)
+        found[field] = _joined(found[field], places, scale * rows)
+    return found["stiffness"], found["preload"]
+
+
+def _joined(values: FloatArray, places: list[int], rows: FloatArray) -> FloatArray:
+    """The values of all springs, shape (n, springs), with those at some places replaced."""
+    try:
+        (n,) = np.broadcast_shapes(values.shape[:1], rows.shape[:1])
+    except ValueError as error:
+        message = f"the arrays of a table need the same number of cases: {error}"
+        raise InputError(message) from error
+    wide = np.broadcast_to(values, (n, values.shape[1])).copy()
+    wide[:, places] = rows
+    return wide
+
+
+def _most(mechanism: Mechanism, kind: str, field: str) -> float:
+    """Largest plausible value in SI units."""
+    if field == "stiffness":
+        return _STIFFEST
+    return max(mechanism.reach_m, 1.0) if kind == "m" else 2.0 * math.pi * _MOST_TURNS
