@@ -16,6 +16,7 @@ from .layout import (
     LEFT_TRAVEL,
     LEVELS,
     LOW,
+    NODE_A,
     NODE_V,
     NODE_X,
     OTHER_STOP,
@@ -164,28 +165,31 @@ def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: in
 
 @compiled
 def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
-            nodes: FloatArray, degree: int, u0: float, w: float, tolerance: float,
+            nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
             touching: bool) -> tuple[float, ...]:  # fmt: skip
-    """Flight from x = 0 with rate w > 0 to the next zero of x.
+    """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
 
     Returns:
         Status (AT_REST stands for a flight that came back), time, rate at the end, amplitude,
         time of the peak, acceleration at the end, fastest rate, and of all panels the largest
-        last change and steady error of x''.
+        last change and steady error of x''. Of a flight that leaves the travel, too, with x at its
+        end in the place of the amplitude.
     """
     speed, travel = case[SPEED], case[TRAVEL_MOST]
-    t, x, v = 0.0, 0.0, w
+    t, x, v = 0.0, x0, w
+    a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
     failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
         if longest <= 1e-12 * travel / speed:
-            return LEFT_TRAVEL, *failed
+            return LEFT_TRAVEL, t, v, x, peak_time, a, fastest, changed, left
         contract(mixed, poly, poly.shape[0] - 1, travel, u)
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
-        if a0 < 0.0:
+        # Where a stop is left behind, a0 is nothing but round-off.
+        if a0 < 0.0 and (x > 0.0 or v > 0.0):
             h = OVERSHOOT * _ballistic(case, mixed, poly, degree, u, x, v, a0)
         level = -1
         change = missing = 0.0
@@ -223,6 +227,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
             return AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left
         t += h
         x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
+        a = nodes[NODE_A, count - 1]
     return UNRESOLVED, *failed
 
 

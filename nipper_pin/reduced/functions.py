@@ -16,6 +16,7 @@ Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space fo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,11 +66,16 @@ class Sampler:
         self._armature = np.zeros(system.body.nv)
         self._armature[[*system.driven, column]] = INFINITE_INERTIA
 
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self._system.body.nv
+
     def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
         """Close the loops on a grid, from neighbour to neighbour, so that the branch is kept.
 
         Args:
-            u: Increasing travels from zero on, shape (U,) [rad].
+            u: Travels from zero on, to either side, shape (U,) [rad].
             x: Coordinates in any order, shape (X,).
 
         Returns:
@@ -78,6 +84,45 @@ class Sampler:
         Raises:
             SimulationError: The mechanism cannot reach a point of the grid.
         """
+        rows = self._across(x)
+        found = np.empty((len(u), len(x), self._system.body.nv))
+        for number, configurations in enumerate(self.along(u, x, rows)):
+            found[number] = configurations
+        return found
+
+    def along(self, u: FloatArray, x: FloatArray, rows: FloatArray) -> Iterator[FloatArray]:
+        """Follow points from travel to travel, in small steps.
+
+        Args:
+            u: Travels from zero on, to either side, shape (U,) [rad].
+            x: Coordinates of the points, shape (X,).
+            rows: Configurations at travel zero, shape (X, nv).
+
+        Yields:
+            Configurations at every travel, shape (X, nv).
+
+        Raises:
+            SimulationError: The mechanism cannot reach a point.
+        """
+        jacobians = self._system.body.closures(rows)[1]
+        for travel in u:
+            rows, jacobians = self._moved(rows, jacobians, np.full(len(x), travel), x)
+            yield rows
+
+    def rates(self, u: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Rates of all coordinates by that of x, and by that of the travel with x held.
+
+        Args:
+            u: Travels, shape (N,) [rad].
+            q: Closed configurations there, shape (N, nv).
+
+        Returns:
+            n and m, shape (N, nv) each.
+        """
+        return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
+
+    def _across(self, x: FloatArray) -> FloatArray:
+        """Configurations at travel zero, shape (X, nv)."""
         body = self._system.body
         q = np.zeros((1, body.nv))
         jacobian = body.closures(q)[1]
@@ -88,13 +133,7 @@ class Sampler:
             for place in side[np.argsort(np.abs(x[side]))]:
                 row, slope = self._moved(row, slope, np.zeros(1), x[place : place + 1])
                 first[place] = row[0]
-        rows = first
-        jacobians = body.closures(rows)[1]
-        found = np.empty((len(u), len(x), body.nv))
-        for number, travel in enumerate(u):
-            rows, jacobians = self._moved(rows, jacobians, np.full(len(x), travel), x)
-            found[number] = rows
-        return found
+        return first
 
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
         """Evaluate all functions.
@@ -111,11 +150,7 @@ class Sampler:
         q[:, self._column] = x
         q, jacobian = close_positions(body, q, self._split)
         zero = np.zeros_like(q)
-        n, m = zero.copy(), zero.copy()
-        n[:, self._column] = 1.0
-        m[:, system.driven] = rates
-        n = close_velocities(n, jacobian, self._split)
-        m = close_velocities(m, jacobian, self._split)
+        n, m = self._rates(rates, q, jacobian)
         weight = body.inverse_dynamics(q, zero, zero)
 
         # At the speed of the machine: at one radian a second the forces of inertia would drown in
@@ -145,11 +180,19 @@ class Sampler:
 
     def opening_rates(self) -> FloatArray:
         """Rates of the other stops by that of x in the touch configuration, shape (others,)."""
-        body = self._system.body
-        n = np.zeros((1, body.nv))
-        n[:, self._column] = 1.0
-        n = close_velocities(n, body.closures(np.zeros((1, body.nv)))[1], self._split)
+        n, _ = self.rates(np.zeros(1), np.zeros((1, self._system.body.nv)))
         return np.asarray(n[0, list(self._others)])
+
+    def _rates(
+        self, driven: FloatArray, q: FloatArray, jacobian: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        n, m = np.zeros_like(q), np.zeros_like(q)
+        n[:, self._column] = 1.0
+        m[:, self._system.driven] = driven
+        return (
+            close_velocities(n, jacobian, self._split),
+            close_velocities(m, jacobian, self._split),
+        )
 
     def _moved(
         self, q: FloatArray, jacobian: FloatArray, u: FloatArray, x: FloatArray

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from math import exp, pi
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from .arriving import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled, forget_stale
+from .errors_of_flight import drift, flight_errors
 from .flight import flight
 from .layout import (
     AMPLITUDE,
@@ -16,47 +18,42 @@ from .layout import (
     ANGLE,
     APPROACH,
     AT_REST,
-    BY_U,
-    BY_V,
-    BY_X,
     CASE_NUMBERS,
     COLUMNS,
     ENERGY,
     EPS,
-    HIGH,
+    FAILS,
     IMPULSE,
     IMPULSE_ERROR,
     LEVELS,
-    LOW,
     NOT_PRESSED,
     RATE_ERROR,
     REBOUND,
     REBOUND_ERROR,
-    RESIDUAL,
-    SCALE,
     SCRATCH_ROWS,
     SEPARATION,
     SIZES,
-    SPEED,
     TIME,
     TIME_ERROR,
     TOO_MANY,
-    TRAVEL_MOST,
+    UNKNOWN,
+    Start,
     Tables,
+    Turn,
     Work,
 )
-from .panel import acceleration, chebyshev, contract, mix
+from .panel import acceleration, chebyshev, contract
 
 _POINTS = 8
 # What the last extrapolations differ by may be less than the error of the better one: by up to 10
 # in one of 20000 random cases, near the speed at which the stop is no longer pressed shut.
 _SAFETY = 16.0
-# A bounce's time and the next rate feel a change of x'' once and twice.
-_FELT = 3.0
+# The long flight before the touch is followed with this part of the tolerance.
+_FINER = 1e-2
 
 
 @compiled
-def _limit(series: FloatArray, count: int, drift: float) -> tuple[float, float]:
+def _limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
     """Extrapolate times to zero rate by Neville's scheme; see hybrid/series.py."""
     first = max(0, count - _POINTS)
     size = count - first
@@ -75,73 +72,13 @@ def _limit(series: FloatArray, count: int, drift: float) -> tuple[float, float]:
         last = series[2, size - order - 1]
         # Extrapolations may agree by chance. Each should gain about the ratio of its rates, but
         # no more than the change of x'' that is ahead: far bounces do not know of it.
-        ratio = max(series[1, count - 1] / series[1, count - order], drift)
+        ratio = max(series[1, count - 1] / series[1, count - order], changes)
         error = max(abs(last - previous), ratio * gained)
         if error < best_error:
             best, best_error = last, error
         gained = abs(last - previous)
         previous = last
     return best, best_error
-
-
-@compiled
-def _sizes(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
-           preload: FloatArray) -> None:  # fmt: skip
-    """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
-    for row in range(3):
-        values = tables.residual
-        if row == BY_X:
-            values = tables.steepest_x
-        elif row == BY_U:
-            values = tables.steepest_u
-        total = speed * speed * values[0] + abs(gravity) * values[3]
-        for k in range(len(stiffness)):
-            total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
-        sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
-    sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
-
-
-@compiled
-def _size(sizes: FloatArray, row: int, rate: float) -> float:
-    """One of the sums at a rate of x."""
-    return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
-
-
-@compiled
-def _flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
-                   fastest: float, changed: float, left: float, dt: float,
-                   dw: float) -> tuple[float, float, float]:  # fmt: skip
-    """Errors at the end of a flight, by the formula in :func:`nipper_pin.reduced.build`.
-
-    One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
-
-    Returns:
-        Bounds on the errors of its duration, rate at the end and amplitude.
-    """
-    Lv, Lx = _size(sizes, BY_V, fastest), _size(sizes, BY_X, fastest)
-    Lt = speed * _size(sizes, BY_U, fastest)
-    felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
-    steady = felt * changed + _size(sizes, RESIDUAL, fastest) + Lt * dt
-    e = steady + left
-    K = exp(felt)
-    rho = a * T / v
-    duration = K * (dw * T + 0.5 * e * T * T) / abs(v) + 4.0 * EPS * T
-    lever = abs(1.0 - 0.5 * rho)
-    if rho > 1.0:
-        lever = (1.0 + (rho - 1.0) ** 2) / (2.0 * rho)
-    growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
-    # What a grid misses changes its sign, so that it may act on the rate and not on the time.
-    rate = growth * dw + K * (steady * lever + left) * T + 4.0 * EPS * abs(v)
-    return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
-
-
-@compiled
-def _drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
-    """Bound on the relative error of what is ahead of a series with constant acceleration."""
-    by_time = speed * ahead * _size(sizes, BY_U, w)
-    by_gap = 0.5 * w * w / -a * _size(sizes, BY_X, w)
-    by_rate = 2.0 * w * _size(sizes, BY_V, w)
-    return float(min(_FELT * (by_time + by_gap + by_rate) / -a, 1.0))
 
 
 @compiled
@@ -156,9 +93,11 @@ def _inertia(tables: Tables, u: float) -> float:
 
 @compiled
 def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, restitution: float,
-                stiffness: FloatArray, preload: FloatArray, gravity: float, rest_rate: float,
-                tolerance: float, table: FloatArray) -> tuple[int, int, float, float]:  # fmt: skip
+                rest_rate: float, tolerance: float, start: Start,
+                table: FloatArray) -> tuple[int, int, float, float]:  # fmt: skip
     """One transition into a table of shape (COLUMNS, collisions).
+
+    The tables have been combined for the case.
 
     Returns:
         Status, number of collisions, time of rest, bound on its error.
@@ -166,20 +105,14 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
     case, mixed, poly, nodes, series = work.case, work.mixed, work.poly, work.nodes, work.series
     sizes = work.sizes
     degree = tables.equation.shape[3]
-    case[SPEED], case[TRAVEL_MOST] = speed, tables.travel
-    case[LOW], case[HIGH] = tables.low, tables.high
-    case[SCALE] = 2.0 / (tables.high - tables.low)
-    mix(tables, mixed, speed, gravity, stiffness, preload)
-    _sizes(tables, sizes, speed, gravity, stiffness, preload)
     smallest = tolerance ** (1.0 / 3.0)
     most = table.shape[1]
-    t = dt = dw = 0.0
-    before = tables.approach * speed
+    t = dw = 0.0
+    dt, before, dv = start.late, start.rate, start.rate_error
     fastest_rebound = 0.0
     rest, rest_error = np.nan, np.nan
-    dv = tables.approach_residual * speed
     for n in range(most):
-        u = speed * t
+        u = start.travel + speed * t
         w = -restitution * before
         dw = restitution * dv
         C = _inertia(tables, u)
@@ -215,11 +148,11 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
             whole = t + ahead
             found = ahead <= tolerance * 2.0 * pi / speed
             if found or w <= smallest * fastest_rebound:
-                drift = _drift(sizes, speed, w, a, ahead)
+                changes = drift(sizes, speed, w, a, ahead)
                 if found:
-                    uncertain = ahead * drift
+                    uncertain = ahead * changes
                 else:
-                    limit, uncertain = _limit(series, n + 1, drift)
+                    limit, uncertain = _limit(series, n + 1, changes)
                     found = uncertain <= tolerance * whole
                     ahead = limit if found else ahead
             found = found and still < 0.0
@@ -228,14 +161,15 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
             # What is ahead is proportional to the rate that it starts with.
             rest_error = dt + _SAFETY * uncertain + abs(ahead) * (dw / w)
         ended, T, v, top, peak, a, fastest, changed, left = flight(
-            grids, case, mixed, poly, nodes, degree, u, w, tolerance, n == 0
-        )
+            grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance,
+            n == 0 and start.travel == 0.0,
+        )  # fmt: skip
         status = int(ended)
         if status != AT_REST:
             table[AMPLITUDE, n] = table[REBOUND, n] = np.nan
             table[AMPLITUDE_ERROR, n] = table[REBOUND_ERROR, n] = np.nan
             return (AT_REST if found else status), n + 1, rest, rest_error
-        duration, dv, height = _flight_errors(
+        duration, dv, height = flight_errors(
             sizes, speed, T, v, a, peak, fastest, changed, left, dt, dw
         )
         table[AMPLITUDE, n] = top
@@ -251,15 +185,81 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
 
 
 @compiled
-def _scratch(tables: Tables, most: int) -> Work:
+def _solved(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work, waiting: Work,
+            speed: float, restitution: float, stiffness: FloatArray, preload: FloatArray,
+            gravity: float, rest_rate: float, tolerance: float, assumed: bool, table: FloatArray,
+            ) -> tuple[int, int, float, float, int]:  # fmt: skip
+    """One transition, from where it starts; see :func:`run_batch`.
+
+    Returns:
+        What :func:`_transition` does, and whether the premise holds.
+    """
+    prepare(tables, work, speed, gravity, stiffness, preload)
+    before = tables.approach * speed
+    start = Start(0.0, 0.0, before, tables.approach_residual * speed)
+    premise = UNKNOWN
+    if turn.known > 0.0:
+        prepare(y, waiting, speed, gravity, stiffness, preload)
+        line(turn.waiting, speed, gravity, stiffness, preload, waiting.line)
+        premise, u, w = arrives(grids, y, turn, waiting, speed, rest_rate)
+        if premise == FAILS and not assumed:
+            found, start = _flown(
+                grids, tables, y, turn, work, waiting, speed, u, w, rest_rate, tolerance
+            )
+            premise = FAILS if found else UNKNOWN
+    status, count, rest, error = _transition(
+        grids, tables, work, speed, restitution, rest_rate, tolerance, start, table
+    )
+    if premise != UNKNOWN and not _clamps(
+        turn, waiting, speed, gravity, stiffness, preload, status, start.travel + speed * rest
+    ):
+        premise = UNKNOWN
+    return status, count, rest, error, premise
+
+
+@compiled
+def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work, waiting: Work,
+           speed: float, u: float, w: float, rest_rate: float, tolerance: float,
+           ) -> tuple[bool, Start]:  # fmt: skip
+    """First collision of a machine that arrives in flight."""
+    none = Start(0.0, 0.0, 0.0, 0.0)
+    finer = max(_FINER * tolerance, 1e-13)
+    known, x, rate, dx, dv = in_flight(grids, y, turn, waiting, speed, u, w, rest_rate, finer)
+    if not known or not 0.0 < x < tables.high:
+        return False, none
+    ended, T, v, _, _, a, fastest, changed, left = flight(
+        grids, work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], 0.0, x, rate,
+        tolerance, False,
+    )  # fmt: skip
+    if int(ended) != AT_REST or v >= 0.0:
+        return False, none
+    late, wrong = landed(work.sizes, speed, T, v, a, fastest, changed, left, dx, dv)
+    return True, Start(speed * T, late, v, wrong)
+
+
+@compiled
+def _clamps(turn: Turn, waiting: Work, speed: float, gravity: float, stiffness: FloatArray,
+            preload: FloatArray, status: int, u: float) -> bool:  # fmt: skip
+    """True if the transition stop is at rest at travel u and pressed shut until the opening."""
+    if status != AT_REST or not u < turn.opening:
+        return False
+    line(turn.clamping, speed, gravity, stiffness, preload, waiting.line)
+    cells, count = turn.clamping.shape[1], turn.clamping.shape[2]
+    return released(waiting.line, cells, count, turn.opening, u, turn.opening) > turn.opening
+
+
+@compiled
+def _scratch(tables: Tables, turn: Turn, most: int) -> Work:
     """Scratch arrays."""
     _, cells, count_u, count_x = tables.equation.shape
     rows = (3 + tables.gaps.shape[0]) * count_x
     finest = LEVELS[-1]
+    lines = max(turn.waiting.shape[1], turn.clamping.shape[1])
+    longest = max(turn.waiting.shape[2], turn.clamping.shape[2])
     return Work(
         np.zeros(CASE_NUMBERS), np.zeros((cells, count_u, rows)), np.zeros((finest + 1, rows)),
         np.zeros((SCRATCH_ROWS, finest + 2)), np.zeros((3, most)),
-        np.zeros((SIZES, 3)),
+        np.zeros((SIZES, 3)), np.zeros((lines, longest)),
     )  # fmt: skip
 
 
@@ -281,33 +281,39 @@ def _summary(
 
 
 @compiled
-def run_one(grids: FloatArray, tables: Tables, speed: float, restitution: float,
-            stiffness: FloatArray, preload: FloatArray, gravity: float, rest_rate: float,
-            tolerance: float, most: int,
-            ) -> tuple[int, tuple[float, float, float, float], FloatArray]:  # fmt: skip
+def run_one(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: float,
+            restitution: float, stiffness: FloatArray, preload: FloatArray, gravity: float,
+            rest_rate: float, tolerance: float, assumed: bool, most: int,
+            ) -> tuple[int, tuple[float, float, float, float], int, FloatArray]:  # fmt: skip
     """One transition; see :func:`run_batch`.
 
     Returns:
-        Status, what :func:`run_batch` writes to ``rest``, and the table, shape (COLUMNS, count).
+        Status, what :func:`run_batch` writes to ``rest`` and to ``premise``, and the table, shape
+        (COLUMNS, count).
     """
     table = np.empty((COLUMNS, most))
-    status, count, rest, error = _transition(
-        grids, tables, _scratch(tables, most), speed, restitution, stiffness, preload, gravity,
-        rest_rate, tolerance, table,
+    status, count, rest, error, premise = _solved(
+        grids, tables, y, turn, _scratch(tables, turn, most), _scratch(y, turn, 1), speed,
+        restitution, stiffness, preload, gravity, rest_rate, tolerance, assumed, table,
     )  # fmt: skip
-    return status, _summary(table, status, count, rest, error), table[:, :count].copy()
+    return (
+        status, _summary(table, status, count, rest, error), premise, table[:, :count].copy()
+    )  # fmt: skip
 
 
 @compiled
-def run_batch(grids: FloatArray, tables: Tables, speed: FloatArray, restitution: FloatArray,
-              stiffness: FloatArray, preload: FloatArray, gravity: FloatArray, rest_rate: float,
-              tolerance: float, table: FloatArray, status: NDArray[np.int64],
-              counts: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
+def run_batch(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: FloatArray,
+              restitution: FloatArray, stiffness: FloatArray, preload: FloatArray,
+              gravity: FloatArray, rest_rate: float, tolerance: float, assumed: bool,
+              table: FloatArray, status: NDArray[np.int64], counts: NDArray[np.int64],
+              premise: NDArray[np.int64], rest: FloatArray) -> None:  # fmt: skip
     """Transitions of a batch.
 
     Args:
         grids: Collocation grids.
         tables: The reduced model.
+        y: Its functions between opening and touch.
+        turn: The rest of the turn.
         speed: Cylinder speeds, shape (n,) [rad/s].
         restitution: Shape (n,).
         stiffness: Shape (n, springs).
@@ -315,17 +321,19 @@ def run_batch(grids: FloatArray, tables: Tables, speed: FloatArray, restitution:
         gravity: By the gravity of the model, shape (n,).
         rest_rate: Threshold of rest, or 0 for the limit of the series.
         tolerance: Relative accuracy of flights and of the limit.
+        assumed: Whether a transition starts in the initial phase even if its premise fails.
         table: Written: collisions, shape (n, COLUMNS, most), filled with NaN beforehand.
         status: Written: shape (n,), integers.
         counts: Written: collisions, shape (n,), integers.
+        premise: Written: HOLDS, FAILS or UNKNOWN, shape (n,), integers.
         rest: Written, shape (n, 4): time of rest and its error [s], share of the first two
             rebounds in it, bound on the worst relative error.
     """
-    work = _scratch(tables, table.shape[2])
+    work, waiting = _scratch(tables, turn, table.shape[2]), _scratch(y, turn, 1)
     for i in range(len(speed)):
-        status[i], counts[i], end, error = _transition(
-            grids, tables, work, speed[i], restitution[i], stiffness[i], preload[i], gravity[i],
-            rest_rate, tolerance, table[i],
+        status[i], counts[i], end, error, premise[i] = _solved(
+            grids, tables, y, turn, work, waiting, speed[i], restitution[i], stiffness[i],
+            preload[i], gravity[i], rest_rate, tolerance, assumed, table[i],
         )  # fmt: skip
         rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3] = _summary(
             table[i], status[i], counts[i], end, error

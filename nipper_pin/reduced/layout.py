@@ -31,6 +31,8 @@ SCRATCH_ROWS = 7
 # Numbers of a case and its domain. `SCALE` takes x - low to [0, 2].
 SPEED, TRAVEL_MOST, LOW, HIGH, SCALE = range(5)
 CASE_NUMBERS = 5
+# Whether the machine arrives in its initial phase at the touch.
+UNKNOWN, FAILS, HOLDS = -1, 0, 1
 # Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns
 # are the powers of the rate.
 RESIDUAL, BY_X, BY_U, BY_V = range(4)
@@ -58,6 +60,50 @@ class Tables(NamedTuple):
     lever: float
 
 
+class Start(NamedTuple):
+    """First collision of a transition.
+
+    Attributes:
+        travel: Travel of the cylinder from the touch configuration [rad].
+        late: Bound on the error of its time [s].
+        rate: Rate of x before it, negative.
+        rate_error: Bound on the error of that.
+    """
+
+    travel: float
+    late: float
+    rate: float
+    rate_error: float
+
+
+class Turn(NamedTuple):
+    """What a turn does from its opening to the touch; y is the coordinate of the waiting stop.
+
+    The waiting stop is the one that is closed in the initial phase. It is reached where the
+    transition stop opens, bounces, rests, may be left again, and should be closed at the touch.
+
+    Attributes:
+        known: 1 if all this is known of the mechanism; else 0, and the arrays hold nothing.
+        opening: Travel from the touch to the opening [rad].
+        restitution: e_N of the waiting stop.
+        clamping: Functions in x'' along x = 0 from the touch to the opening,
+            shape (functions, cells, N).
+        waiting: Functions in y'' along y = 0 from the opening to the touch, likewise.
+        residual: Bounds on the errors of the functions in ``clamping``, shape (functions,).
+        touch: Series in y at the touch of x and its derivatives by y and by u, shape (3, N).
+        touch_errors: Bounds on their errors, shape (3,).
+    """
+
+    known: float
+    opening: float
+    restitution: float
+    clamping: FloatArray
+    waiting: FloatArray
+    residual: FloatArray
+    touch: FloatArray
+    touch_errors: FloatArray
+
+
 class Work(NamedTuple):
     """Scratch arrays of one call, made in it: no two threads share them.
 
@@ -73,6 +119,7 @@ class Work(NamedTuple):
         nodes: Shape (SCRATCH_ROWS, N + 2).
         series: Times and rates of the bounces, and scratch, shape (3, collisions).
         sizes: Bounds of the case as polynomials of the rate, shape (SIZES, 3).
+        line: A function along a stop, combined for the case, shape (cells, N).
     """
 
     case: FloatArray
@@ -81,3 +128,4 @@ class Work(NamedTuple):
     nodes: FloatArray
     series: FloatArray
     sizes: FloatArray
+    line: FloatArray

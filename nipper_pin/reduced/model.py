@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import FloatArray
+from .arrival import Arrival
 from .layout import Tables
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
@@ -52,6 +53,7 @@ class ReducedModel:
         gravity_m_s2: Gravity likewise.
         tolerance: Relative accuracy asked of the tables.
         samples: Points of the domain that were sampled.
+        arrival: What a turn does between its opening and the touch.
     """
 
     name: str
@@ -80,6 +82,7 @@ class ReducedModel:
     gravity_m_s2: float
     tolerance: float
     samples: int
+    arrival: Arrival = field(repr=False, compare=False)
 
     @property
     def cells(self) -> int:

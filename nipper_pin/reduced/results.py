@@ -114,6 +114,8 @@ class TransitionBatch(CollisionRows):
         duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
         duration_error: Bound on its error [s], shape (n,).
         share: Share of the first two rebounds in the duration, shape (n,).
+        premise: 1 where the machine arrives in its initial phase, as a transition assumes, 0 where
+            it does not, -1 where that is not known, shape (n,).
         error_bound: Bound on the worst relative error of the first two rebound times, the first
             amplitude and the duration, shape (n,).
         table: All rows, shape (n, rows, most).
@@ -126,6 +128,7 @@ class TransitionBatch(CollisionRows):
     duration: FloatArray
     duration_error: FloatArray
     share: FloatArray
+    premise: NDArray[np.int64]
     error_bound: FloatArray
     table: FloatArray = field(repr=False)
     engine: str = ENGINE
@@ -141,6 +144,8 @@ class ReducedTransition(CollisionRows):
         duration: Time from the first collision to rest [s].
         duration_error: Bound on its error [s].
         share: Share of the first two rebounds in the duration; NaN with fewer.
+        premise_holds: Whether the machine arrives in its initial phase, as a transition assumes;
+            None where that is not known.
         error_bound: Bound on the worst relative error of the first two rebound times, the first
             amplitude and the duration.
         table: All rows, shape (rows, collisions).
@@ -152,6 +157,7 @@ class ReducedTransition(CollisionRows):
     duration: float
     duration_error: float
     share: float
+    premise_holds: bool | None
     error_bound: float
     table: FloatArray = field(repr=False)
     engine: str = ENGINE

@@ -15,6 +15,7 @@ from ..hybrid.linear_maps import of_rates
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
 from . import series2d
+from .arrival import Arrival, arrival, unknown
 from .functions import Sampler
 from .model import (
     BY_GRAVITY,
@@ -33,6 +34,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 # Least part of x'' that the preload of a spring is taken to have.
 _LEAST_SHARE = 0.01
+# Accuracy of the tables of a turn: most of its motion is forgotten.
+_ARRIVING = 1e-10
 # Accelerations at touch that are none: a quotient of the others by them would overflow.
 _NOTHING = 1e-290
 
@@ -189,7 +192,30 @@ def build(
         gravity_m_s2=mechanism.gravity_m_s2,
         tolerance=tolerance,
         samples=samples,
+        arrival=_arrival(system, sampler, gap_max, tolerance),
     )
+
+
+def _arrival(system: System, sampler: Sampler, gap_max: float, tolerance: float) -> Arrival:
+    """What a turn does between its opening and the touch; flights as high as those after it."""
+    mechanism = system.mechanism
+    (name,) = mechanism.phase(mechanism.initial_phase).closed
+    stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
+    # The transition stop stays open as long as this one does not close beyond its place.
+    between = (name, transition.name)
+    others = tuple(item.index for item in mechanism.stops if item.name not in between)
+    n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
+    throw = float(n[0, stop.index])
+    try:
+        split = _split(system, stop.index, name)
+    except InputError as error:
+        return unknown(error.message)
+    waiting = Sampler(system, split, stop.index, others)
+    closed = frozenset({name})
+    rate, _ = _approach_rate(system, closed, transition.index, transition.name)
+    weights, _ = _nominal(mechanism, waiting, throw * rate)
+    tolerance = max(tolerance, _ARRIVING)
+    return arrival(system, sampler, waiting, stop, weights, throw * gap_max, tolerance)
 
 
 def _check(right: bool, key: str, value: float, allowed: str) -> None:

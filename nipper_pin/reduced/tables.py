@@ -12,9 +12,8 @@ from ..errors import ConvergenceError
 from . import series2d
 from .functions import Sampler
 
-_CELL_RAD = 0.5
+CELL_RAD = 0.5
 _COUNT_U = 16
-_COUNT_X = 12
 _MOST_CELLS = 64
 _MOST_X = 40
 # A doubling that gains less than this has met the round-off of the samples.
@@ -26,11 +25,22 @@ _SAFETY = 2.0
 
 @dataclass(frozen=True)
 class Domain:
-    """Travel u in [0, travel] and coordinate x in [low, high]."""
+    """Travel u in [0, travel] and coordinate x in [low, high].
+
+    Attributes:
+        travel: Length of the domain [rad].
+        low: Least coordinate.
+        high: Largest coordinate.
+        begin: Travel from the touch configuration at u = 0 [rad]: 0, or minus the length, so that
+            the domain ends in the touch configuration.
+        count_x: Nodes in x to start with.
+    """
 
     travel: float
     low: float
     high: float
+    begin: float = 0.0
+    count_x: int = 12
 
     def coordinates(self, places: FloatArray) -> FloatArray:
         """Places in [-1, 1] to x."""
@@ -79,7 +89,7 @@ def resolved(
     Raises:
         ConvergenceError: The functions are not smooth enough on this domain.
     """
-    cells, count_x = max(1, math.ceil(domain.travel / _CELL_RAD)), _COUNT_X
+    cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
     sampled = 0
     before = (np.inf, np.inf)
     refined = (False, False)
@@ -136,8 +146,9 @@ def residuals(
     u[:4], x[4:8] = (0.0, 0.0, domain.travel, domain.travel), (0.0, 0.0, 0.0, domain.high)
     row = np.minimum(np.searchsorted(tables.u, u), len(tables.u) - 1)
     column = np.minimum(np.searchsorted(tables.x, x), len(tables.x) - 1)
-    true = sampler.at(u, x, tables.q[row, column])
-    at_rest = sampler.at(u, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
+    past = domain.begin + u
+    true = sampler.at(past, x, tables.q[row, column])
+    at_rest = sampler.at(past, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
     width = domain.travel / cells
     cell = np.minimum((u / width).astype(int), cells - 1)
     place = 2.0 * (u - cell * width) / width - 1.0
@@ -163,8 +174,12 @@ def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tabl
     inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
     u = (width * np.arange(cells)[:, None] + inner).ravel()
     x = domain.coordinates(series2d.gauss_nodes(count_x))
-    q = sampler.grid(u, x)
-    found = sampler.at(np.repeat(u, count_x), np.tile(x, len(u)), q.reshape(len(u) * count_x, -1))
+    past = domain.begin + u
+    # Loops are closed from the touch configuration outwards.
+    order = slice(None, None, -1 if domain.begin < 0.0 else 1)
+    q = sampler.grid(past[order], x)[order]
+    flat = q.reshape(len(u) * count_x, -1)
+    found = sampler.at(np.repeat(past, count_x), np.tile(x, len(u)), flat)
     shape = (-1, cells, _COUNT_U, count_x)
     inertia = series2d.fit(found.inertia.reshape(shape))[0]
     zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from .inputs import check_run, column, number, one_row, spring_rows
+from .layout import HOLDS, UNKNOWN
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -30,6 +31,7 @@ def transition(
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 256,
+    assumed: bool = True,
 ) -> ReducedTransition:
     """Solve one transition.
 
@@ -43,6 +45,8 @@ def transition(
         rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
         tolerance: Relative accuracy of flights and of the limit.
         max_collisions: Largest number of collisions.
+        assumed: Whether the transition starts in the initial phase even if the machine does not
+            arrive so; else it is then that of the turn.
 
     Returns:
         The transition.
@@ -54,9 +58,11 @@ def transition(
     run, grids = _compiled()
     check_run(rest_rate, tolerance, max_collisions)
     e_N = model.restitution if restitution is None else restitution
-    status, rest, table = run(
+    status, rest, premise, table = run(
         grids,
         model.tables,
+        model.arrival.tables,
+        model.arrival.turn,
         number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / 60.0),
         number("restitution", e_N, 0.0, 1.0),
         one_row("stiffness", stiffness, model.stiffness, 0.0),
@@ -64,12 +70,16 @@ def transition(
         1.0 if gravity is None else float(_weight(model, gravity)[0]),
         0.0 if rest_rate is None else float(rest_rate),
         float(tolerance),
+        assumed,
         max_collisions,
     )
     if status != _AT_REST:
         raise _refusal(model, Status(status), table.shape[1], speed_rpm, max_collisions)
     duration, error, share, bound = rest
-    return ReducedTransition(model.name, table.shape[1], duration, error, share, bound, table)
+    holds = None if premise == UNKNOWN else premise == HOLDS
+    return ReducedTransition(
+        model.name, table.shape[1], duration, error, share, holds, bound, table
+    )
 
 
 def transitions(
@@ -83,6 +93,7 @@ def transitions(
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 32,
+    assumed: bool = True,
 ) -> TransitionBatch:
     """Solve many transitions in compiled code; a case is the same to the last bit alone.
 
@@ -96,6 +107,8 @@ def transitions(
         rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
         tolerance: Relative accuracy of flights and of the limit.
         max_collisions: Largest number of collisions of a case, and columns of the tables.
+        assumed: Whether transitions start in the initial phase even if the machine does not arrive
+            so; else they are then those of the turn.
 
     Returns:
         The batch; cases that did not come to rest are marked by their status.
@@ -127,11 +140,13 @@ def transitions(
     from .machine import grids
 
     table = np.full((n, COLUMNS, max_collisions), np.nan)
-    status, counts = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    status, counts, premise = np.zeros((3, n), dtype=np.int64)
     rest = np.empty((n, 4))
     run_batch(
         grids(),
         model.tables,
+        model.arrival.tables,
+        model.arrival.turn,
         _full(speed * (math.tau / 60.0), (n,)),
         _full(e_N, (n,)),
         _full(rates, (n, springs)),
@@ -139,13 +154,17 @@ def transitions(
         _full(weight, (n,)),
         0.0 if rest_rate is None else float(rest_rate),
         float(tolerance),
+        assumed,
         table,
         status,
         counts,
+        premise,
         rest,
     )
     durations, errors, shares, bounds = rest.T.copy()
-    return TransitionBatch(model.name, status, counts, durations, errors, shares, bounds, table)
+    return TransitionBatch(
+        model.name, status, counts, durations, errors, shares, premise, bounds, table
+    )
 
 
 @cache

@@ -22,6 +22,7 @@ from ..mechanism import Mechanism
 from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
 from ..reduced.inputs import check_run
+from ..reduced.layout import FAILS, HOLDS, UNKNOWN
 from ..reduced.results import CollisionRows
 from .cases import Cases, cases_of, spring_values
 from .true_transition import TrueTransition, assumed_transition, transition_of_turns
@@ -38,6 +39,7 @@ FAILED = "failed"
 TURN = "turn"
 """Engine of a case for which whole turns were simulated, since the premise does not hold."""
 _STATUS = {int(status): status.name.lower() for status in Status}
+_PREMISE = {HOLDS: True, FAILS: False, UNKNOWN: None}
 _AT_REST, _TOO_MANY = _STATUS[Status.AT_REST], _STATUS[Status.TOO_MANY_COLLISIONS]
 
 
@@ -250,9 +252,13 @@ class _Run:
             chosen = np.flatnonzero(self._outcome == _TOO_MANY)
         if keep_all:
             return []
-        left = np.flatnonzero(self._outcome != _AT_REST).tolist()
+        untold = np.array([told is None for told in self._premise]) & model.arrival.asked
+        left = np.flatnonzero((self._outcome != _AT_REST) | untold)
         for number in left:
-            self._message[number] = f"the reduced engine: {self._outcome[number]}"
+            reason = str(self._outcome[number])
+            if reason == _AT_REST:
+                reason = model.arrival.why or "cannot tell how the machine arrives"
+            self._message[number] = f"the reduced engine: {reason}"
         return [int(number) for number in left]
 
     def _batch(self, model: ReducedModel, chosen: NDArray[np.int64], columns: int) -> None:
@@ -265,11 +271,13 @@ class _Run:
             rest_rate=self._rest_rate,
             tolerance=self._tolerance,
             max_collisions=columns,
+            assumed=not self._true,
         )
         self._engine[chosen] = "reduced"
         self._outcome[chosen] = [_STATUS[status] for status in batch.status]
         self._collisions[chosen] = batch.collisions
         self._rest[chosen] = np.stack([batch.duration, batch.duration_error, batch.share], axis=1)
+        self._premise[chosen] = [_PREMISE[told] for told in batch.premise]
         most = int(batch.collisions.max(initial=0))
         self._rows.append((chosen, batch.table[:, :, :most].copy()))
 

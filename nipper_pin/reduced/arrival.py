@@ -1,0 +1,247 @@
+"""Tables of what a turn does from its opening to the touch, for the premise of a transition.
+
+In the phase that clamps (x = 0, the transition stop closed) the other stop, with coordinate y, is
+open until the drives bring it back: the opening. Its collision there throws the transition stop
+open, and from then on y is the one coordinate that is left, a body that bounces on a stop, rests on
+it, and is left behind where y'' at y = y' = 0 changes its sign. Nothing of the past is in that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..dynamics.system import System
+from ..errors import NipperError, SimulationError
+from ..hybrid.cycles import comes_back
+from ..hybrid.linear_maps import of_rates
+from ..mechanism import Mechanism, Stop
+from . import series2d
+from .functions import Sampler
+from .layout import Tables, Turn
+from .tables import CELL_RAD, Domain, residuals, resolved
+from .tables import Tables as Series
+
+# Steps in which the opening is looked for [rad].
+_STEP = math.radians(3.0)
+_ROOT_STEPS = 40
+# Nodes of functions of one variable; cells as in tables of two.
+_NODES, _TOUCH_NODES, _NODES_Y = 16, 24, 8
+_CHECKS = 16
+_SAFETY = 2.0
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrival:
+    """What is known of a turn from its opening to the touch.
+
+    Attributes:
+        tables: Functions of (u, y), u counted from the opening.
+        turn: Functions along stops and at the touch.
+        why: Why these are not known; empty if they are.
+        asked: Whether it can be told at all; without tables by whole turns.
+    """
+
+    tables: Tables = field(repr=False)
+    turn: Turn = field(repr=False)
+    why: str = ""
+    asked: bool = True
+
+
+def unknown(why: str, *, asked: bool = True) -> Arrival:
+    """An arrival of which nothing is known."""
+    none = np.zeros((6, 1, 2))
+    empty = Tables(
+        equation=np.zeros((6, 1, 2, 2)),
+        gaps=np.zeros((0, 1, 2, 2)),
+        inertia=np.zeros((1, 2)),
+        residual=np.zeros(6),
+        largest=np.zeros(6),
+        steepest_x=np.zeros(6),
+        steepest_u=np.zeros(6),
+        travel=1.0,
+        low=0.0,
+        high=1.0,
+        approach=0.0,
+        approach_residual=0.0,
+        inertia_residual=0.0,
+        touch_angle=0.0,
+        sense=1.0,
+        lever=1.0,
+    )
+    turn = Turn(0.0, 0.0, 0.0, none, none, np.zeros(6), np.zeros((3, 2)), np.zeros(3))
+    return Arrival(tables=empty, turn=turn, why=why, asked=asked)
+
+
+def arrival(
+    system: System,
+    sampler: Sampler,
+    waiting: Sampler,
+    stop: Stop,
+    weights: FloatArray,
+    gap_max: float,
+    tolerance: float,
+) -> Arrival:
+    """Sample what a turn does between its opening and the touch.
+
+    Args:
+        system: The held system; its shaft turns at 1 rad/s from the touch configuration.
+        sampler: Functions of (u, x).
+        waiting: Functions of (u, y).
+        stop: The waiting stop, closed in the initial phase.
+        weights: Weights of the functions in y'', shape (functions,).
+        gap_max: Largest y.
+        tolerance: Relative accuracy of the tables.
+
+    Returns:
+        The arrival; without tables where the turn is not one of those that they describe.
+    """
+    if not comes_back(system):
+        return unknown("the drives do not come back with the cylinder", asked=False)
+    try:
+        return _sampled(system, sampler, waiting, stop, weights, gap_max, tolerance)
+    except NipperError as error:
+        return unknown(error.message)
+
+
+def _sampled(
+    system: System,
+    sampler: Sampler,
+    waiting: Sampler,
+    stop: Stop,
+    weights: FloatArray,
+    gap_max: float,
+    tolerance: float,
+) -> Arrival:
+    mechanism = system.mechanism
+    opening, q = _opening(sampler, stop)
+    n, m = sampler.rates(np.array([opening]), q)
+    throw, approach = float(n[0, stop.index]), float(m[0, stop.index])
+    if throw <= 0.0 or approach >= 0.0:
+        message = f"stop {stop.name!r} does not open {mechanism.transition_stop!r} by its collision"
+        raise SimulationError(message, throw=throw, approach=approach)
+    clamping = frozenset({mechanism.transition_stop})
+    rounded = of_rates(system, clamping, opening, q[0], m[0])
+    travel = 2.0 * math.pi - opening
+    domain = Domain(travel, -gap_max / 16.0, gap_max, begin=-travel, count_x=_NODES_Y)
+    tables, _ = resolved(waiting, domain, weights, tolerance)
+    _check_open(mechanism, tables)
+    count_u, count_x = series2d.needed(tables.equation, weights, 0.1 * tolerance)
+    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
+    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
+    residual, inertia_residual = residuals(waiting, domain, tables, equation, inertia)
+    largest, steep_u, steep_x = series2d.largest(equation)
+    width = travel / equation.shape[1]
+    at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
+    touch, touch_errors = _touch(waiting, mechanism, domain)
+    clamped, clamped_residual = _clamping(sampler, opening)
+    return Arrival(
+        tables=Tables(
+            equation=equation,
+            gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
+            inertia=inertia,
+            residual=residual,
+            largest=largest,
+            steepest_x=2.0 / (domain.high - domain.low) * steep_x,
+            steepest_u=2.0 / width * steep_u,
+            travel=travel,
+            low=domain.low,
+            high=domain.high,
+            approach=approach,
+            approach_residual=rounded.size(sampler.size + stop.index),
+            inertia_residual=inertia_residual,
+            touch_angle=float(mechanism.cylinder.angle_at_touch_rad),
+            sense=float(mechanism.cylinder.sense),
+            lever=stop.lever,
+        ),
+        turn=Turn(
+            known=1.0,
+            opening=opening,
+            restitution=stop.restitution,
+            clamping=clamped,
+            waiting=np.ascontiguousarray(equation @ at_zero),
+            residual=clamped_residual,
+            touch=touch,
+            touch_errors=touch_errors,
+        ),
+    )
+
+
+def _opening(sampler: Sampler, stop: Stop) -> tuple[float, FloatArray]:
+    """Travel at which y comes back to zero with x at zero, and the configuration there."""
+    u = np.arange(_STEP, 2.0 * math.pi, _STEP)
+    zero, before = np.zeros(1), np.zeros((1, sampler.size))
+    for travel, row in zip(u, sampler.along(u, zero, before), strict=True):
+        gap = stop.gap(row[0])
+        if gap <= 0.0:
+            return _root(sampler, stop, float(travel - _STEP), float(travel), before)
+        before = row
+    message = f"stop {stop.name!r} is not reached again within a turn"
+    raise SimulationError(message, stop=stop.name)
+
+
+def _root(
+    sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray
+) -> tuple[float, FloatArray]:
+    if low <= 0.0:
+        message = f"stop {stop.name!r} does not open after the touch"
+        raise SimulationError(message, stop=stop.name)
+    travel = high
+    for _ in range(_ROOT_STEPS):
+        (row,) = sampler.along(np.array([travel]), np.zeros(1), q)
+        gap = stop.gap(row[0])
+        rate = stop.rate(sampler.rates(np.array([travel]), row)[1][0])
+        if gap > 0.0:
+            low = travel
+        else:
+            high = travel
+        new = travel - gap / rate if rate < 0.0 else math.nan
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - travel) <= 4.0 * _EPS * travel or gap == 0.0:
+            break
+        travel = new
+    return travel, row
+
+
+def _check_open(mechanism: Mechanism, tables: Series) -> None:
+    """Refuse a turn in which the transition stop can close while the waiting one has y >= 0."""
+    gaps = tables.q[:, :, mechanism.stop(mechanism.transition_stop).index]
+    if (np.diff(gaps, axis=1) <= 0.0).any() or (gaps[:, tables.x >= 0.0] <= 0.0).any():
+        message = f"stop {mechanism.transition_stop!r} can close between its opening and the touch"
+        raise SimulationError(message)
+
+
+def _clamping(sampler: Sampler, opening: float) -> tuple[FloatArray, FloatArray]:
+    """Functions in x'' along x = 0 as series in u on cells, and bounds on their errors."""
+    cells = max(1, math.ceil(opening / CELL_RAD))
+    width = opening / cells
+    inner = 0.5 * width * (series2d.gauss_nodes(_NODES) + 1.0)
+    u = (width * np.arange(cells)[:, None] + inner).ravel()
+    zero = np.zeros_like(u)
+    q = sampler.grid(u, np.zeros(1))[:, 0]
+    values = sampler.at(u, zero, q).equation.reshape(-1, cells, _NODES, 1)
+    series = series2d.fit(values)[..., 0]
+    tail = np.abs(series[:, :, -2:]).sum(axis=2).max(axis=1)
+    return np.ascontiguousarray(series), _SAFETY * tail + 4.0 * _EPS * np.abs(values).max((1, 2, 3))
+
+
+def _touch(sampler: Sampler, mechanism: Mechanism, domain: Domain) -> tuple[FloatArray, FloatArray]:
+    """x, dx/dy and dx/du at the touch as series in y, and bounds on their errors."""
+    column = mechanism.stop(mechanism.transition_stop).index
+
+    def values(places: FloatArray) -> FloatArray:
+        q = sampler.grid(np.zeros(1), domain.coordinates(places))[0]
+        n, m = sampler.rates(np.zeros(len(places)), q)
+        return np.array([q[:, column], n[:, column], m[:, column]])
+
+    series = series2d.fit(values(series2d.gauss_nodes(_TOUCH_NODES))[:, None, None])[:, 0, 0]
+    between = np.linspace(-1.0, 1.0, _CHECKS)
+    true = values(between)
+    found = np.array([np.polynomial.chebyshev.chebval(between, row) for row in series])
+    error = np.abs(found - true).max(axis=1)
+    return series, _SAFETY * error + 4.0 * _EPS * np.abs(true).max(axis=1)

@@ -1,0 +1,75 @@
+"""Bounds on the errors of flights, compiled; the formula is in :func:`nipper_pin.reduced.build`."""
+
+from __future__ import annotations
+
+from math import exp
+
+from ..arrays import FloatArray
+from .compiled import compiled, forget_stale
+from .layout import BY_U, BY_V, BY_X, EPS, RESIDUAL, Tables
+
+# A bounce's time and the next rate feel a change of x'' once and twice.
+_FELT = 3.0
+
+
+@compiled
+def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
+           preload: FloatArray) -> None:  # fmt: skip
+    """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
+    for row in range(3):
+        values = tables.residual
+        if row == BY_X:
+            values = tables.steepest_x
+        elif row == BY_U:
+            values = tables.steepest_u
+        total = speed * speed * values[0] + abs(gravity) * values[3]
+        for k in range(len(stiffness)):
+            total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
+        sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
+    sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
+
+
+@compiled
+def size(sizes: FloatArray, row: int, rate: float) -> float:
+    """One of the sums at a rate of x."""
+    return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
+
+
+@compiled
+def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
+                   fastest: float, changed: float, left: float, dt: float,
+                   dw: float) -> tuple[float, float, float]:  # fmt: skip
+    """Errors at the end of a flight, by the formula in :func:`nipper_pin.reduced.build`.
+
+    One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
+
+    Returns:
+        Bounds on the errors of its duration, rate at the end and amplitude.
+    """
+    Lv, Lx = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
+    Lt = speed * size(sizes, BY_U, fastest)
+    felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
+    steady = felt * changed + size(sizes, RESIDUAL, fastest) + Lt * dt
+    e = steady + left
+    K = exp(felt)
+    rho = a * T / v
+    duration = K * (dw * T + 0.5 * e * T * T) / abs(v) + 4.0 * EPS * T
+    lever = abs(1.0 - 0.5 * rho)
+    if rho > 1.0:
+        lever = (1.0 + (rho - 1.0) ** 2) / (2.0 * rho)
+    growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
+    # What a grid misses changes its sign, so that it may act on the rate and not on the time.
+    rate = growth * dw + K * (steady * lever + left) * T + 4.0 * EPS * abs(v)
+    return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
+
+
+@compiled
+def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
+    """Bound on the relative error of what is ahead of a series with constant acceleration."""
+    by_time = speed * ahead * size(sizes, BY_U, w)
+    by_gap = 0.5 * w * w / -a * size(sizes, BY_X, w)
+    by_rate = 2.0 * w * size(sizes, BY_V, w)
+    return float(min(_FELT * (by_time + by_gap + by_rate) / -a, 1.0))
+
+
+forget_stale(__file__)

@@ -1,0 +1,170 @@
+"""How a turn arrives at the touch, by tables, judged by whole turns of the direct engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, Resolution, load
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.reduced import ReducedModel, build, transition, transitions
+from nipper_pin.reduced.arriving import released
+from nipper_pin.study.transitions import retuned, transition_table
+from nipper_pin.study.true_transition import true_transition
+
+# Fast, soft and little preloaded: many of them arrive with their steeve off its stop.
+RISKY = {
+    "speed_rpm": (600.0, 690.0),
+    "restitution": (0.02, 0.3),
+    "stiffness": (7000.0, 9000.0),
+    "preload": (0.0085, 0.0105),
+}
+
+
+def risky(count: int, seed: int) -> dict[str, Any]:
+    random = np.random.default_rng(seed)
+    return {name: random.uniform(*span, count) for name, span in RISKY.items()}
+
+
+def named(cases: dict[str, Any]) -> dict[str, Any]:
+    """The same for a table, whose arguments have their units in their names."""
+    return {
+        "speed_rpm": cases["speed_rpm"],
+        "restitution": cases["restitution"],
+        "stiffness_N_per_m": cases["stiffness"],
+        "preload_length_mm": 1e3 * cases["preload"],
+    }
+
+
+def judge(mechanism: Mechanism, cases: dict[str, Any], number: int) -> Any:
+    """The transition that the direct engine finds, in whole turns if need be."""
+    tuned = retuned(
+        mechanism,
+        float(cases["restitution"][number]),
+        np.array([cases["stiffness"][number]]),
+        np.array([cases["preload"][number]]),
+    )
+    tolerance = Resolution(tolerance=1e-13)
+    return true_transition(
+        tuned, Case(speed_rpm=float(cases["speed_rpm"][number]), resolution=tolerance)
+    )
+
+
+def test_agrees_with_whole_turns(e62: Mechanism, model: ReducedModel) -> None:
+    """Both verdicts, and the transition of the turn within the stated errors."""
+    cases = risky(24, 3)
+    found = transitions(model, assumed=False, **cases)
+    assert (found.premise == 1).sum() >= 5
+    assert (found.premise == 0).sum() >= 5
+    assert (found.premise >= 0).all()
+    for number in range(24):
+        true = judge(e62, cases, number)
+        assert bool(found.premise[number]) is true.premise_holds
+        for key, wrong in (
+            ("approach_rate", "rate_error"),
+            ("rebound_amplitude", "amplitude_error"),
+            ("rebound_time", "rebound_error"),
+        ):
+            for place in (0, 1):
+                here = getattr(found, key)[number, place]
+                stated = getattr(found, wrong)[number, place]
+                there = getattr(true.collisions[place], key)
+                own = true.errors[place].impulse * abs(there)
+                own += true.errors[min(place + 1, len(true.errors) - 1)].time
+                assert abs(here - there) <= stated + 2.0 * own, (number, key, place)
+        angle = true.collisions[0].cylinder_angle
+        turn = 2.0 * np.pi
+        apart = (found.cylinder_angle[number, 0] - angle + 0.5 * turn) % turn - 0.5 * turn
+        assert abs(apart) < 1e-9
+        assert true.transition is not None
+        error = found.duration_error[number] + 2.0 * (true.duration_error or 0.0)
+        assert abs(found.duration[number] - true.transition.duration) <= error
+
+
+def test_alone_as_in_a_batch(model: ReducedModel) -> None:
+    """One case and a batch have the same bits, whatever was computed before in the same arrays."""
+    cases = risky(8, 5)
+    batch = transitions(model, assumed=False, **cases)
+    for number in range(8):
+        one = transition(
+            model, assumed=False, **{key: float(value[number]) for key, value in cases.items()}
+        )
+        assert one.premise_holds is bool(batch.premise[number])
+        assert one.duration == batch.duration[number]
+
+
+def test_assumed_or_not(model: ReducedModel) -> None:
+    """What is assumed starts as ever; the verdict is the same, and true cases do not differ."""
+    cases = risky(40, 7)
+    assumed, true = (transitions(model, assumed=how, **cases) for how in (True, False))
+    holds = true.premise == 1
+    np.testing.assert_array_equal(assumed.premise[holds], 1)
+    np.testing.assert_array_equal(assumed.duration[holds], true.duration[holds])
+    fails = true.premise == 0
+    assert (assumed.approach_rate[:, 0] / cases["speed_rpm"]).std() < 1e-12
+    assert (true.approach_rate[fails, 0] != assumed.approach_rate[fails, 0]).all()
+
+
+def test_a_table_keeps_them(e62: Mechanism) -> None:
+    """A table of many cases has the transition of the turn where the premise fails."""
+    cases = risky(80, 11)
+    table = transition_table(e62, **named(cases))
+    false = [number for number in range(80) if table.premise_holds[number] is False]
+    assert len(false) > 5
+    assert (table.engine[false] == "reduced").all()
+    assumed = transition_table(e62, engine="reduced", **named(cases))
+    for number in false[:3]:
+        hit = judge(e62, cases, number).collisions[0]
+        assert table.approach_rate[number, 0] == pytest.approx(hit.approach_rate, rel=1e-8)
+        assert abs(assumed.approach_rate[number, 0] / hit.approach_rate - 1.0) > 1e-6
+
+
+def test_long_bounces_are_not_called_true(e62: Mechanism) -> None:
+    """Bounces of the steeve after the opening that last until the touch."""
+    lively = build(load("e62", {"stops.steeve.restitution": 0.97}))
+    assert transition(lively, speed_rpm=650.0).premise_holds is not True
+    assert transition(build(e62), speed_rpm=650.0).premise_holds is True
+
+
+def test_without_tables_nothing_is_told(e62: Mechanism, model: ReducedModel) -> None:
+    """Where the turn is unknown no verdict is given, and a table asks the direct engine."""
+    dark = replace(model.arrival, turn=model.arrival.turn._replace(known=0.0))
+    blind = replace(model, arrival=dark)
+    assert transition(blind, speed_rpm=650.0).premise_holds is None
+    assert transitions(blind, speed_rpm=[450.0, 650.0]).premise.tolist() == [-1, -1]
+    table = transition_table(e62, speed_rpm=[450.0, 650.0], engine="reduced")
+    assert table.premise_holds.tolist() == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("values", "begin", "expected"),
+    [
+        (lambda u: u - 1.3, 0.0, 1.3),
+        (lambda u: -0.5 - 0.0 * u, 0.0, 4.0),
+        (lambda u: 1e-3 - (u - 1.23) ** 2, 0.0, 1.23 - np.sqrt(1e-3)),
+        (lambda u: 1e-5 - (u - 1.23) ** 2, 0.0, 1.23 - np.sqrt(1e-5)),
+        (lambda u: 1e-5 - (u - 1.0) ** 2, 0.0, 1.0 - np.sqrt(1e-5)),
+        (lambda u: -1e-5 - (u - 1.0) ** 2, 0.0, 4.0),
+        (lambda u: -((u - 1.23) ** 2), 0.0, -1.0),
+        (lambda u: u - 1.3, 2.0, 2.0),
+        (lambda u: (u - 1.3) * (1.5 - u), 2.0, 4.0),
+    ],
+)
+def test_where_a_stop_lets_go(values: Any, begin: float, expected: float) -> None:
+    """First place without pressure: a crossing, a short lift between places, a graze, none.
+
+    The line is cut into three cells of [0, 3]; 4 says that there is none, -1 that a lift is too
+    small to tell.
+    """
+    cells, count = 3, 6
+    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    line = np.array(
+        [
+            np.polynomial.chebyshev.chebfit(nodes, values(cell + 0.5 + 0.5 * nodes), count - 1)
+            for cell in range(cells)
+        ]
+    )
+    assert released(line, cells, count, 3.0, begin, 3.0) == pytest.approx(expected, abs=1e-9)
