@@ -38,14 +38,16 @@ class EventError:
     Attributes:
         time: Of its time [s].
         impulse: Of its impulse and rates, relative [-].
+        since: Of the time since the event before it [s].
     """
 
     time: float
     impulse: float
+    since: float
 
 
 # Where drives determine the motion, or nothing has happened yet.
-_FRESH = EventError(0.0, RATE)
+_FRESH = EventError(0.0, RATE, 0.0)
 
 
 def event_errors(
@@ -63,7 +65,7 @@ def event_errors(
     maps = LinearMaps(system)
     state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
     last: dict[int, _Step] = {}
-    found = []
+    found: list[EventError] = []
     for event in events:
         first = place
         # A rest lies beyond the end of the motion before it.
@@ -82,7 +84,11 @@ def event_errors(
         state = step.after
         # What a copy is wrong by is what it is a copy of, and round-off of its time.
         shifted = _CLOCK * (event.t - step.t)
-        found.append(replace(step.stated, time=step.stated.time + shifted))
+        stated = replace(step.stated, time=step.stated.time + shifted)
+        if found and any(segment.kinematic for segment in segments[first:place]):
+            # Nothing that makes the event before late goes on.
+            stated = replace(stated, since=stated.time + found[-1].time)
+        found.append(stated)
     return tuple(found)
 
 
@@ -170,9 +176,10 @@ class _Arrival(NamedTuple):
 def _stepped(system: System, maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
     """From one event to the next."""
     event, (deviations, error) = arrival.event, before
-    for segment in arrival.flights:
+    for place, segment in enumerate(arrival.flights):
         flight = maps.flight(segment)
-        deviations = deviations.later(-deviations.late, flight.rates)
+        if place == 0:
+            deviations = deviations.departed(flight.rates)
         deviations = deviations.through(flight.matrix).joined(flight.own).merged()
     arrived = _State(deviations, error)
     if event.kind is EventKind.REST:
@@ -203,8 +210,11 @@ def _struck(
         late *= most / total
     seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
     found = before.deviations.later(late, impact.rates)
-    found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen])))
+    found = found.joined(
+        Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1))
+    )
     time = float(np.abs(found.late).sum())
+    since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
     found = found.within(index, 0.0)
     relative = found.size(nv + index) / abs(rate)
     found = found.within(nv + index, abs(rate))
@@ -212,7 +222,7 @@ def _struck(
         pushed = np.abs(impact.pushes @ found.states).sum(axis=1)
         relative = max(relative, float(pushed[0]) / abs(event.P_N[stops[0].name])) + impact.lost
         found = found.through(impact.matrix).joined(impact.own)
-    return found.merged(), EventError(time, min(relative, 1.0))
+    return found.merged(), EventError(time, min(relative, 1.0), since)
 
 
 def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
@@ -230,16 +240,19 @@ def _rested(
 ) -> tuple[Deviations, EventError]:
     """Deviations after a rest and its errors, from the deviations after the last collision."""
     event, deviations, late = arrival.event, before.deviations, before.deviations.late
+    left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)
     index = system.mechanism.stop(event.stops[0]).index
     rate = float(event.v_before[index])
     if rate != 0.0 and pushing(system, event):
         # What is left of the series lasts in proportion to its rate.
         beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
-        late = late + beyond * deviations.states[system.body.nv + index] / rate
+        shorter = beyond * deviations.states[system.body.nv + index] / rate
+        late, left = late + shorter, left + shorter
         deviations = deviations.through(maps.impact(event).matrix)
         deviations = deviations.joined(maps.left_out(event, beyond)).merged()
-    time = float(np.abs(late).sum()) + _LIMIT * event.series_error
-    return deviations, EventError(time, before.error.impulse)
+    limit = _LIMIT * event.series_error
+    time, since = (float(np.abs(item).sum()) + limit for item in (late, left))
+    return deviations, EventError(time, before.error.impulse, since)
 
 
 def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
@@ -252,4 +265,5 @@ def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
     if index not in rows.stops:
         return before.error
     late = release_error(system, rows, segment.panels[-1], event.t, before.deviations, index)
-    return EventError(min(late, flown) + _CLOCK * event.t, before.error.impulse)
+    late = min(late, flown) + _CLOCK * event.t
+    return EventError(late, before.error.impulse, late + before.error.time)

@@ -12,7 +12,7 @@ Conference on Decision and Control 2017.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,16 +33,18 @@ class Deviations:
         states: (dq, dv), one column a source, shape (2 nv, K).
         late: By how much each source makes the last event late [s], shape (K,); zero in flight,
             where states are compared at one time.
+        before: By how much each makes the event before that late [s], shape (K,).
     """
 
     states: FloatArray
     late: FloatArray
+    before: FloatArray
 
     @classmethod
     def of(cls, states: FloatArray) -> Deviations:
         """Sources of deviations at one time, shape (2 nv, K); those that are nothing are none."""
         counting = states[:, np.abs(states).any(axis=0)]
-        return cls(counting, np.zeros(counting.shape[1]))
+        return cls(counting, *np.zeros((2, counting.shape[1])))
 
     @classmethod
     def independent(cls, q: FloatArray, v: FloatArray) -> Deviations:
@@ -56,14 +58,23 @@ class Deviations:
             if not np.vdot(states, states) < NOTHING_KNOWN**2:
                 states = np.nan_to_num(states, nan=NOTHING_KNOWN)
                 states = np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN)
-        return Deviations(states, self.late)
+        return replace(self, states=states)
 
     def joined(self, other: Deviations) -> Deviations:
         """Return the sum of two sets whose sources are independent."""
         return Deviations(
             np.concatenate([self.states, other.states], axis=1),
             np.concatenate([self.late, other.late]),
+            np.concatenate([self.before, other.before]),
         )
+
+    def departed(self, rates: FloatArray) -> Deviations:
+        """Return them at one time, after an event that each source makes late.
+
+        Args:
+            rates: Velocities and accelerations there, shape (2 nv,).
+        """
+        return replace(self.later(-self.late, rates), before=self.late)
 
     def later(self, late: FloatArray, rates: FloatArray) -> Deviations:
         """Return them at times that are later by so much for each source.
@@ -72,7 +83,8 @@ class Deviations:
             late: The times [s], shape (K,).
             rates: Velocities and accelerations there, shape (2 nv,).
         """
-        return Deviations(self.states + np.outer(rates, late), self.late + late)
+        states = self.states + np.outer(rates, late)
+        return replace(self, states=states, late=self.late + late)
 
     def size(self, row: int) -> float:
         """How far one position or velocity may deviate."""
@@ -85,14 +97,14 @@ class Deviations:
             return self
         states = self.states.copy()
         states[row] *= most / size
-        return Deviations(states, self.late)
+        return replace(self, states=states)
 
     def merged(self) -> Deviations:
         """Return a set that contains this one and has few columns."""
         count = self.states.shape[1]
         if count <= _MOST:
             return self
-        columns = np.vstack([self.states, self.late])
+        columns = np.vstack([self.states, self.late, self.before])
         sizes = np.abs(columns).sum(axis=1, keepdims=True)
         scaled = columns / np.where(sizes > 0.0, sizes, 1.0)
         order = np.argsort(-np.abs(scaled).sum(axis=0), kind="stable")
@@ -102,4 +114,4 @@ class Deviations:
         directions = directions[:, lengths > _ROUND_OFF * lengths[0]]
         box = directions * np.abs(directions.T @ small).sum(axis=1)
         columns = np.hstack([kept, box * sizes])
-        return Deviations(columns[:-1], columns[-1])
+        return Deviations(columns[:-2], columns[-2], columns[-1])

@@ -39,14 +39,17 @@ class Rebounds:
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
         self._highest_gaps: dict[int, float] = {}
-        self._flights: dict[int, tuple[float | None, float | None]] = {}
+        self._flights: dict[int, Segment | None] = {}
 
     def time(self, event: Event) -> float | None:
         """Time of the rebound of the stop that a collision struck first [s]; None if unknown."""
         stop, end = self._end(event)
         if end is None:
             return None
-        return self._followed(event, stop)[1] if self._left_out(event, end) else end.t - event.t
+        if not self._left_out(event, end):
+            return end.t - event.t
+        segment = self._followed(event, stop)
+        return None if segment is None else segment.t_end - event.t
 
     def amplitude(self, event: Event) -> float | None:
         """Largest gap of that rebound [rad or m]; None if unknown."""
@@ -54,12 +57,20 @@ class Rebounds:
         if end is None:
             return None
         if self._left_out(event, end):
-            return self._followed(event, stop)[0]
+            segment = self._followed(event, stop)
+            return None if segment is None else _highest_of(segment, stop)
         # Copies of a turn share their arrays.
         key = id(event.q)
         if key not in self._highest_gaps:
             self._highest_gaps[key] = self._highest(event.t, end.t, stop)
         return self._highest_gaps[key]
+
+    def until(self, event: Event) -> tuple[Event | None, Segment | None]:
+        """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
+        stop, end = self._end(event)
+        if end is None or not self._left_out(event, end):
+            return end, None
+        return end, self._followed(event, stop)
 
     def _end(self, event: Event) -> tuple[Stop, Event | None]:
         """The stop, and the next event at which it takes part; the same event if it does not open.
@@ -87,14 +98,14 @@ class Rebounds:
             highest = max(highest, _highest_of(segment, stop))
         return highest
 
-    def _followed(self, event: Event, stop: Stop) -> tuple[float | None, float | None]:
-        """Amplitude and time of a rebound that a run leaves out."""
+    def _followed(self, event: Event, stop: Stop) -> Segment | None:
+        """The flight of a rebound that a run leaves out; None if it does not end."""
         key = id(event.q)
         if key not in self._flights:
             self._flights[key] = self._flight(event, stop)
         return self._flights[key]
 
-    def _flight(self, event: Event, stop: Stop) -> tuple[float | None, float | None]:
+    def _flight(self, event: Event, stop: Stop) -> Segment | None:
         system = self._system
         rows = system.constraint_set(event.closed_after - {stop.name})
         motion = system.shaft.driven_at(event.t)
@@ -103,9 +114,7 @@ class Rebounds:
         _, jacobian = system.body.closures(q[None])
         t_limit = event.t + system.shaft.period
         reached = advance(system, rows, event.t, q, v, a, jacobian[0], t_limit, self._resolution)
-        if not reached.triggers:
-            return None, None
-        return _highest_of(reached.segment, stop), reached.segment.t_end - event.t
+        return reached.segment if reached.triggers else None
 
 
 def _highest_of(segment: Segment, stop: Stop) -> float:

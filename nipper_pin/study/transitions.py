@@ -18,6 +18,7 @@ from ..arrays import FloatArray
 from ..dynamics.system import DriveMode
 from ..errors import InputError, NipperError
 from ..hybrid.case import Case, Resolution
+from ..hybrid.rebound_errors import rebound_error
 from ..mechanism import Mechanism
 from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
@@ -385,14 +386,11 @@ def _collision_rows(transition: TrueTransition) -> FloatArray:
         found[rows.IMPULSE_ERROR, i] = error.impulse * abs(hit.impulse)
         if hit.rebound_amplitude is None or hit.rebound_time is None:
             continue
-        # The next collision holds what this flight has left unresolved. Of a nearly ballistic
-        # flight the height goes with the square of the rate, the time with the rate.
-        after = errors[min(i + 1, len(hits) - 1)]
-        relative = max(error.impulse, after.impulse)
+        rebound = rebound_error(transition.solution, hit)
         found[rows.AMPLITUDE, i] = hit.rebound_amplitude
         found[rows.REBOUND, i] = hit.rebound_time
-        found[rows.AMPLITUDE_ERROR, i] = 2.0 * relative * hit.rebound_amplitude
-        found[rows.REBOUND_ERROR, i] = error.time + after.time + relative * hit.rebound_time
+        found[rows.AMPLITUDE_ERROR, i] = rebound.amplitude
+        found[rows.REBOUND_ERROR, i] = rebound.time
     return found
 
 

@@ -9,8 +9,9 @@ from nipper_pin.hybrid.deviations import NOTHING_KNOWN, Deviations
 
 
 def _extent(found: Deviations, direction: np.ndarray) -> float:
-    """How far the set reaches in a direction of (dq, dv, dt): what determines a convex set."""
-    return float(np.abs(direction @ np.vstack([found.states, found.late])).sum())
+    """How far the set reaches in a direction of (dq, dv, dt, dt): what determines a convex set."""
+    columns = np.vstack([found.states, found.late, found.before])
+    return float(np.abs(direction @ columns).sum())
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -25,7 +26,7 @@ def test_a_merged_set_contains_the_one_that_it_stands_for(seed: int) -> None:
     sizes = 10.0 ** random.uniform(-9.0, 0.0, (rows, 1))
     columns = sizes * (random.normal(size=(rows, rows)) @ random.normal(size=(rows, 400)))
     columns *= 10.0 ** random.uniform(-4.0, 0.0, 400)
-    whole = Deviations(columns[:-1], columns[-1])
+    whole = Deviations(columns[:-2], columns[-2], columns[-1])
     merged = whole.merged()
     assert merged.states.shape[1] <= 64
     growth = []

@@ -71,7 +71,7 @@ def _nipper(restitution: float) -> Solution:
 def _derivatives(solution: Solution, name: str) -> list[tuple[float, float]]:
     """Derivatives of the times of all collisions and of their impulses, by a restitution."""
     system, mechanism, nv = solution.system, solution.mechanism, solution.system.body.nv
-    found = Deviations(np.zeros((2 * nv, 1)), np.zeros(1))
+    found = Deviations(np.zeros((2 * nv, 1)), np.zeros(1), np.zeros(1))
     segments, derivatives = list(solution.segments), []
     for event in solution.events:
         if event.kind is not EventKind.COLLISION:

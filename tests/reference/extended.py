@@ -85,6 +85,21 @@ def _integrals(sigma: Any) -> tuple[Any, Any, Any]:
     return p[:ORDER], once[:ORDER], twice
 
 
+_P, _ONE, _TWO = [L(2 * k + 1) for k in range(ORDER + 2)], L(1), L(2)
+
+
+def _integrals_at(sigma: Any) -> tuple[Any, Any, Any]:
+    """What ``_integrals`` gives at one place, each of shape (ORDER,); numbers are faster there."""
+    x = _TWO * sigma - _ONE
+    p = [_ONE, x]
+    for k in range(1, ORDER + 1):
+        p.append((_P[k] * x * p[k] - k * p[k - 1]) / (k + 1))
+    once = [sigma, *((p[k + 1] - p[k - 1]) / (_TWO * _P[k]) for k in range(1, ORDER + 1))]
+    twice = [sigma * sigma / _TWO, (once[2] - once[0]) / 6]
+    twice += [(once[k + 1] - once[k - 1]) / (_TWO * _P[k]) for k in range(2, ORDER)]
+    return np.array(p[:ORDER]), np.array(once[:ORDER]), np.array(twice)
+
+
 def _nodes() -> tuple[Any, Any]:
     """Gauss-Legendre points on [0, 1] and the map from values there to coefficients."""
     k = np.arange(ORDER)
@@ -143,9 +158,14 @@ class Gap:
 
     def at(self, sigma: Any) -> tuple[Any, Any]:
         """Gap and rate at one place of the panel."""
-        _, once, twice = _integrals(np.array([sigma], dtype=L))
-        x = self.x + self.h * (sigma * self.v + self.h * (twice[:, 0] @ self.c))
-        return x, self.v + self.h * (once[:, 0] @ self.c)
+        x, v, _ = self.all_at(sigma)
+        return x, v
+
+    def all_at(self, sigma: Any) -> tuple[Any, Any, Any]:
+        """Gap, rate and acceleration at one place of the panel."""
+        p, once, twice = _integrals_at(L(sigma))
+        x = self.x + self.h * (sigma * self.v + self.h * (twice @ self.c))
+        return x, self.v + self.h * (once @ self.c), p @ self.c
 
     def sampled(self) -> tuple[Any, Any]:
         """Gaps and rates at ``PLACES``."""
@@ -177,19 +197,17 @@ class Gap:
         return best
 
     def _turning(self, low: Any, high: Any) -> Any:
-        """Where the rate vanishes in a bracket."""
-        a, b = self.at(low)[1], self.at(high)[1]
+        """Where the rate vanishes in a bracket, to the square root of what its value needs."""
+        falls, place = self.at(low)[1] > 0, (low + high) / 2
         for _ in range(200):
-            middle = (low * b - high * a) / (b - a) if a != b else (low + high) / 2
-            middle = min(max(middle, low + (high - low) / 64), high - (high - low) / 64)
-            rate = self.at(middle)[1]
-            if (rate > 0) == (a > 0):
-                low, a = middle, rate
-            else:
-                high, b = middle, rate
-            if high - low <= L("1e-12"):
-                break
-        return (low + high) / 2
+            _, rate, a = self.all_at(place)
+            low, high = (place, high) if (rate > 0) == falls else (low, place)
+            new = place - rate / (self.h * a) if a != 0 else low
+            new = new if low < new < high else (low + high) / 2
+            if abs(new - place) <= L("1e-11"):
+                return new
+            place = new
+        return place
 
     def _polished(self, low: Any, high: Any) -> Any:
         """Zero of the gap over the place if it starts at zero: relative precision is kept."""
@@ -235,7 +253,10 @@ class Solution:
 
     def driven(self, times: Any) -> tuple[Any, ...]:
         """What the drives prescribe: jaw pivot, eccentric pin, bottom nipper with derivatives."""
-        frame = self.machine.frame(self.start - self.machine.speed * times)
+        return self._carried(self.machine.frame(self.start - self.machine.speed * times))
+
+    @staticmethod
+    def _carried(frame: Any) -> tuple[Any, ...]:
         pivot, eccentric = frame.pivot.upto(2), frame.eccentric.upto(2)
         spin = frame.bottom_rate.upto(1)
         return (*pivot[:2], 2 * pivot[2], *eccentric[:2], 2 * eccentric[2], frame.bottom[0], *spin)
@@ -282,9 +303,14 @@ class Solution:
 
     # ---- flights -------------------------------------------------------------------------------
 
-    def panel(self, time: Any, state: dict[str, Any], h: Any) -> tuple[Any, dict[str, Gap]]:
-        """Solve both gaps on a panel, which is halved until it is resolved."""
-        a = self.at(time, state["th"], state["rate"])["a"] * np.ones(ORDER, dtype=L)
+    def panel(
+        self, time: Any, state: dict[str, Any], h: Any, start: Any
+    ) -> tuple[Any, dict[str, Gap]]:
+        """Solve both gaps on a panel, which is halved until it is resolved.
+
+        The iteration begins with the acceleration ``start`` of the jaw.
+        """
+        a = start * np.ones(ORDER, dtype=L)
         while True:
             driven = self.driven(time + h * SIGMA)
             change, found = L("inf"), {}
@@ -328,7 +354,7 @@ class Solution:
                     h = min(h, L("1.02") * (v + np.sqrt(max(v * v - 2 * a * x, L(0)))) / -a)
             if h <= 0:
                 break
-            h, gaps = self.panel(time, state, h)
+            h, gaps = self.panel(time, state, h, now["a"])
             roots = {stop: gap.root() for stop, gap in gaps.items()}
             hits = sorted((root, stop) for stop, root in roots.items() if root is not None)
             sigma = hits[0][0] if hits else L(1)
@@ -384,13 +410,13 @@ class Solution:
         """Motion with one stop closed: the gap of the other one, its rate, and the stop's force."""
         machine = self.machine
         frame = machine.frame(self.start - machine.speed * times)
-        zero = np.zeros_like(times)
+        driven, zero = self._carried(frame), np.zeros_like(times)
         if stop == JAW:
-            now = self.motion(self.driven(times), zero, zero)
+            now = self.motion(driven, zero, zero)
             return {"gap": now["stroke"], "rate": now["stroke_rate"], "force": now["torque"],
                     "th": zero, "th_rate": zero}  # fmt: skip
         th = machine.jaw_on_stop_in_phase_1(frame).upto(2)
-        now = self.motion(self.driven(times), th[0], th[1])
+        now = self.motion(driven, th[0], th[1])
         force = (now["inertia"] * 2 * th[2] + now["torque"]) / now["s_th"]
         return {"gap": th[0], "rate": th[1], "force": force, "th": th[0], "th_rate": th[1]}
 

@@ -83,7 +83,7 @@ def test_a_gap_that_only_just_falls_below_zero_is_found() -> None:
     """The dip of a steeve whose acceleration turns between two samples of the gap."""
     run = Solution({})
     state = {"th": L("0.01"), "rate": L(0), "s": L(0), "s_rate": L(0)}
-    _, gaps = run.panel(L(0), state, run.longest)
+    _, gaps = run.panel(L(0), state, run.longest, L(0))
     gap = gaps["jaw"]
     # x = 1e-6 ((sigma - 0.7)^2 - 1e-12), from the Legendre coefficients of x'' = 2e-6 / h^2.
     gap.x, gap.v = L("1e-6") * (L("0.49") - L("1e-12")), L("-1.4e-6") / gap.h
