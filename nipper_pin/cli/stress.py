@@ -55,6 +55,7 @@ def _run(options: argparse.Namespace) -> None:
     from ..study.stress import (
         WRONG,
         Campaign,
+        excesses,
         judge,
         load_trial,
         run_campaign,
@@ -97,6 +98,15 @@ def _run(options: argparse.Namespace) -> None:
         count = f"{len(wrong)} of {len(result.verdicts)} cases are wrong"
         message = f"{count}, the first one number {wrong[0].number}: {wrong[0].detail[:300]}"
         raise SimulationError(message, numbers=[item.number for item in wrong])
+    # One case that is judged again says nothing about shares.
+    if options.rerun is None and (found := excesses(result.verdicts)):
+        worst = found[0]
+        message = (
+            f"{worst.refused} of {worst.cases} cases of the family {worst.family!r} are refused, "
+            f"where {worst.share:.0%} may be: an engine that refuses what it should solve; "
+            f"see 'errors' in the report for the reasons"
+        )
+        raise SimulationError(message, families=[item.family for item in found])
 
 
 @contextmanager

@@ -230,7 +230,14 @@ def unknown_error(cycle: Solution) -> Solution:
     return with_event(cycle, first(cycle, EventKind.REST), series_error=np.nan)
 
 
+def heavier_world(cycle: Solution) -> Solution:
+    model = cycle.mechanism.model.copy()
+    model.gravity.linear = model.gravity.linear * (1.0 + 1e-7)
+    return replace(cycle, mechanism=replace(cycle.mechanism, model=model))
+
+
 DOCTORED: list[tuple[str, Callable[[Solution], Solution]]] = [
+    ("model", heavier_world),
     ("time order", backwards),
     ("outcome", sooner_over),
     ("outcome", says_rest),

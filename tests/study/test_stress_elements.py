@@ -11,38 +11,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from machine_of_all_elements import CASE, everything
 
-from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
+from nipper_pin import Case, EventKind, Mechanism, Solution, simulate
 from nipper_pin.dynamics.elements import Elements
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.stress import FAMILIES, RIGHT, judge, trial, violations
 from nipper_pin.study.stress.agreement import bits, mirror_images
-from nipper_pin.study.stress.chains import Chain
 from nipper_pin.study.stress.element_families import ELEMENT_FAMILIES
 from nipper_pin.study.stress.mirror import mirrored
 from nipper_pin.study.stress.parts import Source
 
 SEED = 11
-CASE = Case(speed_rpm=90.0, window=Window.CYCLE, start_index=0.0, max_collisions=60)
-
-
-def everything() -> Source:
-    """A chain on a swinging base, with two stops on a hinge and one element of every kind."""
-    rng = np.random.default_rng(5)
-    machine = Chain()
-    machine.add_base(rng, "swing")
-    machine.add_link(rng, True, 1.0)
-    machine.add_link(rng, False, 0.5)
-    machine.stop("j0", "lower", -0.2, 0.6)
-    machine.stop("j0", "upper", 0.1, 0.4)
-    machine.stop("j1", "upper", 0.05, 0.5)
-    machine.spring("coil", "j0", 4.0, 0.3)
-    machine.table("cushion", "j1", ([-3.0, -0.1, 0.02, 3.0], [-90.0, -3.0, 1.0, 95.0]))
-    machine.damper("oil", "j1", 0.8)
-    machine.strut(rng, "strut", 40.0, 1.5, 0.3)
-    return machine.source("everything", 9.81, [])
-
-
 def built(source: Source) -> Mechanism:
     return from_sources(source.name, source.urdf, source.description, source.folder)
 

@@ -4,6 +4,7 @@ from .campaign import Campaign, run_campaign
 from .files import load_trial, save_trial
 from .invariants import CHECKS, Violation, violations
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
+from .refusals import Excess, excesses
 from .space import FAMILIES, Trial, trial
 
 __all__ = [
@@ -14,9 +15,11 @@ __all__ = [
     "TIME_LIMIT_S",
     "WRONG",
     "Campaign",
+    "Excess",
     "Trial",
     "Verdict",
     "Violation",
+    "excesses",
     "judge",
     "load_trial",
     "run_campaign",

@@ -9,13 +9,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
 from ..processes import fresh_processes
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
+from .refusals import excesses
 from .space import trial
 from .store import Store
 
@@ -61,6 +62,7 @@ class Campaign:
                 for v in self.verdicts
                 if v.word == WRONG
             ],
+            "refused_too_often": [asdict(item) for item in excesses(self.verdicts)],
             "seed": self.seed,
             "digest": digest.hexdigest(),
             "wall_s": self.wall_s,

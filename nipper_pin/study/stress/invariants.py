@@ -26,6 +26,8 @@ from ...hybrid.unresolved import round_off
 from .element_invariants import elements, flights
 from .impact_invariants import impulses
 from .looking import EPS, EVENTS, beyond, looked_at, some
+from .model_invariants import built
+from .rebound_invariants import rebounds
 
 # Share of its largest force that the equation of a coordinate may be off by.
 _BALANCED = 1e-8
@@ -316,6 +318,7 @@ def _energy(solution: Solution) -> Iterator[str]:
 
 def _tables(solution: Solution) -> Iterator[str]:
     """Rebounds, phases and stated errors can be had and are what numbers they can be."""
+    yield from rebounds(solution)
     for hit in solution.collisions[:EVENTS]:
         amplitude, time = hit.rebound_amplitude, hit.rebound_time
         for name, value in (("amplitude", amplitude), ("time", time)):
@@ -330,6 +333,7 @@ def _tables(solution: Solution) -> Iterator[str]:
 
 
 CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
+    "model": built,
     "time order": _times,
     "outcome": _outcome,
     "phase logic": _phases,
