@@ -74,6 +74,10 @@ def _run(options: argparse.Namespace) -> None:
 
         print_optimum(optimum, Console())
         sys.stdout.write("".join(f"{path}\n" for path in written))
+    if optimum.contradiction:
+        from ..errors import SimulationError
+
+        raise SimulationError(optimum.contradiction, folder=str(folder))
 
 
 @contextmanager

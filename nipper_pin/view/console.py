@@ -21,6 +21,16 @@ def plain_table(first: str, *others: str) -> Table:
     return table
 
 
+def paste(console: Console, command: str) -> None:
+    """Print a command that can be pasted into a shell: it is not broken into lines.
+
+    Args:
+        console: Where to print.
+        command: The command.
+    """
+    console.print(command, markup=False, highlight=False, soft_wrap=True)
+
+
 def say(console: Console, text: str, *, style: str = "") -> None:
     """Print a sentence as it stands: what looks like markup in it is the user's text.
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from rich.console import Console
 
 from ..study.optimise.binding import Binding
+from ..study.optimise.design import Design
 from ..study.optimise.quantities import label
-from ..study.optimise.result import CAUTION, Design, Optimum
-from .console import plain_table, say
+from ..study.optimise.result import CAUTION, Optimum
+from .console import paste, plain_table, say
 
 _SAME = 1e-6
+_ENGINES = {"reduced": "the reduced engine", "direct": "the direct engine", "turn": "whole turns"}
 
 
 def print_optimum(optimum: Optimum, console: Console) -> None:
@@ -41,7 +43,7 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
     if optimum.front:
         _front(optimum.front, optimum, console)
     say(console, "To simulate it", style="bold")
-    say(console, optimum.command)
+    paste(console, optimum.command)
     say(console, CAUTION, style="bold")
 
 
@@ -55,18 +57,19 @@ def _numbers(optimum: Optimum, console: Console) -> None:
 
 
 def _quantities(optimum: Optimum, console: Console) -> None:
-    other = f"control ({optimum.other_engine} engine, simulated turn)"
-    table = plain_table("quantity", "before", "optimum", other)
+    table = plain_table("quantity", "before", "optimum", "control (simulated turn)")
+    seen = optimum.control.values
     for name in optimum.problem.quantities:
         before = "-" if optimum.before is None else f"{optimum.before.values[name]:.6g}"
-        control = optimum.control[name]
-        table.add_row(
-            name,
-            before,
-            f"{optimum.best.values[name]:.6g}",
-            "-" if control is None else f"{control:.6g}",
-        )
+        value = seen.get(name)
+        control = "-" if value is None else f"{value:.6g}"
+        table.add_row(name, before, f"{optimum.best.values[name]:.6g}", control)
     console.print(table)
+    if optimum.contradiction:
+        say(console, f"NOT CONFIRMED: {optimum.contradiction}", style="bold")
+    else:
+        turns = optimum.control.turns
+        say(console, f"confirmed by turn {turns} of the direct engine, which all later ones repeat")
     if optimum.before is not None and not optimum.before.inside:
         limits = zip(optimum.problem.limits, optimum.before.slacks, strict=True)
         broken = ", ".join(str(limit) for limit, slack in limits if slack < 0.0)
@@ -87,8 +90,11 @@ def _search(optimum: Optimum, console: Console) -> None:
     say(
         console,
         f"{same} of {len(optimum.descents)} descents (seed {optimum.seed}) end there; "
-        f"{optimum.evaluations:,} points by the {optimum.engine} engine in {optimum.wall_s:.3g} s",
+        f"{optimum.evaluations:,} points in {optimum.wall_s:.3g} s",
     )
+    counts = [f"{count:,} by {_ENGINES[name]}" for name, count in optimum.engines.items()]
+    failed = optimum.evaluations - sum(optimum.engines.values())
+    say(console, f"of them {', '.join([*counts, f'{failed:,} without a usable machine'])}")
     if optimum.check is not None:
         found = (
             f"found a design better by {100.0 * optimum.check_gain:.3g} %"

@@ -1,13 +1,16 @@
 """Design optimisation: the least rebound or transition time inside limits of force and timing."""
 
+from .control import Control
+from .design import Design
 from .problem import Aim, Limit, Parameter, Problem
 from .problem_file import read_problem
-from .result import Design, Optimum
+from .result import Optimum
 from .run import optimise
 from .write import write
 
 __all__ = [
     "Aim",
+    "Control",
     "Design",
     "Limit",
     "Optimum",

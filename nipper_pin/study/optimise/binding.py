@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from .descend import Scales, Trace
-from .evaluate import Evaluator
+from .points import Evaluator
 from .problem import Problem
+from .trace import Scales, Trace
 
 _ACTIVE = 1e-4
 

@@ -13,9 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from .descend import Descent, Scales, descend
-from .evaluate import Evaluator
+from .descend import Descent, descend
+from .points import Evaluator
 from .problem import Aim, Limit, Problem
+from .trace import Scales
 from .work import Work
 
 _NO_CONFLICT = 1e-6

@@ -8,7 +8,7 @@ a simulated cycle has events that come and go.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...hybrid.quantities import coordinate_unit, of_transition
 from ...mechanism import INDEX_PER_TURN, Mechanism
-from ..identify.working import WorkingCycle, unfit
+from ..identify.working import Phase, WorkingCycle, unfit
 
 Source = Literal["setting", "transition", "cycle"]
 
@@ -134,6 +134,19 @@ def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
         "stroke_mm": -1e3 * float(lowest(clamping.index, -clamping.gap).min()),
         "jaw_opening_deg": float(np.degrees(-lowest(waiting.index, -waiting.gap).min())),
     }
+
+
+def thinned(cycle: WorkingCycle) -> WorkingCycle:
+    """The same cycle with every second sample of its phases left out.
+
+    Args:
+        cycle: The working cycle.
+    """
+    waiting, clamping = (
+        Phase(item.index[::2], item.gap[::2], item.force[::2])
+        for item in (cycle.waiting, cycle.clamping)
+    )
+    return replace(cycle, waiting=waiting, clamping=clamping)
 
 
 def lowest(places: FloatArray, values: FloatArray) -> FloatArray:

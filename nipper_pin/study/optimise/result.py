@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from ...hybrid.case import Case, Window
 from .binding import Account
+from .control import Control
 from .descend import Descent
+from .design import Design
+from .points.bounces import TURN
 from .problem import Problem
 from .search import Found
 
@@ -19,25 +22,6 @@ CAUTION = (
     "A result of the model, and as good as its numbers; those of the E62 are an estimate "
     "identified from published ratios, never the maker's data."
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Design:
-    """One set of numbers.
-
-    Attributes:
-        z: Unit coordinates.
-        numbers: Values of the free numbers by name.
-        values: Quantities by name.
-        slacks: Slack of every limit, in the order of the problem.
-        inside: Whether all limits hold, to the tolerance of the search.
-    """
-
-    z: tuple[float, ...]
-    numbers: Mapping[str, float]
-    values: Mapping[str, float]
-    slacks: tuple[float, ...]
-    inside: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,11 +39,13 @@ class Optimum:
         no_machine: Of these, those that made no machine, and why, each reason once.
         check: Result of differential evolution; None without a global check.
         check_gain: Relative improvement of the first aim that it brought beyond the descents.
-        engine: Engine of the search.
-        other_engine: Engine of the control.
-        control: Quantities of the best design in other ways; None for one that has no other way.
+        engines: Numbers of usable points by the engine that found their transition: "reduced",
+            "direct", or "turn" for the direct engine on whole turns.
+        why_engine: Why the reduced engine was taken, or not.
+        control: What simulated turns say of the best design.
         front: Designs of the Pareto front by the second aim, the best by the first aim first; empty
             with one aim.
+        front_controls: What simulated turns say of each of these.
         evaluations: Points that were evaluated, all parts together.
         wall_s: Wall time [s].
     """
@@ -74,12 +60,25 @@ class Optimum:
     no_machine: tuple[str, ...]
     check: Found | None
     check_gain: float
-    engine: str
-    other_engine: str
-    control: Mapping[str, float | None]
+    engines: Mapping[str, int]
+    why_engine: str
+    control: Control
     front: tuple[Design, ...]
+    front_controls: tuple[Control, ...]
     evaluations: int
     wall_s: float
+
+    @property
+    def contradiction(self) -> str:
+        """What simulated turns contradict, with both numbers; empty if they confirm all designs."""
+        found = self.control.contradictions
+        if found:
+            return f"the simulated turn contradicts the optimum: {'; '.join(found)}"
+        for number, item in enumerate(self.front_controls, start=1):
+            if not item.confirmed:
+                words = "; ".join(item.contradictions)
+                return f"the simulated turn contradicts point {number} of the front: {words}"
+        return ""
 
     @property
     def overrides(self) -> dict[str, object]:
@@ -88,15 +87,29 @@ class Optimum:
 
     @property
     def command(self) -> str:
-        """The command that simulates the best design."""
-        speed = self.problem.speed(np.array(self.best.z))
-        words = ["nipper-pin", "simulate", self.problem.model, "--speed", repr(speed)]
+        """The command that simulates the best design, ready to be pasted.
+
+        Its last transition is the one that is reported.
+        """
+        case = self.case
+        words = ["nipper-pin", "simulate", self.problem.model, "--speed", repr(case.speed_rpm)]
+        if case.window is Window.CYCLE:
+            words += ["--window", "cycle", "--cycles", str(case.cycles)]
+        if case.rest_rate is not None:
+            words += ["--rest-rate", repr(case.rest_rate)]
         for path, value in self.overrides.items():
-            words += [
-                "--set",
-                f"{path}={value!r}" if isinstance(value, float) else f"{path}={value}",
-            ]
+            words += ["--set", f"{path}={_text(value)}"]
         return shlex.join(words)
+
+    @property
+    def case(self) -> Case:
+        """The case that simulates the best design: turns, if its transition is one of theirs."""
+        case = Case(
+            speed_rpm=self.problem.speed(np.array(self.best.z)), rest_rate=self.problem.rest_rate
+        )
+        if self.best.engine != TURN:
+            return case
+        return replace(case, window=Window.CYCLE, cycles=self.control.turns + 1)
 
     @property
     def gain(self) -> float | None:
@@ -125,18 +138,23 @@ class Optimum:
                 }
                 for item in self.problem.parameters
             ],
-            "before": None if self.before is None else _design(self.before),
-            "optimum": _design(self.best),
+            "before": None if self.before is None else self.before.record(),
+            "optimum": self.best.record(),
             "relative_change": self.gain,
             "holding": [asdict(item) for item in self.account.bindings],
             "first_order_residual": self.account.residual,
-            "control": {"engine": self.other_engine, "values": dict(self.control)},
-            "front": [_design(item) for item in self.front],
+            "control": self.control.record(),
+            "contradiction": self.contradiction or None,
+            "front": [
+                {**item.record(), "control": seen.record()}
+                for item, seen in zip(self.front, self.front_controls, strict=True)
+            ],
             "overrides": self.overrides,
             "command": self.command,
             "search": {
                 "seed": self.seed,
-                "engine": self.engine,
+                "engines": dict(self.engines),
+                "why_engine": self.why_engine,
                 "screened": self.screened,
                 "no_machine": list(self.no_machine),
                 "descents": [asdict(item) for item in self.descents],
@@ -147,12 +165,8 @@ class Optimum:
         }
 
 
-def _design(item: Design) -> dict[str, Any]:
-    return {
-        "numbers": dict(item.numbers),
-        "values": {
-            key: value if math.isfinite(value) else None for key, value in item.values.items()
-        },
-        "slacks": list(item.slacks),
-        "inside": item.inside,
-    }
+def _text(value: object) -> str:
+    """A value as ``--set`` takes it, to its last digit."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)

@@ -8,6 +8,7 @@ says whether they have missed a lower one.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -15,12 +16,14 @@ from functools import partial
 import numpy as np
 
 from ...arrays import FloatArray
-from .descend import FEASIBLE, Scales
-from .evaluate import evaluator
+from .points import evaluator
 from .problem import Aim, Problem
 from .quantities import INDICES
+from .trace import FEASIBLE, Scales
 
-Mapper = Callable[[Callable[[FloatArray], float], Iterable[FloatArray]], Iterable[float]]
+Merit = tuple[float, str]
+"""What the evolution makes small, and the engine that found it; empty without a machine."""
+Mapper = Callable[[Callable[[FloatArray], Merit], Iterable[FloatArray]], Iterable[Merit]]
 
 SCREEN_BITS = 6
 """The screen has two to this power samples."""
@@ -42,12 +45,14 @@ class Seen:
         z: Unit coordinates.
         values: Quantities by name; empty without a machine.
         slacks: Slack of every limit; empty without a machine.
+        engine: Engine that found it; empty without a machine.
         why: Why there is no machine.
     """
 
     z: tuple[float, ...]
     values: Mapping[str, float]
     slacks: tuple[float, ...]
+    engine: str
     why: str
 
 
@@ -59,11 +64,13 @@ class Found:
         z: Unit coordinates.
         feasible: Whether all limits hold there.
         evaluations: Points that were evaluated.
+        engines: Numbers of those that made a machine by the engine that found them.
     """
 
     z: tuple[float, ...]
     feasible: bool
     evaluations: int
+    engines: Mapping[str, int]
 
 
 def samples(problem: Problem, seed: int) -> FloatArray:
@@ -94,7 +101,13 @@ def look(text: bytes, places: Sequence[tuple[float, ...]]) -> tuple[Seen, ...]:
     source = evaluator(text)
     points = [source.at(np.array(z)) for z in places]
     return tuple(
-        Seen(z=z, values=dict(point.values), slacks=point.slacks, why=point.why)
+        Seen(
+            z=z,
+            values=dict(point.values),
+            slacks=point.slacks,
+            engine=point.engine,
+            why=point.why,
+        )
         for z, point in zip(places, points, strict=True)
     )
 
@@ -156,8 +169,15 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
     from scipy.optimize import differential_evolution
 
     size = len(evaluator(text).problem.parameters)
+    engines: Counter[str] = Counter()
+
+    def mapped(_: object, places: Iterable[FloatArray]) -> list[float]:
+        judged = list(mapper(partial(merit, text, by), places))
+        engines.update(engine for _, engine in judged if engine)
+        return [value for value, _ in judged]
+
     found = differential_evolution(
-        partial(merit, text, by),
+        lambda z: merit(text, by, z)[0],
         [(0.0, 1.0)] * size,
         rng=np.random.default_rng(seed),
         init="sobol",
@@ -165,13 +185,18 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
         maxiter=_GENERATIONS,
         polish=False,
         updating="deferred",
-        workers=mapper,
+        workers=mapped,
     )
     z = tuple(np.asarray(found.x).tolist())
-    return Found(z=z, feasible=bool(found.fun < _BROKEN), evaluations=int(found.nfev))
+    return Found(
+        z=z,
+        feasible=bool(found.fun < _BROKEN),
+        evaluations=int(found.nfev),
+        engines=dict(engines),
+    )
 
 
-def merit(text: bytes, by: Scales, z: FloatArray) -> float:
+def merit(text: bytes, by: Scales, z: FloatArray) -> Merit:
     """What the evolution makes small: any point inside the limits is better than any outside.
 
     Args:
@@ -182,9 +207,9 @@ def merit(text: bytes, by: Scales, z: FloatArray) -> float:
     source = evaluator(text)
     point = source.at(z)
     if not point.usable:
-        return _NO_MACHINE
+        return _NO_MACHINE, ""
     violation = by.violation(point)
     if violation > FEASIBLE:
-        return _BROKEN + min(violation, _BROKEN)
+        return _BROKEN + min(violation, _BROKEN), point.engine
     aim = source.problem.aims[0]
-    return aim.sense * point.values[aim.quantity] / by.aim
+    return aim.sense * point.values[aim.quantity] / by.aim, point.engine

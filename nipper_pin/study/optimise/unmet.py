@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from ...errors import InfeasibleError
-from .descend import FEASIBLE, Descent, Scales, descend, restore
-from .evaluate import Evaluator
+from .descend import Descent, descend, restore
+from .points import Evaluator
 from .problem import Limit, Problem
+from .trace import FEASIBLE, Scales
 from .work import Work
 
 

@@ -12,7 +12,6 @@ from contextlib import ExitStack
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from ...arrays import FloatArray
 from ...errors import SimulationError
 from ..processes import fresh_processes, in_one_thread
 from .store import Store
@@ -21,6 +20,7 @@ Progress = Callable[[int, int], None]
 """Called with (parts finished, parts known so far)."""
 
 PartT = TypeVar("PartT")
+PlaceT = TypeVar("PlaceT")
 
 
 class Work:
@@ -92,10 +92,8 @@ class Work:
         self._advance(1)
         return found
 
-    def mapper(
-        self, function: Callable[[FloatArray], float], places: Iterable[FloatArray]
-    ) -> list[float]:
-        """Values of a function, in the order of the places.
+    def mapper(self, function: Callable[[PlaceT], PartT], places: Iterable[PlaceT]) -> list[PartT]:
+        """Results of a function, in the order of its arguments; they are not kept.
 
         Args:
             function: What to map; it can be sent to other processes.

@@ -5,9 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
-
-from ...hybrid.case import Case
 from ...hybrid.storage import complete_file, save_case
 from ...mechanism import load
 from ..folders import make_folder
@@ -30,9 +27,8 @@ def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
     home = Path(folder)
     make_folder(home)
     problem = optimum.problem
-    case = Case(speed_rpm=problem.speed(np.array(optimum.best.z)), rest_rate=problem.rest_rate)
     # A result of another run of the same problem must not stand beside a newer case.
-    written = [save_case(load(problem.model, optimum.overrides), case, home / "case.json")]
+    written = [save_case(load(problem.model, optimum.overrides), optimum.case, home / "case.json")]
     for name, document in (
         ("overrides.json", optimum.overrides),
         ("result.json", optimum.record()),

@@ -1,0 +1,198 @@
+"""The transition that a design has in its turns, by the engine that suits it.
+
+The tables of the reduced engine hold for one machine; only restitution, spring rates, preloads and
+the speed leave it the same. Where nothing else is free they are sampled once and a transition costs
+some 50 us. A machine of its own for every point would pay 60 ms for tables to save 2 ms of the
+direct engine: those problems are solved by that one. Where the machine does not arrive as a
+transition assumes, whole turns are simulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+
+from ....errors import NipperError, SimulationError
+from ....hybrid.case import Case, Resolution
+from ....hybrid.cycles import comes_back
+from ....hybrid.solution import Outcome
+from ....mechanism import Mechanism
+from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
+from ...true_transition import TrueTransition, assumed_transition, transition_of_turns
+from ..problem import Problem
+
+REDUCED, DIRECT, TURN = "reduced", "direct", "turn"
+ENGINES = (REDUCED, DIRECT, TURN)
+"""The reduced engine, the direct one on a transition, and the direct one on whole turns."""
+_MOST_COLLISIONS = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Bounces:
+    """The transition of one design.
+
+    Attributes:
+        engine: One of :data:`ENGINES`.
+        found: The transition.
+    """
+
+    engine: str
+    found: ReducedTransition | TrueTransition
+
+    @property
+    def turn(self) -> TrueTransition | None:
+        """The transition with its simulated turns; None if no turn was simulated."""
+        return (
+            self.found if isinstance(self.found, TrueTransition) and self.engine == TURN else None
+        )
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Quantities by name; NaN where the series has no such rebound."""
+        found = self.found
+        if isinstance(found, ReducedTransition):
+            height, time = found.rebound_amplitude[0], found.rebound_time[0]
+            duration: float | None = found.duration
+        else:
+            first, last = found.collisions[0], found.transition
+            height, time = first.rebound_amplitude, first.rebound_time
+            duration = None if last is None else last.duration
+        return _named(height, time, duration)
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Stated errors of these quantities."""
+        found = self.found
+        if isinstance(found, ReducedTransition):
+            return _named(found.amplitude_error[0], found.rebound_error[0], found.duration_error)
+        first, errors = found.collisions[0], found.errors
+        blur = max(item.impulse for item in errors[:2])
+        late = sum(item.time for item in errors[:2])
+        height, time = first.rebound_amplitude or 0.0, first.rebound_time or 0.0
+        rest = found.duration_error or 0.0
+        return _named(2.0 * blur * height, late + blur * time, rest + errors[0].time)
+
+
+def _named(height: float | None, time: float | None, duration: float | None) -> dict[str, float]:
+    found = {"rebound_amplitude_1": height, "rebound_time_s_1": time, "duration_s": duration}
+    return {name: np.nan if x is None else float(x) for name, x in found.items()}
+
+
+class Transitions:
+    """Transitions of the designs of one problem.
+
+    Args:
+        problem: The problem.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        """Prepare; nothing is computed yet."""
+        self._problem = problem
+        self._tables: tuple[ReducedModel | None, str] | None = None
+
+    @property
+    def why(self) -> str:
+        """Why the reduced engine is taken, or not."""
+        return self._sampled()[1]
+
+    def at(self, mechanism: Mechanism, speed_rpm: float) -> Bounces:
+        """The transition of one design, as its turns have it.
+
+        Args:
+            mechanism: The mechanism.
+            speed_rpm: Cylinder speed [r/min].
+
+        Raises:
+            SimulationError: It cannot be simulated, or does not come to rest.
+        """
+        reduced = self._by_tables(mechanism, speed_rpm)
+        if reduced is not None and reduced.premise_holds:
+            return Bounces(REDUCED, reduced)
+        found = assumed_transition(mechanism, self._case(speed_rpm))
+        if found.premise_holds is not True and comes_back(found.solution.system):
+            return self.in_turn(mechanism, speed_rpm, found.solution.premise.why)
+        return Bounces(DIRECT, _at_rest(found))
+
+    def in_turn(self, mechanism: Mechanism, speed_rpm: float, why: str) -> Bounces:
+        """The transition of a simulated turn.
+
+        Args:
+            mechanism: The mechanism.
+            speed_rpm: Cylinder speed [r/min].
+            why: Why it is not taken alone.
+
+        Raises:
+            SimulationError: It cannot be simulated, does not come to rest, or turns differ.
+        """
+        found = transition_of_turns(mechanism, self._case(speed_rpm), why)
+        if found.solution.repeated_from is None:
+            message = (
+                f"{mechanism.name}: turns differ from one another, and so do their transitions"
+            )
+            raise SimulationError(message, speed_rpm=speed_rpm)
+        return Bounces(TURN, _at_rest(found))
+
+    def _case(self, speed_rpm: float) -> Case:
+        return Case(
+            speed_rpm=speed_rpm,
+            rest_rate=self._problem.rest_rate,
+            resolution=Resolution(tolerance=self._problem.tolerance),
+            max_collisions=_MOST_COLLISIONS,
+        )
+
+    def _sampled(self) -> tuple[ReducedModel | None, str]:
+        if self._tables is None:
+            self._tables = self._sample()
+        return self._tables
+
+    def _sample(self) -> tuple[ReducedModel | None, str]:
+        moving = [item.name for item in self._problem.parameters if item.target.kind == "model"]
+        if moving:
+            return None, f"{', '.join(moving)} change the machine, and so the tables"
+        if find_spec("numba") is None:
+            return None, "the reduced engine needs numba, which is not installed"
+        try:
+            mechanism = self._problem.sources.build()
+            reason = unfit(mechanism)
+            if reason is not None:
+                return None, reason
+            return build(mechanism), "one machine: its tables are sampled once"
+        except NipperError as error:
+            return None, error.message
+
+    def _by_tables(self, mechanism: Mechanism, speed_rpm: float) -> ReducedTransition | None:
+        """The transition by the reduced engine; None where its tables do not know it."""
+        model = self._sampled()[0]
+        if model is None:
+            return None
+        try:
+            return transition(
+                model,
+                speed_rpm=speed_rpm,
+                restitution=mechanism.stop(mechanism.transition_stop).restitution,
+                stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
+                preload=np.array([spring.preload for spring in mechanism.springs]),
+                rest_rate=self._problem.rest_rate,
+                tolerance=self._problem.tolerance,
+            )
+        except SimulationError:
+            # What its tables do not cover the direct engine computes, and the point says so.
+            return None
+
+
+def _at_rest(found: TrueTransition) -> TrueTransition:
+    if found.outcome is not Outcome.AT_REST:
+        raise SimulationError(found.outcome.value, outcome=found.outcome.name)
+    return found
+
+
+def counted(engines: Mapping[str, int]) -> dict[str, int]:
+    """Numbers of points by engine, in the order of :data:`ENGINES`.
+
+    Args:
+        engines: Numbers of points by engine.
+    """
+    return {name: engines.get(name, 0) for name in ENGINES}

@@ -1,0 +1,154 @@
+"""From free numbers to quantities and slacks; settings alone do not build a machine again."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ....arrays import FloatArray
+from ....errors import NipperError, SimulationError
+from ....mechanism import Mechanism
+from ...identify.parameters import with_values
+from ...identify.working import WorkingCycle, working_cycle
+from ...transitions import retuned
+from ..problem import Problem, read_text
+from ..quantities import QUANTITIES, cycle_values, lowest, thinned
+from .bounces import Bounces, Transitions
+from .point import Point, slack_rows
+from .turn import differs, turn_values
+
+# Machines that are kept: those of a central difference in a few parameters.
+_MACHINES = 16
+# Relative round-off that closures and clocks leave in a quantity.
+_ROUND = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What was computed for one design: its transition and, if asked for, its working cycle."""
+
+    bounces: Bounces
+    cycle: WorkingCycle | None
+
+
+class Evaluator:
+    """Points of one problem.
+
+    Args:
+        problem: The problem.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        """Prepare; nothing is computed yet."""
+        self.problem = problem
+        self.transitions = Transitions(problem)
+        self._moving = [item for item in problem.parameters if item.target.kind == "model"]
+        self._built: OrderedDict[tuple[float, ...], Mechanism] = OrderedDict()
+
+    def at(self, z: FloatArray) -> Point:
+        """Quantities and slacks of one set of numbers.
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+        """
+        try:
+            known = self._known(z)
+            values = self._values(known, z)
+        except NipperError as error:
+            return Point(z=z, values={}, rows=np.zeros(0), owners=(), why=error.message)
+        waiting = np.zeros(0)
+        if known.cycle is not None:
+            waiting = lowest(known.cycle.waiting.index, known.cycle.waiting.force)
+        rows, owners = slack_rows(self.problem.limits, values, waiting)
+        return Point(z=z, values=values, rows=rows, owners=owners, engine=known.bounces.engine)
+
+    def errors(self, z: FloatArray) -> dict[str, float]:
+        """Stated errors of the quantities of a usable point, by name.
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+        """
+        known = self._known(z)
+        values = self._values(known, z)
+        coarse = self._values(known, z, thin=True)
+        errors = {
+            name: abs(value - coarse[name]) + _ROUND * abs(value) for name, value in values.items()
+        }
+        return errors | known.bounces.errors
+
+    def mechanism(self, z: FloatArray) -> Mechanism:
+        """The mechanism with these numbers.
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+
+        Raises:
+            InputError: They make none.
+        """
+        numbers = self.problem.numbers(z)
+        key = tuple(numbers[item.name] for item in self._moving)
+        if key in self._built:
+            self._built.move_to_end(key)
+        else:
+            values = {item.target.path: numbers[item.name] for item in self._moving}
+            self._built[key] = with_values(self.problem.sources, values).build()
+            if len(self._built) > _MACHINES:
+                self._built.popitem(last=False)
+        base = self._built[key]
+        restitution = base.stop(base.transition_stop).restitution
+        stiffness = np.array([spring.stiffness for spring in base.springs])
+        preload = np.array([spring.preload for spring in base.springs])
+        for item in self.problem.parameters:
+            value = numbers[item.name]
+            if item.target.kind == "restitution":
+                restitution = value
+            elif item.target.kind == "stiffness":
+                stiffness[item.target.spring] = value
+            elif item.target.kind == "preload":
+                preload[item.target.spring] = item.target.scale * value
+        return retuned(base, restitution, stiffness, preload)
+
+    def _known(self, z: FloatArray) -> _Known:
+        """Transition and cycle of a design; the turn is simulated where they would be wrong."""
+        mechanism, speed = self.mechanism(z), self.problem.speed(z)
+        asked = frozenset(self.problem.quantities)
+        bounces = self.transitions.at(mechanism, speed)
+        if not any(QUANTITIES[name].source == "cycle" for name in asked):
+            return _Known(bounces, None)
+        cycle = working_cycle(mechanism, speed)
+        why = differs(cycle, bounces.values["duration_s"], asked)
+        if why and bounces.turn is None:
+            bounces = self.transitions.in_turn(mechanism, speed, why)
+        return _Known(bounces, cycle)
+
+    def _values(self, known: _Known, z: FloatArray, *, thin: bool = False) -> dict[str, float]:
+        """Quantities of a design.
+
+        Args:
+            known: What was computed for it.
+            z: Unit coordinates, shape (parameters,).
+            thin: Whether curves are looked at in half of their samples, to see what that changes.
+        """
+        values = {"speed_rpm": self.problem.speed(z)} | known.bounces.values
+        if known.cycle is not None:
+            values |= cycle_values(thinned(known.cycle) if thin else known.cycle)
+            if known.bounces.turn is not None:
+                values |= turn_values(known.bounces.turn, thin=thin)
+        missing = [name for name in self.problem.quantities if not np.isfinite(values[name])]
+        if missing:
+            message = f"the transition has no {', '.join(missing)}"
+            raise SimulationError(message, missing=missing)
+        return values
+
+
+@lru_cache(maxsize=2)
+def evaluator(text: bytes) -> Evaluator:
+    """The evaluator of a problem, kept in this process.
+
+    Args:
+        text: Text of the :class:`~nipper_pin.study.optimise.problem.Problem`.
+    """
+    return Evaluator(read_text(text))
