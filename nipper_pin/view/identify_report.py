@@ -12,6 +12,7 @@ from ..study.identify.goodness import Goodness, Verdict
 from ..study.identify.limits import LIMITS
 from ..study.identify.profiles import Profile
 from ..study.identify.record import WORD
+from ..study.identify.targets import Condition
 from .console import plain_table, say
 
 _NEAR = 1e-3
@@ -52,6 +53,7 @@ def print_fit(
     _targets(fit, judged, console)
     _free(fit, judged, known, console)
     _correlations(known, console)
+    _premises(fit, console)
     _limits(fit, console)
     say(console, "What the targets determine", style="bold")
     say(
@@ -118,6 +120,20 @@ def _correlations(known: Determinability, console: Console) -> None:
     pairs = "; ".join(f"{one} and {other} {size:+.3f}" for one, other, size in strong[:_PAIRS])
     more = f"; and {len(strong) - _PAIRS} more" if len(strong) > _PAIRS else ""
     say(console, f"correlated, so that only a combination is well known: {pairs}{more}")
+
+
+def _premises(fit: Fit, console: Console) -> None:
+    for at, premise in fit.premises.items():
+        if premise.holds is False:
+            say(console, f"{_setting(at)}: the transition of the turn, since {premise.why}")
+        elif premise.holds is None:
+            say(console, f"{_setting(at)}: a transition as assumed; {premise.why}")
+
+
+def _setting(at: Condition) -> str:
+    words = {"restitution": at.restitution, "stiffness": at.stiffness}
+    more = [f"{word} {value:g}" for word, value in words.items() if value is not None]
+    return ", ".join([f"{at.speed_rpm:g} r/min", *more])
 
 
 def _limits(fit: Fit, console: Console) -> None:

@@ -27,7 +27,6 @@ from nipper_pin.study.identify import (
     identify,
     predict,
     profile,
-    read_measured,
     read_problem,
     read_values,
     with_values,
@@ -375,26 +374,6 @@ def test_nonsense_is_refused_with_the_reason(tmp_path: Path, body: str, word: st
     """Before anything is simulated, in one sentence that holds the word to look for."""
     with pytest.raises(InputError, match=word):
         read_problem(problem_file(tmp_path, body))
-
-
-@pytest.mark.parametrize(
-    ("text", "word"),
-    [
-        ("speed_rpm,quantity,value\n650,rebound_time_s_1,1\n", "sigma"),
-        ("speed_rpm,quantity,value,sigma,colour\n", "colour"),
-        ("speed_rpm,quantity,value,sigma\n", "no measurement"),
-        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,fast,1\n", "value = 'fast'"),
-        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,nan,1\n", "value = 'nan'"),
-        ("speed_rpm,quantity,value,sigma\n650,rebound_time_s_1,1,0\n", "above zero"),
-        ("speed_rpm,quantity,value,sigma\n650,bounce,1,1\n", "bounce"),
-    ],
-)
-def test_nonsense_in_measurements_is_refused(tmp_path: Path, text: str, word: str) -> None:
-    """With file and line."""
-    file = tmp_path / "camera.csv"
-    file.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=word):
-        read_measured(file)
 
 
 @pytest.mark.parametrize(

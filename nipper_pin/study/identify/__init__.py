@@ -1,15 +1,17 @@
 """Identification: numbers of a model from published ratios or from measured rebounds."""
 
 from .determine import Determinability, determinability
-from .fit import Descent, Fit, identify
+from .fit import Descent, Fit
 from .geometry import Sources
 from .goodness import Goodness, Verdict, goodness
+from .measured import read_measured
 from .objective import Objective
 from .parameters import read_values, with_values
 from .problem import Free, Limits, Problem, read_problem
 from .profiles import Profile, profile
 from .record import record
-from .targets import QUANTITIES, Condition, Target, predict, read_measured
+from .search import identify
+from .targets import QUANTITIES, Condition, Target, predict
 from .working import WorkingCycle, working_cycle
 from .write import write_model
 

@@ -1,29 +1,19 @@
-"""Least squares inside bounds, from several starts; the same seed gives the same bits."""
+"""A fit: least squares inside bounds, one descent, and what the best of several came to."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import qmc
 
 from ...arrays import FloatArray
-from ...errors import InputError, NipperError, SimulationError
-from ..processes import mapped
-from .limits import excesses
+from ...errors import NipperError
+from ...hybrid.premise import Premise
 from .objective import Objective
-from .problem import Problem
-
-Progress = Callable[[int, int, float], None]
-"""Called with (starts done, starts in all, least cost so far)."""
+from .targets import Condition, Target
 
 _MAX_STEPS = 60
-# Draws for one start until it makes a machine whose jaw closes.
-_DRAWS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +49,8 @@ class Fit:
         predicted: Values of the targets, shape (targets,).
         broken: Limits that are broken, in sigmas, in the order of ``LIMITS``; zero inside, empty
             without limits.
+        premises: For each setting of the targets whether the machine of the fit arrives as a
+            transition assumes. Where it does not, the transition of the turn was taken.
     """
 
     objective: Objective
@@ -67,6 +59,7 @@ class Fit:
     values: dict[str, float]
     predicted: FloatArray
     broken: FloatArray
+    premises: dict[Condition, Premise]
 
     @property
     def best(self) -> Descent:
@@ -79,80 +72,17 @@ class Fit:
         wanted = np.array([target.value for target in self.objective.problem.targets])
         return np.asarray(self.predicted / wanted - 1.0)
 
+    def premise_holds(self, target: Target) -> bool | None:
+        """Whether a target's transitions are as assumed; None where that cannot be told."""
+        asked = (target.at, *(() if target.since is None else (target.since,)))
+        found = [self.premises[at].holds for at in asked]
+        if False in found:
+            return False
+        return None if None in found else True
+
     def within(self, part: float) -> int:
         """Number of targets that are met within a relative deviation."""
         return int(np.count_nonzero(np.abs(self.deviations) <= part))
-
-
-def identify(
-    problem: Problem,
-    *,
-    starts: int = 16,
-    seed: int = 1,
-    workers: int | None = None,
-    progress: Progress | None = None,
-) -> Fit:
-    """Fit the free numbers of a problem.
-
-    The first descent starts from the model's own values, the others from a scrambled Sobol
-    sequence over the bounds. Each is independent of all others, so the number of workers does not
-    change a bit of the result.
-
-    Args:
-        problem: The problem.
-        starts: Number of descents.
-        seed: Seed of the starts.
-        workers: Processes; by default as many as there are processors. 1: this process alone.
-        progress: Called after every descent.
-
-    Raises:
-        InputError: An argument is out of range.
-        SimulationError: No start led to a machine that can be simulated.
-    """
-    for name, value in (("starts", starts), ("workers", 1 if workers is None else workers)):
-        if value < 1:
-            message = f"{name} = {value}: at least 1"
-            raise InputError(message, argument=name, value=value)
-    objective = Objective(problem)
-    begins = list(_starts(objective, starts, seed))
-    found: list[Descent] = []
-    count = min(starts, workers if workers is not None else os.cpu_count() or 1)
-    for descent in mapped(partial(descend, objective), begins, count):
-        found.append(descent)
-        if progress is not None:
-            progress(len(found), starts, min(item.cost for item in found))
-    ranked = tuple(sorted(found, key=lambda item: item.cost))
-    if not np.isfinite(ranked[0].cost):
-        message = (
-            f"none of {starts} starts is a machine whose transitions can be simulated (the first: "
-            f"{found[0].reason}); narrow the bounds around the model's own values"
-        )
-        raise SimulationError(message, starts=starts, seed=seed, reason=found[0].reason)
-    z = ranked[0].z
-    broken = np.zeros(0)
-    if problem.limits is not None:
-        broken = excesses(problem.limits, objective.cycle(objective.mechanism(z), problem.limits))
-    return Fit(
-        objective=objective,
-        seed=seed,
-        descents=ranked,
-        values=objective.values(z),
-        predicted=objective.predicted(z),
-        broken=broken,
-    )
-
-
-def _starts(objective: Objective, count: int, seed: int) -> Iterator[FloatArray]:
-    """The model's own values, then points of a Sobol sequence, in blocks of draws."""
-    yield objective.start
-    if count == 1:
-        return
-    size = len(objective.problem.free)
-    draws = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed))
-    needed = (count - 1) * _DRAWS
-    points = draws.random_base2(int(np.ceil(np.log2(needed))))[:needed]
-    # Drawn within the middle of the ranges: a descent has to have room on both sides.
-    yield from 0.1 + 0.8 * points.reshape(count - 1, _DRAWS, size)
 
 
 def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS) -> Descent:

@@ -30,10 +30,13 @@ class Objective:
         problem: The problem.
         unusable: Residual of values that make no machine, or one that cannot be simulated: above
             all residuals of a machine that a descent may start from.
+        true: Whether the transition of the turn is taken where the machine does not arrive as a
+            transition assumes.
     """
 
     problem: Problem
     unusable: float = UNUSABLE
+    true: bool = False
 
     @property
     def low(self) -> FloatArray:
@@ -143,4 +146,6 @@ class Objective:
 
     def _predicted(self, mechanism: Mechanism) -> FloatArray:
         problem = self.problem
-        return predict(mechanism, problem.targets, problem.tolerance, problem.rest_rate)
+        return predict(
+            mechanism, problem.targets, problem.tolerance, problem.rest_rate, true=self.true
+        )

@@ -17,8 +17,9 @@ from ...mechanism import Mechanism
 from ...mechanism.description import Positive, Restitution
 from ..toml_files import Table, base_mechanism, read_table, refuse
 from .geometry import Sources
+from .measured import read_measured
 from .parameters import read_values, with_values
-from .targets import QUANTITIES, Condition, Target, conditions, read_measured
+from .targets import QUANTITIES, Condition, Target, conditions
 from .working import unfit
 
 BUILT_IN = Path(__file__).with_name("paper_ratios.toml")

@@ -107,6 +107,7 @@ def _targets(fit: Fit, judged: Goodness) -> list[dict[str, Any]]:
             "relative_deviation": _or_none(fit.deviations[place]),
             "residual_sigmas": float(judged.residuals[place]),
             "outlier": place in judged.outliers,
+            "premise_holds": fit.premise_holds(target),
         }
         for place, target in enumerate(fit.objective.problem.targets)
     ]

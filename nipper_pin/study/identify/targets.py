@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...errors import InputError, SimulationError, UnknownNameError
+from ...errors import InputError, SimulationError
 from ...hybrid.case import Case, Resolution
-from ...hybrid.quantities import refuse_unknown, transition_value
+from ...hybrid.collisions import Collision, Transition
+from ...hybrid.premise import Premise
+from ...hybrid.quantities import of_transition
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome, Solution
 from ...mechanism import Mechanism
+from ..true_transition import true_transition
 
 QUANTITIES = (
     *(f"{name}_{k}" for name in ("rebound_amplitude", "rebound_time_s") for k in (1, 2, 3)),
@@ -28,9 +29,6 @@ QUANTITIES = (
 """Quantities of a transition (:mod:`nipper_pin.hybrid.quantities`): rebounds of the transition stop
 in rad (or m) and s, the time from the first collision to rest in s, the share of the first two
 rebounds in it, and the rate at which the stop closes first."""
-
-_COLUMNS = ("speed_rpm", "restitution", "stiffness", "quantity", "value", "sigma")
-_NEEDED = ("speed_rpm", "quantity", "value", "sigma")
 
 
 class Condition(NamedTuple):
@@ -80,7 +78,12 @@ def conditions(targets: Iterable[Target]) -> tuple[Condition, ...]:
 
 
 def predict(
-    mechanism: Mechanism, targets: Sequence[Target], tolerance: float, rest_rate: float | None
+    mechanism: Mechanism,
+    targets: Sequence[Target],
+    tolerance: float,
+    rest_rate: float | None,
+    *,
+    true: bool = False,
 ) -> FloatArray:
     """Values that a mechanism gives for some targets.
 
@@ -89,6 +92,8 @@ def predict(
         targets: The targets.
         tolerance: Relative accuracy of the transitions.
         rest_rate: Separation rate at which a transition ends; None: at its limit.
+        true: Whether the transition of the turn is taken where the machine does not arrive as a
+            transition assumes, which has to be found out and is slow.
 
     Returns:
         Values, shape (targets,).
@@ -98,7 +103,8 @@ def predict(
         InputError: A setting cannot be used.
     """
     known = {
-        at: transition_quantities(mechanism, at, tolerance, rest_rate) for at in conditions(targets)
+        at: transition_quantities(mechanism, at, tolerance, rest_rate, true=true)
+        for at in conditions(targets)
     }
     values = np.empty(len(targets))
     for place, target in enumerate(targets):
@@ -118,7 +124,12 @@ def predict(
 
 
 def transition_quantities(
-    mechanism: Mechanism, at: Condition, tolerance: float, rest_rate: float | None
+    mechanism: Mechanism,
+    at: Condition,
+    tolerance: float,
+    rest_rate: float | None,
+    *,
+    true: bool = False,
 ) -> dict[str, float]:
     """All quantities of one transition; NaN where there are fewer rebounds.
 
@@ -127,22 +138,53 @@ def transition_quantities(
         at: Settings of the transition.
         tolerance: Relative accuracy.
         rest_rate: Separation rate at which it ends; None: at its limit.
+        true: As in :func:`predict`.
 
     Raises:
         SimulationError: The transition cannot be simulated, or does not come to rest.
         InputError: A setting cannot be used.
     """
-    case = Case(
+    machine, case = with_settings(mechanism, at), _case(at, tolerance, rest_rate)
+    if true:
+        found = true_transition(machine, case)
+        outcome, run = found.outcome, (found.solution, found.collisions, found.transition)
+    else:
+        solution = simulate(machine, case)
+        hits = tuple(hit for hit in solution.collisions if hit.stop == mechanism.transition_stop)
+        first = solution.transitions[0] if solution.transitions else None
+        outcome, run = solution.outcome, (solution, hits, first)
+    if outcome is not Outcome.AT_REST:
+        message = f"{mechanism.name} at {at.speed_rpm:g} r/min: {outcome.value}"
+        raise SimulationError(message, condition=at._asdict())
+    return _quantities(*run)
+
+
+def premises(
+    mechanism: Mechanism, targets: Sequence[Target], tolerance: float
+) -> dict[Condition, Premise]:
+    """Say for each setting whether the machine arrives as a transition assumes.
+
+    Args:
+        mechanism: The mechanism.
+        targets: The targets.
+        tolerance: Relative accuracy of the transitions.
+
+    Raises:
+        SimulationError: A transition cannot be simulated.
+    """
+    return {
+        at: simulate(with_settings(mechanism, at), _case(at, tolerance, None)).premise
+        for at in conditions(targets)
+    }
+
+
+def _case(at: Condition, tolerance: float, rest_rate: float | None) -> Case:
+    return Case(
         speed_rpm=at.speed_rpm,
         rest_rate=rest_rate,
         resolution=Resolution(tolerance=tolerance),
         max_collisions=500,
     )
-    solution = simulate(with_settings(mechanism, at), case)
-    if solution.outcome is not Outcome.AT_REST:
-        message = f"{mechanism.name} at {at.speed_rpm:g} r/min: {solution.outcome.value}"
-        raise SimulationError(message, condition=at._asdict())
-    return _quantities(solution)
 
 
 def with_settings(mechanism: Mechanism, at: Condition) -> Mechanism:
@@ -175,69 +217,14 @@ def with_settings(mechanism: Mechanism, at: Condition) -> Mechanism:
     return mechanism
 
 
-def _quantities(solution: Solution) -> dict[str, float]:
-    found = {name: transition_value(solution, name) for name in QUANTITIES}
-    return {name: math.nan if value is None else value for name, value in found.items()}
-
-
-def read_measured(path: str | Path) -> tuple[Target, ...]:
-    """Read measured rebounds, for example from a high-speed camera.
-
-    Args:
-        path: CSV file with the columns speed_rpm, quantity, value, sigma and, if they differ from
-            those of the model, restitution and stiffness; rebound amplitudes in rad (or m), times
-            in s, stiffness in N/m.
-
-    Raises:
-        UnknownNameError: A column or quantity does not exist.
-        InputError: The file cannot be read, or a number cannot be used.
-    """
-    file = Path(path)
-    try:
-        with file.open(newline="", encoding="utf-8") as stream:
-            reader = csv.DictReader(stream)
-            columns, lines = tuple(reader.fieldnames or ()), list(reader)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        message = f"{file.name}: {error}; a readable CSV file is wanted"
-        raise InputError(message, file=str(file)) from error
-    for column in columns:
-        if column not in _COLUMNS:
-            raise UnknownNameError(kind="column", name=column, known=_COLUMNS, where=file.name)
-    for column in _NEEDED:
-        if column not in columns:
-            message = f"{file.name}: the column {column} is missing; there must be {_NEEDED}"
-            raise InputError(message, file=str(file), columns=columns)
-    if not lines:
-        message = f"{file.name}: no measurement below the heading"
-        raise InputError(message, file=str(file))
-    return tuple(
-        _measured(line, f"{file.name}, line {number}") for number, line in enumerate(lines, start=2)
-    )
-
-
-def _measured(line: Mapping[str, str | None], where: str) -> Target:
-    quantity = (line["quantity"] or "").strip()
-    refuse_unknown([quantity], QUANTITIES, where)
-    numbers: dict[str, float | None] = {}
-    for column in ("speed_rpm", "restitution", "stiffness", "value", "sigma"):
-        text = (line.get(column) or "").strip()
-        try:
-            number = float(text) if text else None
-        except ValueError:
-            number = math.nan
-        if (number is None and column in _NEEDED) or (
-            number is not None and not math.isfinite(number)
-        ):
-            message = f"{where}: {column} = {text!r} cannot be used: a finite number is wanted"
-            raise InputError(message, column=column, value=text)
-        numbers[column] = number
-    speed, value, sigma = numbers["speed_rpm"], numbers["value"], numbers["sigma"]
-    if speed is None or value is None or sigma is None or speed <= 0.0 or sigma <= 0.0:
-        message = f"{where}: speed_rpm and sigma have to be above zero"
-        raise InputError(message, speed_rpm=speed, sigma=sigma)
-    at = Condition(speed, numbers["restitution"], numbers["stiffness"])
-    settings = [f"{speed:g} r/min"]
-    settings += [f"e = {at.restitution:g}"] if at.restitution is not None else []
-    settings += [f"k = {at.stiffness:g}"] if at.stiffness is not None else []
-    name = ", ".join([quantity, *settings])
-    return Target(name=name, quantity=quantity, at=at, value=value, sigma=sigma)
+def _quantities(
+    solution: Solution, hits: Sequence[Collision], transition: Transition | None
+) -> dict[str, float]:
+    found = dict.fromkeys(QUANTITIES, math.nan)
+    for name in QUANTITIES:
+        quantity, place = of_transition(name)
+        subject = transition if not place else hits[place - 1] if place <= len(hits) else None
+        if subject is not None and quantity.read is not None:
+            value = quantity.read(solution, subject)  # type: ignore[arg-type]
+            found[name] = math.nan if value is None else value
+    return found

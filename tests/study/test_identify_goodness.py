@@ -1,0 +1,389 @@
+"""Goodness of a fit: what is stated is true, and data that contradict the fit are no success."""
+
+from __future__ import annotations
+
+import copy
+import io
+import json
+import math
+import re
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from identification_judge import Measured, Truth, mistakes, truth
+from scipy.stats import qmc
+
+from nipper_pin.cli import main
+from nipper_pin.view.paper.identification import identification_plate, identification_tables
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+SIGMAS = 3.0
+
+
+@dataclass(frozen=True)
+class Run:
+    """One identification by the command: its status, document and printed report."""
+
+    status: int
+    document: dict[str, Any]
+    report: str
+    complaint: str
+
+
+def run(folder: Path, *more: str) -> Run:
+    arguments = ["identify", str(folder / "identify_camera.toml"), "--workers", "1", *more]
+    with redirect_stdout(io.StringIO()) as out, redirect_stderr(io.StringIO()) as complaint:
+        status = main([*arguments, "--json", str(folder / "found.json")])
+    document = json.loads((folder / "found.json").read_text(encoding="utf-8"))
+    return Run(status, document, out.getvalue(), complaint.getvalue())
+
+
+def filmed(folder: Path, change: Any = None) -> Path:
+    """The example of the repository with changed measurements."""
+    name = "identify_camera_measured.csv"
+    (folder / "identify_camera.toml").write_text(
+        (SCRIPTS / "identify_camera.toml").read_text(encoding="utf-8"), encoding="utf-8"
+    )
+    heading, *lines = (SCRIPTS / name).read_text(encoding="utf-8").split()
+    rows = [line.split(",") for line in lines]
+    if change is not None:
+        rows = [change(place, row) for place, row in enumerate(rows)]
+    text = "\n".join([heading, *(",".join(row) for row in rows)]) + "\n"
+    (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module", autouse=True)
+def wide() -> Iterator[None]:
+    """A terminal wide enough that no cell is folded."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", "140")
+        yield
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    folder = filmed(tmp_path_factory.mktemp("filmed"))
+    return run(folder, "--starts", "1", "--profiles", "1")
+
+
+@pytest.fixture(scope="module")
+def right(found: Run) -> Truth:
+    numbers = {item["path"]: item["identified"] for item in found.document["free"]}
+    return truth(Measured.read(SCRIPTS / "identify_camera.toml"), numbers)
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Places of all numbers of a document."""
+    inner: Any = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, part in inner:
+        if isinstance(part, dict | list):
+            yield from leaves(part, (*path, key))
+        elif isinstance(part, int | float) and not isinstance(part, bool):
+            yield (*path, key)
+
+
+CHECKED = re.compile(
+    r"goodness\.(chi_square|degrees_of_freedom|probability|scale)|within_\d+_percent"
+    r"|targets\.\d+\.(wanted|sigma|found|relative_deviation|residual_sigmas)"
+    r"|free\.\d+\.(standard_deviation|standard_deviation_scaled|range_left)"
+    r"|correlations\.\d+\.\d+"
+)
+"""Numbers of the document that the judge holds against whole simulations."""
+
+
+def test_stated_numbers_are_those_of_whole_simulations(found: Run, right: Truth) -> None:
+    """All of them at once; and the judge refuses a document in which any one is off by 1 %."""
+    assert mistakes(found.document, right) == []
+    held = [path for path in leaves(found.document) if CHECKED.fullmatch(".".join(map(str, path)))]
+    assert len(held) == 4 + 2 + 12 * 5 + 3 * 3 + 9
+    for path in held:
+        doctored = copy.deepcopy(found.document)
+        inner: Any = doctored
+        for key in path[:-1]:
+            inner = inner[key]
+        inner[path[-1]] *= 1.01
+        assert ".".join(map(str, path)) in mistakes(doctored, right), path
+
+
+def test_the_rest_of_the_document_follows_from_it(found: Run) -> None:
+    """Verdict, outliers and what is determined, by their definitions."""
+    good, free = found.document["goodness"], found.document["free"]
+    assert found.status == 0
+    assert good["verdict"] == "agrees"
+    assert good["absolute_sigma"] is True
+    assert good["outliers"] == []
+    assert good["suspects"] == []
+    assert [item["determined"] for item in free] == [item["range_left"] < 0.5 for item in free]
+    cost = 0.5 * sum(item["residual_sigmas"] ** 2 for item in found.document["targets"])
+    assert found.document["cost"] == pytest.approx(cost, rel=1e-6)
+    values = np.array(found.document["singular_values"])
+    assert found.document["identifiable_directions"] == np.count_nonzero(values > 6.0)
+    # Singular values and directions are those of the stated deviations and correlations.
+    width = np.array([item["high"] - item["low"] for item in free])
+    deviation = np.array([item["standard_deviation"] for item in free]) / width
+    rows = np.array([[row[item["path"]] for item in free] for row in found.document["directions"]])
+    covariance = np.linalg.inv(rows.T @ np.diag(values**2) @ rows + 12.0 * np.eye(3))
+    stated = np.outer(deviation, deviation) * np.array(found.document["correlations"])
+    assert stated == pytest.approx(covariance, rel=1e-6, abs=1e-12)
+
+
+def last_digit(text: str) -> float:
+    """Half a unit of the last digit of a number."""
+    exponent = Decimal(text).as_tuple().exponent
+    assert isinstance(exponent, int)
+    return 0.5 * 10.0**exponent * (1.0 + 1e-9)
+
+
+def cells(report: str, heading: str) -> list[list[str]]:
+    """Rows of a printed table."""
+    lines = report.splitlines()
+    begin = next(i for i, line in enumerate(lines) if line.split()[:1] == [heading])
+    rows = []
+    for line in lines[begin + 2 :]:
+        parts = [part for part in re.split(r"\s{2,}", line.strip()) if part]
+        if len(parts) < 5 or parts[0] == "number":
+            break
+        rows.append(parts)
+    return rows
+
+
+def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
+    """Cells of the printed tables that say something else than the document."""
+    wrong = []
+
+    def hold(key: str, text: str, value: float, half: float) -> None:
+        """``half`` a unit of the last digit that is shown."""
+        number = float(text.rstrip("!*?% ").replace("%", ""))
+        if abs(number - value) > half * (1.0 + 1e-9):
+            wrong.append(key)
+
+    def digits(value: float, count: int) -> float:
+        return 0.5 * 10.0 ** (np.floor(np.log10(abs(value))) + 1 - count) if value else 0.0
+
+    targets = cells(report, "target")
+    if len(targets) != len(document["targets"]):
+        wrong.append("targets")
+    for row, item in zip(targets, document["targets"], strict=False):
+        name, wanted, sigma, value, deviation, sigmas = row
+        if name != item["name"]:
+            wrong.append("target.name")
+        hold("target.wanted", wanted, item["wanted"], digits(item["wanted"], 5))
+        hold("target.sigma", sigma, item["sigma"], digits(item["sigma"], 2))
+        hold("target.found", value, item["found"], digits(item["found"], 5))
+        hold("target.deviation", deviation, 100.0 * item["relative_deviation"], 0.005)
+        hold("target.sigmas", sigmas, item["residual_sigmas"], 0.005)
+        if sigmas.endswith("!") != item["outlier"]:
+            wrong.append("target.outlier")
+    free = cells(report, "number")
+    if len(free) != len(document["free"]):
+        wrong.append("free")
+    for row, item in zip(free, document["free"], strict=False):
+        path, before, value, plus, scaled, bounds, left = row
+        if path != item["path"]:
+            wrong.append("free.path")
+        hold("free.before", before, item["before"], digits(item["before"], 5))
+        hold("free.found", value, item["identified"], digits(item["identified"], 5))
+        hold("free.plus", plus, item["standard_deviation"], digits(item["standard_deviation"], 2))
+        second = item["standard_deviation_scaled"]
+        hold("free.scaled", scaled, second, digits(second, 2))
+        if [float(x) for x in bounds.split("..")] != [item["low"], item["high"]]:
+            wrong.append("free.bounds")
+        hold("free.left", left, 100.0 * item["range_left"], 0.5)
+        if left.endswith("?") == item["determined"]:
+            wrong.append("free.determined")
+    text, good = " ".join(report.split()), document["goodness"]
+    said = re.search(r"chi-square (\S+) with (\S+) degrees of freedom, probability (\S+)\.", text)
+    if said is None:
+        return [*wrong, "goodness"]
+    for key, part, count in (("chi_square", 1, 4), ("degrees_of_freedom", 2, 3),
+                             ("probability", 3, 2)):  # fmt: skip
+        hold(key, said[part], good[key], digits(good[key], count))
+    return wrong
+
+
+def test_the_printed_tables_say_what_the_document_says(found: Run) -> None:
+    """Every cell, to its last digit; each number of the document changed by 6 % is missed in it."""
+    assert printed_mistakes(found.report, found.document) == []
+    for path in leaves(found.document):
+        key = ".".join(map(str, path))
+        if not re.fullmatch(
+            r"goodness\.(chi_square|degrees_of_freedom|probability)|"
+            r"targets\.\d+\.(wanted|sigma|found|relative_deviation|residual_sigmas)|"
+            r"free\.\d+\.(before|identified|low|high|standard_deviation\w*|range_left)", key
+        ):  # fmt: skip
+            continue
+        doctored = copy.deepcopy(found.document)
+        inner: Any = doctored
+        for part in path[:-1]:
+            inner = inner[part]
+        inner[path[-1]] += math.copysign(0.06 * abs(inner[path[-1]]) + 0.012, inner[path[-1]])
+        assert printed_mistakes(found.report, doctored), key
+
+
+def test_tables_and_figure_of_the_page_hold_the_document(found: Run) -> None:
+    """Each number by its column's heading; the figure's curves by their data."""
+    document = found.document
+    targets, numbers = identification_tables(document)
+    for table, rows, keys in (
+        (targets, document["targets"], ("name", "wanted", "sigma", "found", "relative_deviation",
+                                        "residual_sigmas", "outlier")),
+        (numbers, document["free"], ("path", "before", "identified", "standard_deviation",
+                                     "standard_deviation_scaled", "low", "high", "range_left",
+                                     "determined")),
+    ):  # fmt: skip
+        assert tuple(column.key for column in table.columns) == keys
+        assert table.rows == tuple(tuple(row[key] for key in keys) for row in rows)
+        for shown, row in zip(table.shown, rows, strict=True):
+            for text, column in zip(shown, table.columns, strict=True):
+                value = row[column.key]
+                if not isinstance(value, float):
+                    assert text in {str(value), "yes", "no", ""}
+                    assert (text == "yes") == (value is True)
+                    continue
+                plain = text.rstrip("% ")
+                percent = 100.0 if text.endswith("%") else 1.0
+                assert abs(float(plain) - percent * value) <= last_digit(plain)
+    figure = identification_plate(document, "").figure
+    values, profiles = figure.axes
+    line = values.lines[0]
+    assert list(line.get_ydata()) == document["singular_values"]
+    assert sum(len(part.get_xdata()) for part in values.lines[1:]) == 3
+    assert len(values.lines[1].get_xdata()) == document["identifiable_directions"]
+    (item,) = document["profiles"]
+    best = next(x["identified"] for x in document["free"] if x["path"] == item["path"])
+    away = (np.array(item["values"]) - best) / item["sigma"]
+    assert profiles.lines[0].get_xdata() == pytest.approx(away)
+    assert list(profiles.lines[0].get_ydata()) == item["cost"]
+    assert list(profiles.lines[1].get_ydata()) == item["quadratic"]
+
+
+def test_starts_are_those_of_the_seed(tmp_path: Path) -> None:
+    """SciPy's scrambled Sobol sequence of the seed itself, in the middle four fifths of ranges."""
+    filmed(tmp_path)
+    for seed in (1, 7):
+        more = ("--starts", "3", "--seed", str(seed), "--profiles", "0")
+        document = run(tmp_path, *more).document
+        assert document["seed"] == seed
+        points = qmc.Sobol(3, scramble=True, rng=np.random.default_rng(seed)).random_base2(7)
+        low, high = (np.array([item[key] for item in document["free"]]) for key in ("low", "high"))
+        own = [item["before"] for item in document["free"]]
+        wanted = [own, *(low + (0.1 + 0.8 * points[[0, 64]]) * (high - low)).tolist()]
+        begun = [list(item["from"].values()) for item in document["starts"]]
+        assert np.array(sorted(begun)) == pytest.approx(np.array(sorted(wanted)), rel=1e-12)
+        best = {item["path"]: item["identified"] for item in document["free"]}
+        assert document["starts"][0]["to"] == pytest.approx(best, rel=1e-12)
+
+
+def in_milliseconds(_: int, row: list[str]) -> list[str]:
+    speed, quantity, value, sigma = row
+    factor = 1e3 if "time" in quantity else 1.0
+    return [speed, quantity, repr(factor * float(value)), repr(factor * float(sigma))]
+
+
+def in_degrees(_: int, row: list[str]) -> list[str]:
+    speed, quantity, value, sigma = row
+    factor = 180.0 / np.pi if "amplitude" in quantity else 1.0
+    return [speed, quantity, repr(factor * float(value)), repr(factor * float(sigma))]
+
+
+def noisier(place: int, row: list[str]) -> list[str]:
+    """Errors three times as large as stated."""
+    speed, quantity, value, sigma = row
+    error = 3.0 * float(sigma) * np.random.default_rng([5, place]).standard_normal()
+    return [speed, quantity, repr(float(value) + error), sigma]
+
+
+def misread(place: int, row: list[str]) -> list[str]:
+    """One picture counted too many, in one line."""
+    speed, quantity, value, sigma = row
+    return [speed, quantity, repr(float(value) + 5e-5 * (place == 5)), sigma]
+
+
+def far_off(_: int, row: list[str]) -> list[str]:
+    """Sigmas ten thousand times too small."""
+    return [*row[:3], repr(1e-4 * float(row[3]))]
+
+
+@pytest.mark.parametrize(
+    ("change", "said", "outliers"),
+    [
+        (in_milliseconds, ["rebound_time_s_1 is wanted about 1", "is it in milliseconds?"], None),
+        (in_degrees, ["rebound_amplitude_1 is wanted about", "is it in degrees"], None),
+        (noisier, ["sigmas are too small"], None),
+        (misread, ["Outliers: rebound_time_s_1, 450 r/min"], ["rebound_time_s_1, 450 r/min"]),
+        (far_off, ["sigmas are too small"], None),
+    ],
+)
+def test_data_that_contradict_the_fit_are_no_success(
+    tmp_path: Path,
+    change: Any,
+    said: list[str],
+    outliers: list[str] | None,
+) -> None:
+    """Status 1 and one sentence; the result is written all the same, and says it, too.
+
+    The sum of squares without the change is 3.5 with 9 degrees of freedom. Far-off data begin
+    beyond any fixed penalty for values that make no machine: they are fitted as all others.
+    """
+    out = tmp_path / "machine"
+    filmed(tmp_path, change)
+    found = run(tmp_path, "--starts", "1", "--profiles", "0", "--out", str(out))
+    assert found.status == 1
+    good = found.document["goodness"]
+    assert good["verdict"] == "contradicted"
+    assert good["probability"] < 1e-3
+    assert "CONTRADICT" in found.complaint
+    text = " ".join(found.report.split())
+    heading = (out / "machine.toml").read_text(encoding="utf-8")
+    for words in said:
+        assert words in found.complaint
+        assert words in text
+        assert words in heading
+    if outliers is not None:
+        assert good["outliers"] == outliers
+
+
+def test_scaled_deviations_follow_the_noise(tmp_path: Path, found: Run) -> None:
+    """Noise tripled: deviations by the sigmas stay, those that are scaled grow as the misfit."""
+    (tmp_path / "noisy").mkdir()
+    filmed(tmp_path / "noisy", noisier)
+    noisy = run(tmp_path / "noisy", "--starts", "1", "--profiles", "0").document
+    ratio = noisy["goodness"]["scale"] / found.document["goodness"]["scale"]
+    assert ratio > 1.5
+    for before, after in zip(found.document["free"], noisy["free"], strict=True):
+        assert after["standard_deviation"] == pytest.approx(before["standard_deviation"], rel=0.1)
+        grown = after["standard_deviation_scaled"] / before["standard_deviation_scaled"]
+        assert grown == pytest.approx(ratio, rel=0.1)
+
+
+def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
+    """All sigmas by one factor: the fit and its scaled deviations stay, and nothing is tested."""
+
+    def wider(_: int, row: list[str]) -> list[str]:
+        return [*row[:3], repr(1.7 * float(row[3]))]
+
+    results = []
+    for name, change in (("plain", None), ("wide", wider)):
+        (tmp_path / name).mkdir()
+        filmed(tmp_path / name, change)
+        file = tmp_path / name / "identify_camera.toml"
+        text = file.read_text(encoding="utf-8").replace("[free", "absolute_sigma = false\n[free", 1)
+        file.write_text(text, encoding="utf-8")
+        results.append(run(tmp_path / name, "--starts", "1", "--profiles", "0"))
+    one, other = (item.document for item in results)
+    assert [item.status for item in results] == [0, 0]
+    assert one["goodness"]["verdict"] == "weights alone"
+    assert one["goodness"]["probability"] is None
+    assert one["goodness"]["scale"] / other["goodness"]["scale"] == pytest.approx(1.7, rel=1e-4)
+    for a, b in zip(one["free"], other["free"], strict=True):
+        stated = a["standard_deviation_scaled"]
+        assert a["identified"] == pytest.approx(b["identified"], abs=1e-3 * stated)
+        assert b["standard_deviation_scaled"] == pytest.approx(stated, rel=1e-3)
+        assert b["standard_deviation"] / a["standard_deviation"] == pytest.approx(1.7, rel=1e-2)
