@@ -210,9 +210,7 @@ def _struck(
         late *= most / total
     seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
     found = before.deviations.later(late, impact.rates)
-    found = found.joined(
-        Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1))
-    )
+    found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
     time = float(np.abs(found.late).sum())
     since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
     found = found.within(index, 0.0)

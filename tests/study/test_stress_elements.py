@@ -23,6 +23,8 @@ from nipper_pin.study.stress.mirror import mirrored
 from nipper_pin.study.stress.parts import Source
 
 SEED = 11
+
+
 def built(source: Source) -> Mechanism:
     return from_sources(source.name, source.urdf, source.description, source.folder)
 
