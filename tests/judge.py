@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 from xml.etree import ElementTree
@@ -180,17 +181,41 @@ class Judge:
         """By link: turning rate counter-clockwise [rad/s], velocity (x, z) of its centre [m/s]."""
         pin.forwardKinematics(self.model, self.data, self.full(q), self._to(v))
         found = {}
-        for joint in ElementTree.fromstring(self.run.mechanism.urdf).iter("joint"):
-            if joint.get("name") not in self.names:
-                continue
-            place = self.model.getJointId(joint.get("name"))
+        for joint, child in self._children.items():
+            place = self.model.getJointId(joint)
             centre = self.data.oMi[place].rotation @ self.model.inertias[place].lever
             moving = pin.getVelocity(self.model, self.data, place, pin.LOCAL_WORLD_ALIGNED)
             there = moving.linear + np.cross(moving.angular, centre)
-            child = joint.find("child")
-            assert child is not None
-            found[str(child.get("link"))] = (-moving.angular[1], there[0], there[2])
+            found[child] = (-moving.angular[1], there[0], there[2])
         return found
+
+    def places(self, q: Array) -> dict[str, tuple[float, float, float]]:
+        """By link: where its joint stands (x, z) [m], and its rotation counter-clockwise [rad]."""
+        found = {}
+        for name, pose in self._poses(q).items():
+            turned = math.atan2(pose.rotation[2, 0], pose.rotation[0, 0])
+            found[name] = (float(pose.translation[0]), float(pose.translation[2]), turned)
+        return found
+
+    def point(self, link: str, at: Array, q: Array, moved: Array) -> Array:
+        """Where the point of a link that is at (x, z) in one configuration is in another [m]."""
+        before, after = self._poses(q)[link], self._poses(moved)[link]
+        there = after.act(before.actInv(np.array([at[0], 0.0, at[1]])))
+        return there[[0, 2]]
+
+    def _poses(self, q: Array) -> dict[str, Any]:
+        pin.forwardKinematics(self.model, self.data, self.full(q))
+        return {
+            child: self.data.oMi[self.model.getJointId(joint)].copy()
+            for joint, child in self._children.items()
+        }
+
+    @cached_property
+    def _children(self) -> dict[str, str]:
+        """Links by the names of their joints."""
+        joints = ElementTree.fromstring(self.run.mechanism.urdf).iter("joint")
+        named = {str(item.get("name")): item.find("child") for item in joints}
+        return {name: str(named[name].get("link")) for name in self.names}  # type: ignore[union-attr]
 
     def unit(self, column: int) -> Array:
         """Row that picks one coordinate."""

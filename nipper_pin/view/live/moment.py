@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...arrays import FloatArray
 from ...hybrid.solution import Solution
 from ..reading import digits, index_at, units_of
-from ..scene.arrows import FADE, HELD
+from ..scene.arrows import FADE, HELD, arrow_stops
 
 
 def closed_at(solution: Solution, t: float) -> frozenset[str]:
@@ -27,10 +27,12 @@ def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
         slow: Seconds of playback in a second of the machine.
 
     Returns:
-        Size of the arrow of each stop struck so far, by the largest impulse [-].
+        Size of the arrow of each stop struck so far that has one, by the largest impulse [-].
     """
-    hits = solution.collisions
-    largest = max(item.impulse for item in hits)
+    # A moment's impulse has another unit, and no arrow.
+    drawn = {stop.name for stop in arrow_stops(solution.mechanism)}
+    hits = [item for item in solution.collisions if item.stop in drawn]
+    largest = max((item.impulse for item in hits), default=0.0)
     found = {}
     for hit in hits:
         left = (HELD + FADE - slow * (t - hit.t)) / FADE

@@ -136,9 +136,11 @@ def _arrows(film: Film) -> Iterator[dict[str, object]]:
     """Size of the arrows: as the impulse for a moment after each collision, else nothing."""
     solution = film.solution
     last = film.pace.machine[-1]
-    hits = [item for item in solution.collisions if item.t <= last]
+    stops = arrow_stops(solution.mechanism)
+    drawn = {stop.name for stop in stops}
+    hits = [item for item in solution.collisions if item.t <= last and item.stop in drawn]
     largest = max((item.impulse for item in hits), default=0.0)
-    for stop in arrow_stops(solution.mechanism):
+    for stop in stops:
         keys = [(0.0, 0.0)]
         for hit in hits:
             if hit.stop != stop.name or largest <= 0.0:
