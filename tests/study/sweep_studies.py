@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,7 @@ from nipper_pin import load
 from nipper_pin.mechanism import find_model
 from nipper_pin.study.sweep import Plan, read_plan
 
+COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 TABLE = """
 [samples]
 method = "sobol"
@@ -51,6 +55,17 @@ def study(folder: Path, text: str, name: str = "study") -> str:
 
 def plan(folder: Path, text: str) -> Plan:
     return read_plan(study(folder, text))
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.02)
+
+
+def chunk_files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((folder / "chunks").iterdir())}
 
 
 def tabulated_e62(folder: Path, rows: int = 73) -> Path:

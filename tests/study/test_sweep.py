@@ -5,30 +5,28 @@ from __future__ import annotations
 import json
 import os
 import signal
-import socket
 import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
-import distributed
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from sweep_studies import GEOMETRY, TABLE, plan, study, tabulated_e62
+from sweep_studies import (
+    COMMAND,
+    GEOMETRY,
+    TABLE,
+    chunk_files,
+    plan,
+    study,
+    tabulated_e62,
+    wait_for,
+)
 
 from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
 from nipper_pin.study.sweep.chunks import NO_MODEL, run_chunk
-
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
-
-
-def chunk_files(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted((folder / "chunks").iterdir())}
-
 
 # --- results -----------------------------------------------------------------------------------
 
@@ -291,112 +289,3 @@ def test_command_says_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "2 were there, 0 computed" in capsys.readouterr().out
     assert main(["sweep", path, "--workers", "0"]) == 2
     assert main(["sweep", path, "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"]) == 2
-
-
-# --- a cluster ---------------------------------------------------------------------------------
-
-
-class Cluster:
-    """A real scheduler and real workers on loopback, each a process of its own."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.file = folder / "scheduler.json"
-        self.running: list[subprocess.Popen[bytes]] = []
-        self.start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-                   "--scheduler-file", str(self.file))  # fmt: skip
-        # It is there before it is written.
-        wait_for(lambda: self.file.exists() and self.file.read_text().rstrip().endswith("}"))
-        self.address = json.loads(self.file.read_text())["address"]
-
-    def start(self, *arguments: str) -> subprocess.Popen[bytes]:
-        with (self.folder / f"{len(self.running)}.log").open("wb") as log:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "dask", *arguments],
-                stdout=log,
-                stderr=log,
-                cwd=self.folder,
-            )
-        self.running.append(process)
-        return process
-
-    def worker(self, name: str) -> subprocess.Popen[bytes]:
-        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-                          "--host", "127.0.0.1", "--name", name)  # fmt: skip
-
-    def __enter__(self) -> Cluster:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for process in self.running:
-            process.kill()
-            process.wait()
-
-
-def wait_for(condition: Any, seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "nothing happened"
-        time.sleep(0.02)
-
-
-def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
-    """Nothing is lost and nothing is double when one of two workers is killed at work.
-
-    When it is killed, chunks of its own are under way (the scheduler names them) and a part of all
-    is stored; the other one has to do them again. The files are those of a local sweep to the last
-    byte, and every scenario is there once.
-    """
-    text = GEOMETRY.replace("points = 5", "points = 100").replace("chunk = 4", "chunk = 10")
-    path, out = study(tmp_path, text), tmp_path / "cluster"
-    run_sweep(read_plan(path), tmp_path / "local", workers=2)
-    whole = chunk_files(tmp_path / "local")
-    assert len(whole) == 60
-
-    def stored() -> int:
-        return len(list((out / "chunks").glob("*.parquet")))
-
-    with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
-        doomed, other = cluster.worker("doomed"), cluster.worker("other")
-        client.wait_for_workers(2, timeout=60)
-        names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
-        command = subprocess.Popen(
-            [*COMMAND, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        wait_for(lambda: stored() >= 15 or command.poll() is not None)
-        under_way = client.processing()[names["doomed"]]
-        doomed.kill()
-        before = stored()
-        said, complained = command.communicate(timeout=120)
-        left = [item["name"] for item in client.scheduler_info()["workers"].values()]
-        assert other.poll() is None
-    assert command.returncode == 0, complained
-    assert "600 computed" in said
-    assert 15 <= before < 50
-    assert len(under_way) >= 1
-    assert left == ["other"]
-    assert chunk_files(out) == whole
-    numbers = pq.read_table(out / "chunks")["scenario"].to_pylist()
-    assert sorted(numbers) == list(range(600))
-
-
-def test_a_cluster_that_is_not_there(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Neither an address where nobody listens nor a scheduler without workers waits for ever."""
-    monkeypatch.setattr("nipper_pin.study.sweep.cluster._CONNECT_S", 1.0)
-    path = study(tmp_path, GEOMETRY)
-    with socket.socket() as taken:
-        # Bound and not listening: nobody answers there, and nobody else can.
-        taken.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"
-        arguments = ["sweep", path, "--out", str(tmp_path / "out"), "--scheduler"]
-        assert main([*arguments, address]) == 2
-    assert "cannot be reached" in capsys.readouterr().err
-    assert main([*arguments, "nonsense"]) == 2
-    with Cluster(tmp_path) as cluster:
-        assert main([*arguments, cluster.address]) == 2
-    assert "has no workers" in capsys.readouterr().err

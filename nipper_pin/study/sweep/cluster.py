@@ -23,8 +23,6 @@ _CONNECT_S, _LOST_S, _LOOK_S = 20.0, 30.0, 1.0
 # Chunks on the scheduler for each thread of its workers: one runs, others wait at hand.
 _AHEAD = 3
 _SCHEMES = ("tcp", "tls", "ws", "wss", "ucx")
-# What Dask says of a lost scheduler on its own: many lines, where one sentence of ours will do.
-_LOGGERS = ("distributed", "tornado", "asyncio")
 _KEPT = "what is finished is kept: run the same command again"
 
 
@@ -195,13 +193,10 @@ def _lacking(found: Any) -> str:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Nothing from Dask beside our own sentence."""
-    loggers = [logging.getLogger(name) for name in _LOGGERS]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
+    """Nothing from Dask beside our own sentence; it logs by many loggers, each with its level."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
     try:
         yield
     finally:
-        for logger, level in zip(loggers, before, strict=True):
-            logger.setLevel(level)
+        logging.disable(before)
