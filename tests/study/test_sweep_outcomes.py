@@ -75,14 +75,14 @@ def test_rows_that_the_reduced_engine_leaves_are_told(
 
 def faulty(monkeypatch: pytest.MonkeyPatch, error: Exception, speed: float) -> None:
     """Transitions that raise an error wherever this speed is among them."""
-    right = chunks.transition_table
+    right = chunks.table_of
 
-    def table(*arguments: Any, **values: Any) -> Any:
-        if speed in values["speed_rpm"]:
+    def table(mechanism: Any, cases: Any, **settings: Any) -> Any:
+        if speed in cases.speed_rpm:
             raise error
-        return right(*arguments, **values)
+        return right(mechanism, cases, **settings)
 
-    monkeypatch.setattr(chunks, "transition_table", table)
+    monkeypatch.setattr(chunks, "table_of", table)
 
 
 def in_this_process(
