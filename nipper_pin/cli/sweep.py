@@ -37,14 +37,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="only chunks A to B, counted from 0: a part of a sweep for each job of an array",
     )
     parser.add_argument(
-        "--dry-run", action="store_true", help="check the study and say what it would compute"
+        "--dry-run",
+        action="store_true",
+        help="check the study, and say what it would compute and how long that takes here",
     )
     parser.add_argument("--json", metavar="FILE", help="write a report as JSON; - for stdout")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.sweep import read_plan, run_sweep
+    from ..study.sweep import estimate, read_plan, run_sweep
 
     plan = read_plan(options.study)
     kinds = plan.mechanisms
@@ -56,7 +58,9 @@ def _run(options: argparse.Namespace) -> None:
             "chunks": len(plan.chunks()),
             "hash": plan.hash,
         }
-        text = f"{size} in {document['chunks']:,} chunks"
+        expected = estimate.estimate(plan, options.workers)
+        document["estimate"] = expected.record()
+        text = f"{size} in {document['chunks']:,} chunks\n{expected.sentence()}"
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
         with _progress(folder) as advance:

@@ -14,6 +14,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -161,6 +162,7 @@ def complete_file(target: Path) -> Iterator[Path]:
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
     return {
         "format": FORMAT,
+        "version": version("nipper-pin"),
         "mechanism": {
             "name": mechanism.name,
             "urdf": mechanism.urdf,

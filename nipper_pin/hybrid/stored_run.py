@@ -55,10 +55,18 @@ class CaseRecord(_Record, frozen=True):
     max_collisions: _Count
 
 
-class Setting(_Record, frozen=True):
-    """What a run needs to be repeated."""
+class Setting(_Record, frozen=True, kw_only=True):
+    """What a run needs to be repeated.
+
+    Attributes:
+        format: Of the file.
+        version: Of the package that wrote it; empty in files from before it was kept.
+        mechanism: Sources of the mechanism.
+        case: The case.
+    """
 
     format: int
+    version: str = ""
     mechanism: Model
     case: CaseRecord
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import nipper_pin
 from nipper_pin import (
     Case,
     DriveMode,
@@ -311,3 +312,20 @@ def test_a_file_that_is_no_case_is_an_input_error(tmp_path: Path, text: str) -> 
     path.write_text(text, encoding="latin-1")
     with pytest.raises(InputError, match=r"case\.json"):
         load_case(path)
+
+
+def test_files_say_which_version_wrote_them(tmp_path: Path) -> None:
+    """Files from before that are read all the same."""
+    mechanism, case = load("e62"), Case(speed_rpm=650.0)
+    path = save_case(mechanism, case, tmp_path / "case.json")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    assert document.pop("version") == nipper_pin.__version__
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert load_case(path)[1] == case
+    run = save(simulate(mechanism, case), tmp_path / "run.npz")
+    with np.load(run) as stored:
+        arrays = dict(stored)
+    document = json.loads(str(arrays["document"]))
+    assert document.pop("version") == nipper_pin.__version__
+    np.savez(run, **{**arrays, "document": np.array(json.dumps(document))})
+    assert load_solution(run).case == case

@@ -33,7 +33,7 @@ def on_this_machine(
         SimulationError: A process died.
     """
     # They start while the first samples are drawn.
-    with fresh_processes(workers, _wake) as pool:
+    with fresh_processes(workers, wake) as pool:
         running: dict[Future[bytes], Chunk] = {}
         try:
             for chunk, rows in tasks:
@@ -63,5 +63,5 @@ def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, byte
             yield chunk, defect
 
 
-def _wake() -> None:
+def wake() -> None:
     """Nothing: a process starts for it, and imports what this module needs."""
