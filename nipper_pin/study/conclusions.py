@@ -65,6 +65,11 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
         f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
         f"{clamp:.3g} N."
     ]
+    if found.premise_holds is False:
+        text.append(
+            "The machine does not arrive at the touch as a transition assumes: bounce and time are "
+            "those of the turn."
+        )
     by_path = {row.path: row for row in found.rows}
     if SPEED in by_path and not by_path[SPEED].doubtful:
         faster = by_path[SPEED].per

@@ -100,6 +100,8 @@ class Sensitivities:
     Attributes:
         model: Name of the model.
         speed_rpm: Cylinder speed [r/min].
+        premise_holds: Whether the machine arrives as a transition assumes; where it does not,
+            amplitude and time are those of the turn.
         amplitude_rad: First rebound amplitude [rad].
         transition_time_s: Time from the first collision to rest [s].
         clamping_force_N: Mean lip force over the middle half of the closed phase [N].
@@ -108,6 +110,7 @@ class Sensitivities:
 
     model: str
     speed_rpm: float
+    premise_holds: bool | None
     amplitude_rad: float
     transition_time_s: float
     clamping_force_N: float
@@ -123,6 +126,7 @@ class Sensitivities:
         return {
             "model": self.model,
             "speed_rpm": self.speed_rpm,
+            "premise_holds": self.premise_holds,
             "rebound_amplitude_1": self.amplitude_rad,
             "duration_s": self.transition_time_s,
             "mean_clamping_force_N": self.clamping_force_N,
@@ -199,7 +203,9 @@ def sensitivities(
     inner = [path for path in chosen if path != SPEED]
     values = dict(zip(inner, read_values(sources, inner), strict=True))
     values[SPEED] = speed_rpm
-    here = _direct(mechanism, speed_rpm)
+    premise = simulate(mechanism, Case(speed_rpm=speed_rpm)).premise_holds
+    true = premise is False
+    here = _direct(mechanism, speed_rpm, true=true)
     if not (here > 0.0).all():
         none = [name for name, value in zip(QUANTITIES, here, strict=True) if not value > 0.0]
         message = (
@@ -207,7 +213,7 @@ def sensitivities(
             "exist, so that nothing changes it by a percentage; change the model or the speed"
         )
         raise SimulationError(message, quantities=none)
-    find = partial(_row, sources, speed_rpm, here)
+    find = partial(_row, sources, speed_rpm, here, true)
     rows = []
     for row in mapped(find, [(path, values[path]) for path in chosen], workers):
         rows.append(row)
@@ -216,6 +222,7 @@ def sensitivities(
     return Sensitivities(
         model=mechanism.name,
         speed_rpm=speed_rpm,
+        premise_holds=premise,
         amplitude_rad=float(here[0]),
         transition_time_s=float(here[1]),
         clamping_force_N=float(here[2]),
@@ -224,7 +231,11 @@ def sensitivities(
 
 
 def _row(
-    sources: Sources, speed_rpm: float, here: FloatArray, number: tuple[str, float]
+    sources: Sources,
+    speed_rpm: float,
+    here: FloatArray,
+    true: bool,
+    number: tuple[str, float],
 ) -> Sensitivity:
     """Find the effect of one number, in both ways."""
     path, value = number
@@ -241,29 +252,35 @@ def _row(
         path=path,
         value=value,
         unit=step.unit,
-        per=scale * step.extrapolated(partial(at, _direct), value),
-        control=scale * control.slope(partial(at, partial(_other, near=here)), value),
+        per=scale * step.extrapolated(partial(at, partial(_direct, true=true)), value),
+        control=scale * control.slope(partial(at, partial(_other, near=here, true=true)), value),
     )
 
 
-def _direct(mechanism: Mechanism, speed_rpm: float) -> FloatArray:
-    """The quantities by the direct engine and by kinematics."""
-    found = transition_quantities(mechanism, Condition(speed_rpm), _TOLERANCE, None)
+def _direct(mechanism: Mechanism, speed_rpm: float, *, true: bool) -> FloatArray:
+    """The quantities by the direct engine, of the turn or as assumed, and by kinematics."""
+    found = transition_quantities(mechanism, Condition(speed_rpm), _TOLERANCE, None, true=true)
     force = working_cycle(mechanism, speed_rpm).clamping_force
     return np.array([found["rebound_amplitude_1"], found["duration_s"], force])
 
 
-def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray) -> FloatArray:
+def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray, *, true: bool) -> FloatArray:
     """The quantities by the reduced engine and from a simulated cycle.
 
     Args:
         mechanism: The mechanism.
         speed_rpm: Cylinder speed [r/min].
         near: Quantities of a mechanism nearby, shape (3,); they say how much to tabulate.
+        true: Whether to solve the transition of the turn.
     """
+    # Only tables of a whole turn know how the machine arrives.
     travel = min(_ROOM * rad_s_from_rpm(speed_rpm) * float(near[1]), math.tau)
-    model = build(mechanism, travel_rad=travel, gap_max=_ROOM * float(near[0]))
-    found = transition(model, speed_rpm=speed_rpm)
+    model = (
+        build(mechanism)
+        if true
+        else build(mechanism, travel_rad=travel, gap_max=_ROOM * float(near[0]))
+    )
+    found = transition(model, speed_rpm=speed_rpm, assumed=not true)
     solution = simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))
     stop = mechanism.transition_stop
     closing = next(item.t for item in solution.collisions if item.stop == stop)

@@ -242,6 +242,31 @@ def test_an_error_in_either_way_is_seen(
     assert text.count("preload length") == 1
 
 
+@pytest.mark.slow
+def test_bounces_of_the_turn_where_the_machine_arrives_otherwise() -> None:
+    """12.6 mrad in the turn and 7.1 as a transition assumes: slopes of the turn, by both engines.
+
+    The lips bounce into the middle half of the closed phase there, so that the force by kinematics
+    is not that of the simulated cycle: the row is doubtful for that, and nothing is concluded.
+    """
+    machine = load(
+        "e62",
+        {
+            "springs.steeve.preload_length_mm": 9.25486,
+            "springs.steeve.stiffness_N_per_m": 7065.98,
+            "stops.jaw.restitution": 0.18674,
+        },
+    )
+    found = sensitivities(machine, 681.27, ("springs.steeve.preload_length_mm",))
+    (row,) = found.rows
+    assert found.premise_holds is False
+    assert found.record()["premise_holds"] is False
+    assert found.amplitude_rad == pytest.approx(12.614e-3, rel=1e-3)
+    assert row.control[:2] == pytest.approx(row.per[:2], rel=1e-3)
+    assert row.doubtful
+    assert "those of the turn" in " ".join(conclusions(found))
+
+
 def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
     """A row depends on its number alone; rows come back in the order that was asked for."""
     paths = ("stops.jaw.restitution", "links.top_nipper.mass_kg", "speed_rpm")
