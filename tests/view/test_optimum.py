@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import io
+import json
+import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from rich.console import Console
 
+from nipper_pin.cli import main
 from nipper_pin.study.optimise import Optimum, optimise, read_problem
 from nipper_pin.view.front_plot import front_figure, plot_front
 from nipper_pin.view.optimise_report import print_optimum
@@ -79,3 +83,168 @@ def test_text_says_what_holds_and_fits_a_terminal(optimum: Optimum) -> None:
     for item in optimum.front:
         assert f"{item.values['duration_s']:.5g}" in text
     assert "nipper-pin simulate" in text
+
+
+# --- every number that is said, against the formulas of a bouncing ball ---------------------------
+
+
+def ball(e: float, lead_mm: float) -> dict[str, float]:
+    """Quantities of a ball on a table that rises by the lead in a second: u = e V.
+
+    Rebound u^2 / 2 g after 2 u / g; rest after 2 u / (g (1 - e)).
+    """
+    u = e * 1e-3 * lead_mm
+    return {
+        "duration_s": 2.0 * u / (9.81 * (1.0 - e)),
+        "rebound_amplitude_1": u**2 / (2.0 * 9.81),
+        "rebound_time_s_1": 2.0 * u / 9.81,
+    }
+
+
+BEFORE, BEST = ball(0.5, 1500.0), ball(0.05, 20.0)
+NAMES = ("stops.table.restitution", "drives.table.lead_mm_per_turn")
+
+
+def printed(optimum: Optimum) -> str:
+    out = io.StringIO()
+    print_optimum(optimum, Console(file=out, width=120))
+    return out.getvalue()
+
+
+def cells(text: str, first: str) -> list[list[str]]:
+    """Rows of tables that begin with a word."""
+    return [line.split() for line in text.splitlines() if line.split()[:1] == [first]]
+
+
+def wrong_numbers(text: str) -> list[str]:
+    """Rows of the report that are not what the formulas say, to the digits that are printed."""
+    wanted = {
+        **{name: (BEFORE[name], BEST[name], BEST[name]) for name in BEST},
+        NAMES[0]: (0.5, 0.05, 0.05),
+        NAMES[1]: (1500.0, 20.0, 20.0),
+    }
+    wrong = []
+    for name, numbers in wanted.items():
+        rows = [row for row in cells(text, name) if len(row) > 3]
+        found = [float(word) for word in rows[0][1:4]] if rows else []
+        if not found or not np.allclose(found, numbers, rtol=6e-6, atol=0.0):
+            wrong.append(name)
+    change = 100.0 * (BEST["duration_s"] / BEFORE["duration_s"] - 1.0)
+    line = next(line for line in text.splitlines() if line.startswith("minimise"))
+    said = float(line.split("(")[1].split(" %")[0])
+    if abs(said - change) > 5e-4 * abs(change):
+        wrong.append("change")
+    return wrong
+
+
+def test_every_number_of_the_report_is_that_of_the_formulas(optimum: Optimum) -> None:
+    text = printed(optimum)
+    assert wrong_numbers(text) == []
+    # Bounds as they are written in the file, and the points of every kind.
+    assert cells(text, NAMES[1])[0][3:] == ["20", "to", "100"]
+    flat = " ".join(text.split())
+    count = sum(optimum.engines.values())
+    assert f"{optimum.evaluations:,} points in" in flat
+    assert set(optimum.engines) == {"reduced"} or set(optimum.engines) == {"direct"}
+    assert f"of them {count:,} by the" in flat
+    # Room at the least e is worth dT/de = 2 V / (g (1 - e)^2); a mm of V, 2 e / (g (1 - e)).
+    prices = {line.split(" >=")[0]: line for line in text.splitlines() if "one unit more" in line}
+    by_e, by_lead = 2.0 * 0.02 / (9.81 * 0.95**2), 1e-3 * 2.0 * 0.05 / (9.81 * 0.95)
+    for name, price in zip(NAMES, (by_e, by_lead), strict=True):
+        *_, value, unit = prices[name].split()
+        assert float(value) == pytest.approx(price, rel=1e-3)
+        assert unit == "s"
+    # The front in a table of its own: both aims and both numbers of each point.
+    rows = [row for row in map(str.split, text.splitlines()) if len(row) == 4 and _all(row)]
+    assert len(rows) == len(optimum.front)
+    for row in rows:
+        duration, height, e, lead = map(float, row)
+        assert duration == pytest.approx(ball(e, lead)["duration_s"], rel=1e-3)
+        assert height == pytest.approx(ball(e, lead)["rebound_amplitude_1"], rel=1e-3)
+
+
+def _all(words: list[str]) -> bool:
+    return all(word.replace(".", "").replace("e-", "").isdigit() for word in words)
+
+
+@pytest.mark.parametrize("name", ["duration_s", "rebound_amplitude_1", "rebound_time_s_1"])
+def test_doctored_numbers_of_a_report_are_seen(optimum: Optimum, name: str) -> None:
+    """A value in ms, or off by 1e-4, is no longer that of the formulas."""
+    for factor in (1e3, 1.0001):
+        values = {**optimum.best.values, name: factor * optimum.best.values[name]}
+        text = printed(replace(optimum, best=replace(optimum.best, values=values)))
+        assert name in wrong_numbers(text)
+
+
+def test_every_number_of_the_document_is_that_of_the_formulas(optimum: Optimum) -> None:
+    """The JSON: values in SI, numbers in the unit of the file, the change as a share."""
+    document = optimum.record()
+    for place, values in (("before", BEFORE), ("optimum", BEST)):
+        for name, value in values.items():
+            assert document[place]["values"][name] == pytest.approx(value, rel=1e-8)
+            # What is stated is more than what is true, and not much more.
+            error = abs(document[place]["values"][name] - value)
+            assert error <= document[place]["errors"][name] < 1e-6 * value
+    for name, value in BEST.items():
+        assert document["control"]["values"][name] == pytest.approx(value, rel=1e-8)
+    change = BEST["duration_s"] / BEFORE["duration_s"] - 1.0
+    assert document["relative_change"] == pytest.approx(change, rel=1e-8)
+    first, second = document["parameters"]
+    assert (first["path"], first["lower"], first["upper"], first["before"]) == (
+        "stops.table.restitution", 0.05, 0.3, 0.5,
+    )  # fmt: skip
+    assert (second["before"], second["optimum"]) == (1500.0, pytest.approx(20.0, rel=1e-9))
+    assert document["optimum"]["slacks"] == [pytest.approx(0.005 - BEST["rebound_time_s_1"])]
+    for item in document["front"]:
+        for name, value in ball(*item["numbers"].values()).items():
+            assert item["values"][name] == pytest.approx(value, rel=1e-8)
+            assert item["control"]["values"][name] == pytest.approx(value, rel=1e-8)
+    counts = document["search"]["engines"]
+    assert sum(counts.values()) == document["work"]["evaluations"]
+    points = [item["evaluations"] for item in document["search"]["descents"]]
+    assert document["work"]["evaluations"] > 65 + sum(points)
+
+
+def test_figure_is_in_the_units_of_its_labels(optimum: Optimum) -> None:
+    """Heights in m over times in s by the formulas; 3 m in mm would be no such curve."""
+    above, below = front_figure(optimum).axes
+    assert above.get_ylabel().endswith("[s]")
+    assert below.get_xlabel().endswith("[m]")
+    for (height, duration), item in zip(above.lines[0].get_xydata(), optimum.front, strict=True):
+        values = ball(*item.numbers.values())
+        assert height == pytest.approx(values["rebound_amplitude_1"], rel=1e-8)
+        assert duration == pytest.approx(values["duration_s"], rel=1e-8)
+    for line, (lower, upper), name in zip(
+        below.lines, ((0.05, 0.3), (20.0, 100.0)), NAMES, strict=True
+    ):
+        wanted = [(item.numbers[name] - lower) / (upper - lower) for item in optimum.front]
+        np.testing.assert_allclose(line.get_ydata(), wanted, atol=1e-12)
+        assert str(line.get_label()).startswith(f"{name}, {lower:g} to {upper:g}")
+
+
+def test_the_printed_command_can_be_pasted(
+    optimum: Optimum, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line of a narrow terminal, as a shell reads it, simulates what is reported."""
+    out = io.StringIO()
+    print_optimum(optimum, Console(file=out, width=60))
+    (line,) = (line for line in out.getvalue().splitlines() if line.startswith("nipper-pin"))
+    assert main([*shlex.split(line)[1:], "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    first = document["collisions"][0]
+    assert first["rebound_amplitude"] == pytest.approx(BEST["rebound_amplitude_1"], rel=1e-8)
+    assert first["rebound_time_s"] == pytest.approx(BEST["rebound_time_s_1"], rel=1e-8)
+    assert document["transition"]["duration_s"] == pytest.approx(BEST["duration_s"], rel=1e-8)
+
+
+def test_the_printed_command_has_the_threshold_and_the_turns(optimum: Optimum) -> None:
+    """What else the result depends on: the rate of rest, and turns where they were needed."""
+    problem = replace(optimum.problem, rest_rate=1e-4)
+    words = shlex.split(replace(optimum, problem=problem).command)
+    assert words[words.index("--rest-rate") + 1] == "0.0001"
+    assert "--window" not in words
+    turned = replace(optimum, best=replace(optimum.best, engine="turn"))
+    words = shlex.split(turned.command)
+    assert words[words.index("--window") + 1] == "cycle"
+    assert int(words[words.index("--cycles") + 1]) == optimum.control.turns + 1
+    assert turned.case.cycles == optimum.control.turns + 1

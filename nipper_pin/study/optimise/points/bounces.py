@@ -178,7 +178,7 @@ class Transitions:
                 rest_rate=self._problem.rest_rate,
                 tolerance=self._problem.tolerance,
             )
-        except SimulationError:
+        except NipperError:
             # What its tables do not cover the direct engine computes, and the point says so.
             return None
 

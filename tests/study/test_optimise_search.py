@@ -1,0 +1,163 @@
+"""Parts of a search: seeds that count, and engines that are named as what they were."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import InputError
+from nipper_pin.study.optimise import Problem, optimise, read_problem
+from nipper_pin.study.optimise.points import Evaluator, bounces
+from nipper_pin.study.optimise.search import evolve, look, samples, scales
+
+MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
+HEAD = f"""
+format = 1
+[optimise]
+model = "{MASS}"
+minimise = "duration_s"
+speed_rpm = 60.0
+[[optimise.parameters]]
+path = "stops.table.restitution"
+lower = 0.05
+upper = 0.5
+"""
+LEAD = """
+[[optimise.parameters]]
+path = "drives.table.lead_mm_per_turn"
+lower = 20.0
+upper = 100.0
+"""
+E62 = """
+format = 1
+[optimise]
+model = "e62"
+minimise = "rebound_amplitude_1"
+speed_rpm = 650.0
+[[optimise.parameters]]
+path = "preload"
+lower = 9.0
+upper = 14.0
+"""
+
+
+def problem(folder: Path, text: str) -> Problem:
+    file = folder / "study.toml"
+    file.write_text(text, encoding="utf-8")
+    return read_problem(file)
+
+
+def test_the_evolution_follows_its_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One seed, one way; another seed looks at other points. So do the samples of the screen."""
+    monkeypatch.setattr("nipper_pin.study.optimise.search._GENERATIONS", 3)
+    found = problem(tmp_path, HEAD)
+    text = found.text()
+    places = samples(found, 1)
+    by = scales(found, found.aims[0], look(text, [tuple(z) for z in places.tolist()]))
+    assert not np.array_equal(places, samples(found, 2))
+
+    def run(seed: int) -> tuple[Any, list[tuple[float, ...]]]:
+        asked: list[tuple[float, ...]] = []
+
+        def here(function: Any, members: Any) -> list[Any]:
+            rows = [np.array(z) for z in members]
+            asked.extend(tuple(z) for z in rows)
+            return [function(z) for z in rows]
+
+        return evolve(text, by, seed, here), asked
+
+    first, again, other = run(1), run(1), run(2)
+    assert first == again
+    assert first[1][:20] != other[1][:20]
+    assert first[0].z != other[0].z
+    # Every point that was asked for is counted, by the engine that found it.
+    assert sum(first[0].engines.values()) == len(first[1])
+
+
+def test_a_search_passes_its_seed_to_screen_and_evolution(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seeds: list[int] = []
+
+    def evolved(text: bytes, by: Any, seed: int, mapper: Any) -> Any:
+        seeds.append(seed)
+        return evolve(text, by, seed, mapper)
+
+    monkeypatch.setattr("nipper_pin.study.optimise.searches.evolve", evolved)
+    monkeypatch.setattr("nipper_pin.study.optimise.search._GENERATIONS", 2)
+    found = optimise(problem(tmp_path, HEAD), starts=1, seed=7, workers=1)
+    assert seeds == [7]
+    assert found.seed == 7
+
+
+def test_a_search_without_its_tables_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Points are named by the engine that computed them, and the reason is in the result."""
+    found = problem(tmp_path, E62)
+    z = np.array([0.5])
+    source = Evaluator(found)
+    assert source.at(z).engine == "reduced"
+    assert source.transitions.why == "one machine: its tables are sampled once"
+
+    def refused(*_: object) -> None:
+        message = "no tables today"
+        raise InputError(message)
+
+    monkeypatch.setattr(bounces, "build", refused)
+    other = Evaluator(found)
+    point = other.at(z)
+    assert point.engine == "direct"
+    assert other.transitions.why == "no tables today"
+    # Both engines state relative errors below 1e-8 here.
+    assert point.values["rebound_amplitude_1"] == pytest.approx(
+        source.at(z).values["rebound_amplitude_1"], rel=1e-8
+    )
+
+
+def test_a_point_that_its_tables_do_not_know_is_counted_as_direct(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from nipper_pin import SimulationError
+
+    def beyond(*_: object, **__: object) -> None:
+        message = "beyond the tables"
+        raise SimulationError(message)
+
+    monkeypatch.setattr(bounces, "transition", beyond)
+    found = optimise(problem(tmp_path, HEAD), starts=1, check=False, workers=1)
+    assert set(found.engines) == {"direct"}
+    assert found.best.engine == "direct"
+    assert found.record()["search"]["engines"] == found.engines
+    assert found.record()["optimum"]["engine"] == "direct"
+
+
+def test_free_lengths_are_why_the_direct_engine_is_taken(tmp_path: Path) -> None:
+    source = Evaluator(problem(tmp_path, HEAD + LEAD))
+    assert source.at(np.array([0.5, 0.5])).engine == "direct"
+    assert source.transitions.why.startswith("drives.table.lead_mm_per_turn change the machine")
+
+
+def test_turns_that_differ_are_no_usable_machine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A turn that does not repeat has no transition of its own: excluded, with a word."""
+    from dataclasses import replace
+
+    from nipper_pin.study.true_transition import transition_of_turns
+
+    def drifting(*arguments: Any) -> Any:
+        found = transition_of_turns(*arguments)
+        return replace(found, solution=replace(found.solution, repeated_from=None))
+
+    text = E62.replace("650.0", "700.0").replace("9.0", "3.0")
+    source = Evaluator(problem(tmp_path, text))
+    z = np.array([0.1])
+    assert source.at(z).engine == "turn"
+    monkeypatch.setattr(bounces, "transition_of_turns", drifting)
+    point = Evaluator(problem(tmp_path, text)).at(z)
+    assert not point.usable
+    assert "turns differ from one another" in point.why
