@@ -1,0 +1,216 @@
+"""One run of the command, taken apart: what it asked of the library, what it wrote and printed.
+
+The studies themselves are replaced by stand-ins that answer at once and note every argument by its
+name; ``simulate`` and everything that it writes are real.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import inspect
+import io
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Mechanism, Solution, load_solution
+from nipper_pin.cli import _parser, main
+from nipper_pin.study.stress import Campaign
+
+Facts = dict[str, Any]
+_PLAIN = (str, int, float, Path, type(None))
+
+
+def options() -> Iterator[str]:
+    """Every option and argument of every command, as the parsers themselves know them."""
+    yield from _options(_parser(), "")
+
+
+def _options(parser: argparse.ArgumentParser, name: str) -> Iterator[str]:
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for word, inner in action.choices.items():
+                yield from _options(inner, f"{name} {word}".strip())
+        elif not isinstance(action, argparse._HelpAction):
+            for written in action.option_strings or [str(action.metavar or action.dest)]:
+                yield f"{name} {written}"
+
+
+def facts(value: object, name: str) -> Facts:
+    """The leaves of a value by their paths; machines are their texts."""
+    if isinstance(value, Solution):
+        parts = {"case": value.case, "mechanism": value.mechanism}
+    elif isinstance(value, Mechanism):
+        parts = {"name": value.name, "urdf": value.urdf, "description": value.description}
+    elif isinstance(value, Mapping):
+        parts = dict(value)
+    elif isinstance(value, np.ndarray):
+        return {name: value.tolist()}
+    elif is_dataclass(value) and not isinstance(value, type):
+        parts = {item.name: getattr(value, item.name) for item in fields(value)}
+    elif isinstance(value, list | tuple):
+        parts = {str(place): item for place, item in enumerate(value)}
+    else:
+        value = value.value if isinstance(value, Enum) else value
+        # What stands in for a result, a console and the like is no setting.
+        return {name: value} if isinstance(value, _PLAIN) else {}
+    return {
+        path: leaf
+        for key, item in parts.items()
+        for path, leaf in facts(item, f"{name}.{key}").items()
+    }
+
+
+class Probe:
+    """Runs commands, each in a folder of its own, and notes what becomes of their arguments."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+        self._patch, self._folder, self._runs = monkeypatch, folder, 0
+        self._asked: Facts = {}
+
+    def stand_in(self, place: str, answer: Callable[..., Any] | None = None) -> None:
+        """Note the calls of a function; it answers itself, or by what stands in for it."""
+        module, _, name = place.rpartition(".")
+        room = importlib.import_module(module)
+        real = getattr(room, name)
+        signature = inspect.signature(real)
+
+        def called(*arguments: Any, **named: Any) -> Any:
+            bound = signature.bind(*arguments, **named)
+            bound.apply_defaults()
+            self._asked |= {f"{name} called": True, **facts(bound.arguments, name)}
+            return (real if answer is None else answer)(*arguments, **named)
+
+        self._patch.setattr(room, name, called)
+
+    def run(self, words: list[str]) -> Facts:
+        """Facts of one run, which has to end with status 0."""
+        self._runs += 1
+        home = self._folder / str(self._runs)
+        home.mkdir()
+        self._asked = {}
+        out, err = io.StringIO(), io.StringIO()
+        before = Path.cwd()
+        os.chdir(home)
+        try:
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                status = main(words)
+        finally:
+            os.chdir(before)
+        assert (status, err.getvalue()) == (0, ""), err.getvalue()
+        return {**self._asked, **_printed(out.getvalue()), **_written(home)}
+
+
+def _printed(text: str) -> Facts:
+    """What stood on stdout: a document, or lines."""
+    with contextlib.suppress(ValueError):
+        return {"stdout": "document", **_document(json.loads(text), "document")}
+    return {"stdout": "lines" if text else "nothing", "forces": "stop force" in text}
+
+
+def _written(home: Path) -> Facts:
+    """Files by their names; of saved cases, runs and documents what stands in them."""
+    found: Facts = {}
+    for path in sorted(item for item in home.rglob("*") if item.is_file()):
+        name = path.relative_to(home).as_posix()
+        found[f"file {name}"] = True
+        if path.name == "case.json":
+            found |= facts(json.loads(path.read_text(encoding="utf-8")), "saved case")
+        elif path.suffix == ".npz":
+            found |= facts(load_solution(path), "saved run")
+        elif path.suffix == ".json":
+            found |= _document(json.loads(path.read_text(encoding="utf-8")), f"in {name}")
+    return found
+
+
+def _document(document: Any, name: str) -> Facts:
+    """A document of a run without the time that it took."""
+    return {key: value for key, value in facts(document, name).items() if "wall_s" not in key}
+
+
+def stand_ins(probe: Probe) -> None:
+    """Stand-ins of everything that takes long, serves or draws."""
+    done = {"done": "well"}
+    note = probe.stand_in
+    note("nipper_pin.cli.simulate.simulate")
+    note("nipper_pin.hybrid.simulate.simulate")
+    note("nipper_pin.hybrid.storage.load_solution")
+    note("nipper_pin.view.export.plot_solution", lambda _run, folder: [Path(folder)])
+    report = SimpleNamespace(record=lambda: done)
+    note("nipper_pin.study.check.check_model", lambda *_: report)
+    note("nipper_pin.study.next_steps.next_steps", lambda *_: ("next",))
+    note("nipper_pin.view.report.print_report", lambda *_: None)
+    _views(note)
+    _studies(note, done, report)
+
+
+def _views(note: Callable[..., None]) -> None:
+    note("nipper_pin.view.scene.film", lambda *_: None)
+    note("nipper_pin.view.scene.scene_page", lambda *_: "page")
+    note("nipper_pin.view.scene.serve", lambda *_, **__: None)
+    note("nipper_pin.view.scene.write_page", lambda _run, file, _look: Path(file).touch())
+    note("nipper_pin.view.scene.gif.write_gif", lambda _run, file, _look: Path(file).touch())
+    note("nipper_pin.view.live.serve.serve_live", lambda *_, **__: None)
+    note("nipper_pin.view.sweep_plots.plot_sweep", lambda *_, **__: [Path("drawn.svg")])
+
+
+def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleNamespace) -> None:
+    note("nipper_pin.study.paper.paper_study", lambda *_: report)
+    note("nipper_pin.study.identify.record.read_identification", lambda path: {"read": str(path)})
+    note("nipper_pin.study.sensitivity.sensitivities", lambda *_, **__: "sensitivities")
+    note(
+        "nipper_pin.view.paper.files.write_paper",
+        lambda _study, folder, more: _write(Path(folder) / "report.json", facts(more(), "more")),
+    )
+    note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
+    note("nipper_pin.study.benchmark.benchmark", lambda **_: report)
+    note("nipper_pin.view.benchmark_files.write_benchmark",
+         lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip
+    note("nipper_pin.view.benchmark_report.print_benchmark", lambda *_: None)
+    note("nipper_pin.study.stress.run_campaign", _campaign)
+    note("nipper_pin.study.stress.judge", lambda trial, _limit: SimpleNamespace(
+        number=trial.number, family="", word="right", kind="", detail="", fingerprint="f",
+        wall_s=0.0))  # fmt: skip
+    for name in ("print_campaign", "print_verdict"):
+        note(f"nipper_pin.view.stress_report.{name}", lambda *_: None)
+    swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
+                            record=lambda: done, sentences=list, check=lambda: None)  # fmt: skip
+    note("nipper_pin.study.sweep.run_sweep", lambda *_, **__: swept)
+    optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, check=lambda: None)
+    note("nipper_pin.study.optimise.optimise", lambda *_, **__: optimum)
+    note("nipper_pin.study.optimise.write", lambda *_: ())
+    note("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
+    note("nipper_pin.view.optimise_report.print_optimum", lambda *_: None)
+    fit = SimpleNamespace(objective="objective", best=SimpleNamespace(z=0.0))
+    known = SimpleNamespace(ranked=lambda: [("a", 1), ("b", 2), ("c", 3)])
+    note("nipper_pin.study.identify.identify", lambda *_, **__: fit)
+    note("nipper_pin.study.identify.determinability", lambda *_: known)
+    note("nipper_pin.study.identify.goodness", lambda *_: SimpleNamespace(check=lambda: None))
+    note("nipper_pin.study.identify.profile", lambda _fit, path, **_: path)
+    note("nipper_pin.study.identify.write_model", lambda *_: None)
+    note("nipper_pin.study.identify.record", lambda *_: done)
+    note("nipper_pin.view.identify_report.print_fit", lambda *_: None)
+
+
+def _campaign(_cases: int, seed: int, *others: Any) -> Campaign:
+    """An empty campaign, in its folder if it has one."""
+    folder = others[-1]
+    if folder is not None:
+        Path(folder).mkdir()
+    return Campaign(seed, (), 0.0)
+
+
+def _write(file: Path, document: Facts) -> list[Path]:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(json.dumps(document), encoding="utf-8")
+    return [file]
