@@ -7,12 +7,17 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from numpy.typing import NDArray
+
 from .errors import InputError
+
+Column = Sequence[Any] | NDArray[Any]
+"""Values of a column: numbers as an array, all else as a list."""
 
 _CONSTRUCTORS = {"pandas": "DataFrame", "polars": "DataFrame", "pyarrow": "table"}
 
 
-def data_frame(columns: Mapping[str, Sequence[Any]], library: str | None = None) -> Any:
+def data_frame(columns: Mapping[str, Column], library: str | None = None) -> Any:
     """Make a data frame.
 
     Args:

@@ -217,7 +217,12 @@ def test_sweep_computes_and_its_rows_are_read(tmp_path: Path) -> None:
     )
     assert isinstance(report, SweepReport)
     assert (report.scenarios, report.workers, seen[-1]) == (3, 1, (3, 0, 3))
-    rows = nip.read_sweep(report.folder).table
+    stored = nip.read_sweep(report.folder)
+    assert repr(stored).endswith(": 3 scenarios over restitution>")
+    page = Page(stored._repr_html_())
+    assert page.tags.count("tr") == 2 + 1 + 3
+    rows = stored.to_frame("pyarrow")
+    assert [f"{value:.6g}" in page.texts for value in rows["duration_s"].to_pylist()] == 3 * [True]
     table = nip.transition_table(nip.load(), speed_rpm=650.0, restitution=[0.1, 0.2, 0.3])
     # Few cases take the direct engine here, a chunk the reduced one: each to 1e-10.
     assert rows["duration_s"].to_pylist() == pytest.approx(table.duration.tolist(), rel=2e-10)
@@ -248,6 +253,52 @@ def test_studies_read_their_file_and_pass_everything_on(
     parameters = inspect.signature(getattr(nip, name)).parameters
     assert set(parameters) == {"problem", *given}
     assert asked[-1][1] == {key: parameters[key].default for key in given}
+
+
+@pytest.fixture(scope="module")
+def table() -> nip.TransitionTable:
+    """Four cases, the last of which comes to no rest."""
+    return nip.transition_table(
+        nip.load(), speed_rpm=[450.0, 550.0, 650.0, 650.0], restitution=[0.1, 0.2, 0.2, 0.9],
+        stiffness_N_per_m=11e3, engine="reduced",
+    )  # fmt: skip
+
+
+def test_a_table_of_transitions_in_a_line_and_in_a_notebook(table: nip.TransitionTable) -> None:
+    first, *_ = table.outcome
+    assert repr(table).startswith(f"<TransitionTable of e62: 4 cases, 3 {first.replace('_', ' ')}")
+    assert repr(table).endswith("; reduced: asked for>")
+    page = Page(table._repr_html_())
+    assert page.tags.count("tr") == 2 + 1 + 4
+    for value in table.duration[:3]:
+        assert f"{value:.6g}" in page.texts
+
+
+def test_a_table_of_transitions_as_a_frame(table: nip.TransitionTable) -> None:
+    """Units of the columns are those of their names: each row is simulated again by its own."""
+    pytest.importorskip("pyarrow")
+    frame = table.to_frame("pyarrow", collisions=3)
+    rows = frame.to_pylist()
+    assert len(rows) == 4
+    assert not {"approach_rate_4", "impulse_N_m_s_1"} & set(rows[0])
+    assert np.isnan(rows[3]["duration_s"])
+    spring = "springs.steeve."
+    for row in rows[:3]:
+        values = {key: row[key] for key in row if key.startswith(spring)}
+        assert set(values) == {f"{spring}stiffness_N_per_m", f"{spring}preload_length_mm"}
+        machine = nip.load("e62", {**values, "restitution": row["restitution"]})
+        run = nip.record(nip.simulate(machine, nip.Case(speed_rpm=row["speed_rpm"])))
+        # The table is solved to 1e-10; the last of three bounces is seen through the others.
+        close = {"rel": 1e-8}
+        assert row["duration_s"] == pytest.approx(run["transition"]["duration_s"], **close)
+        for place, hit in enumerate(run["collisions"][:3], start=1):
+            for name in ("time_s", "approach_rate", "impulse_N_s", "rebound_amplitude",
+                         "rebound_time_s", "energy_lost_J"):  # fmt: skip
+                assert row[f"{name}_{place}"] == pytest.approx(hit[name], **close)
+    with pytest.raises(nip.InputError, match="collisions = -1"):
+        table.to_frame("pyarrow", collisions=-1)
+    with pytest.raises(nip.InputError, match=r"transition_table\(nip.load\('e62'\)"):
+        nip.transition_table("e62", speed_rpm=650.0)
 
 
 def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..frames import Column
 from ..notebook import html
 from .event import EventKind
 
@@ -45,7 +45,7 @@ def page(solution: Solution) -> str:
     return html(solution.mechanism.title or solution.mechanism.name, facts, list(shown), rows)
 
 
-def columns(solution: Solution) -> dict[str, Sequence[Any]]:
+def columns(solution: Solution) -> dict[str, Column]:
     """Collisions as columns, by the names of the JSON document (docs/json.md).
 
     Args:
@@ -62,10 +62,10 @@ def columns(solution: Solution) -> dict[str, Sequence[Any]]:
     return {name: _column([hit.get(name) for hit in hits]) for name in names}
 
 
-def _column(values: list[Any]) -> Sequence[Any]:
+def _column(values: list[Any]) -> Column:
     if any(isinstance(value, str | int) for value in values):
         return values
-    return np.array([np.nan if value is None else value for value in values])  # type: ignore[return-value]
+    return np.array([np.nan if value is None else value for value in values])
 
 
 def _case(solution: Solution) -> str:

@@ -18,13 +18,13 @@ from ..reduced.inputs import column, spring_rows
 # A linear spring that is wound further, or is stiffer, has its number in another unit.
 _MOST_TURNS = 10
 _STIFFEST = 1e10
-# Unit of the coordinate, name of the field, factor to SI, unit in sentences.
-_KEYS = {
+SPRING_KEYS = {
     "stiffness_N_per_m": ("m", "stiffness", 1.0, "N/m"),
     "preload_length_mm": ("m", "preload", 1e-3, "mm"),
     "stiffness_N_m_per_rad": ("rad", "stiffness", 1.0, "N m/rad"),
     "preload_deg": ("rad", "preload", math.pi / 180.0, "deg"),
 }
+"""Keys of a spring: unit of its coordinate, name of the row, factor to SI, unit in sentences."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def spring_values(
     for key, value in given.items():
         if value is None:
             continue
-        kind, field, scale, unit = _KEYS[key]
+        kind, field, scale, unit = SPRING_KEYS[key]
         places = [
             place
             for place, spring in enumerate(mechanism.springs)

@@ -7,9 +7,9 @@ case, and the result says which engine computed what.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from ..dynamics.system import DriveMode
 from ..errors import InputError, NipperError
 from ..hybrid.case import Case, Resolution
 from ..hybrid.rebound_errors import rebound_error
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, need_mechanism
 from ..reduced import ReducedModel, Status, reduced_model, transitions, unfit
 from ..reduced import layout as rows
 from ..reduced.inputs import check_run
@@ -44,7 +44,7 @@ _PREMISE = {HOLDS: True, FAILS: False, UNKNOWN: None}
 _AT_REST, _TOO_MANY = _STATUS[Status.AT_REST], _STATUS[Status.TOO_MANY_COLLISIONS]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class TransitionTable(CollisionRows):
     """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
 
@@ -70,13 +70,14 @@ class TransitionTable(CollisionRows):
             transition assumes; None where it was not asked, shape (n,).
         table: All rows, shape (n, rows, most). The errors are bounds where the reduced engine
             computed and estimates where the direct one did; see ``docs/accuracy.md``.
+        mechanism: The mechanism, with the values that no column changes.
     """
 
     model: str
     why: str
     engine: NDArray[np.str_]
     outcome: NDArray[np.str_]
-    message: tuple[str, ...] = field(repr=False)
+    message: tuple[str, ...]
     speed_rpm: FloatArray
     restitution: FloatArray
     stiffness: FloatArray
@@ -86,11 +87,38 @@ class TransitionTable(CollisionRows):
     duration_error: FloatArray
     first_two_share: FloatArray
     premise_holds: NDArray[np.object_]
-    table: FloatArray = field(repr=False)
+    table: FloatArray
+    mechanism: Mechanism
 
     def __len__(self) -> int:
         """Number of cases."""
         return len(self.duration)
+
+    def __repr__(self) -> str:
+        """One line."""
+        from .table_summary import line
+
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        from .table_summary import page
+
+        return page(self)
+
+    def to_frame(self, library: str | None = None, *, collisions: int = 2) -> Any:
+        """All cases as a data frame: names and units of the JSON document and of study files.
+
+        Args:
+            library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+            collisions: Number of collisions that have columns, ``approach_rate_1`` and so on.
+
+        Raises:
+            InputError: It is not installed, or a number is out of range.
+        """
+        from ..frames import data_frame
+        from .table_summary import columns
+
+        return data_frame(columns(self, collisions), library)
 
 
 def transition_table(
@@ -135,6 +163,7 @@ def transition_table(
         InputError: A parameter is out of range or has another unit, by its size; or the reduced
             engine is asked for and cannot represent the mechanism.
     """
+    need_mechanism(mechanism, "transition_table")
     springs = spring_values(
         mechanism,
         {
@@ -345,6 +374,7 @@ class _Run:
             first_two_share=share,
             premise_holds=self._premise,
             table=table,
+            mechanism=self._mechanism,
         )
 
 

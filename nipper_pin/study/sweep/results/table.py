@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SweepTable:
     """Scenarios of a sweep, all of them or evenly thinned out.
 
@@ -38,6 +38,34 @@ class SweepTable:
     scenarios: int
     stored: int
     table: pa.Table
+
+    def __repr__(self) -> str:
+        """One line."""
+        names = ", ".join(axis["name"] for axis in self.axes)
+        return f"<SweepTable of {self.model}: {len(self.table):,} scenarios over {names}>"
+
+    def _repr_html_(self) -> str:
+        from ....notebook import SHOWN, html
+
+        rows = list(zip(*self.table.slice(0, SHOWN + 1).to_pydict().values(), strict=True))
+        facts = {"model": self.model, "scenarios": f"{self.stored:,} of {self.scenarios:,} stored"}
+        return html(self.title or "sweep", facts, self.table.column_names, rows, len(self.table))
+
+    def to_frame(self, library: str | None = None) -> Any:
+        """All rows as a data frame.
+
+        Args:
+            library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+
+        Raises:
+            InputError: It is not installed.
+        """
+        from ....frames import data_frame
+
+        if library == "pyarrow":
+            return self.table
+        names = self.table.column_names
+        return data_frame({name: self.table[name].to_pylist() for name in names}, library)
 
 
 def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
