@@ -186,7 +186,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
                             record=lambda: done, sentences=list, check=lambda: None)  # fmt: skip
     note("nipper_pin.study.sweep.run_sweep", lambda *_, **__: swept)
-    optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, check=lambda: None)
+    optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, contradiction="")
     note("nipper_pin.study.optimise.optimise", lambda *_, **__: optimum)
     note("nipper_pin.study.optimise.write", lambda *_: ())
     note("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
