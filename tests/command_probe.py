@@ -185,6 +185,8 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
         note(f"nipper_pin.view.stress_report.{name}", lambda *_: None)
     swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
                             record=lambda: done, sentences=list, check=lambda: None)  # fmt: skip
+    expected = SimpleNamespace(record=lambda: done, sentence=lambda: "soon")
+    note("nipper_pin.study.sweep.estimate.estimate", lambda *_: expected)
     note("nipper_pin.study.sweep.run_sweep", lambda *_, **__: swept)
     optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, contradiction="")
     note("nipper_pin.study.optimise.optimise", lambda *_, **__: optimum)

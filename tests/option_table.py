@@ -232,8 +232,9 @@ SWEEP = {
                                        "run_sweep.chunks.1": 4}, "{sweep}"),
     "--dry-run": Entry("--dry-run", {
         "run_sweep called": GONE, "document.done": GONE, "document.scenarios": 3,
-        "document.mechanisms": 1, "document.chunks": 2}, f"{{sweep}} {_JSON}",
-        ("run_sweep.", "document.hash")),
+        "document.mechanisms": 1, "document.chunks": 2, "document.estimate.done": "well",
+        "estimate called": True, "estimate.workers": None}, f"{{sweep}} {_JSON}",
+        ("run_sweep.", "estimate.plan.", "document.hash")),
     "--json": Entry("--json -", DOCUMENT, "{sweep}"),
 }  # fmt: skip
 PLOT = {
