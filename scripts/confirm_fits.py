@@ -29,8 +29,6 @@ from nipper_pin.study.identify import (
     Problem,
     Sources,
     Target,
-    determinability,
-    goodness,
     identify,
     read_values,
 )
@@ -134,8 +132,7 @@ def draw(rng: np.random.Generator) -> tuple[Problem, dict[str, float]] | None:
 def confirm(problem: Problem, truth: dict[str, float]) -> Confirmed:
     """Identify, and hold the fit against whole turns and the numbers that were drawn."""
     fit = identify(problem, starts=2, workers=1)
-    known = determinability(fit.objective, fit.best.z)
-    judged = goodness(fit, known)
+    known, judged = fit.known, fit.goodness
     off = np.array([fit.values[path] - truth[path] for path in known.paths])
     width = np.array([item.width for item in problem.free])
     stated = np.array([known.deviations[path] for path in known.paths]) * width

@@ -40,8 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from ..mechanism.new_folder import check_new_folder
     from ..study.identify import (
-        determinability,
-        goodness,
         identify,
         profile,
         read_problem,
@@ -61,8 +59,7 @@ def _run(options: argparse.Namespace) -> None:
             workers=options.workers,
             progress=advance,
         )
-    known = determinability(fit.objective, fit.best.z)
-    judged = goodness(fit, known)
+    known, judged = fit.known, fit.goodness
     chosen = [path for path, _ in known.ranked()][: max(0, options.profiles)]
     profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
     if options.out is not None:

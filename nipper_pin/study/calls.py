@@ -131,7 +131,8 @@ def identify(
         progress: Called with (starts done, starts in all, least cost so far).
 
     Returns:
-        The fit.
+        The fit. ``fit.goodness.sentence()`` says how good it is, ``fit.goodness.check()`` raises
+        where its data contradict it.
 
     Raises:
         InputError: The file or an argument cannot be used.

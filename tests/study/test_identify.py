@@ -23,7 +23,6 @@ from nipper_pin.study.identify import (
     Sources,
     Target,
     determinability,
-    goodness,
     identify,
     predict,
     profile,
@@ -415,7 +414,6 @@ def test_a_model_that_cannot_be_finished_leaves_nothing(
 ) -> None:
     """The disk is full at the third mesh: neither a part of the model nor a temporary folder."""
     fit = identify(replace(camera, tolerance=1e-6), starts=1, workers=1)
-    judged = goodness(fit, determinability(fit.objective, fit.best.z))
     copied = []
 
     def full(source: Path, target: Path) -> None:
@@ -426,11 +424,11 @@ def test_a_model_that_cannot_be_finished_leaves_nothing(
 
     monkeypatch.setattr("nipper_pin.study.identify.write.shutil.copyfile", full)
     with pytest.raises(InputError, match="No space left"):
-        write_model(fit, judged, tmp_path / "found")
+        write_model(fit, fit.goodness, tmp_path / "found")
     assert len(copied) == 3
     assert list(tmp_path.iterdir()) == []
     monkeypatch.undo()
-    write_model(fit, judged, tmp_path / "found")
+    write_model(fit, fit.goodness, tmp_path / "found")
     assert [item.name for item in tmp_path.iterdir()] == ["found"]
 
 
@@ -470,8 +468,8 @@ def test_report_names_what_is_not_known(
 
     thin = replace(camera, targets=camera.targets[:1], prior_weight=0.1)
     fit = identify(thin, starts=1, workers=1)
-    known = determinability(fit.objective, fit.best.z)
-    print_fit(fit, goodness(fit, known), known, (), Console(width=100))
+    known = fit.known
+    print_fit(fit, fit.goodness, known, (), Console(width=100))
     lines = capsys.readouterr().out.splitlines()
     rows = [line.split() for line in lines]
     left = {row[0]: row[-1] for row in rows if row and row[0] in TRUE}

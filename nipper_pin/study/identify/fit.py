@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,6 +14,10 @@ from ...errors import NipperError
 from ...hybrid.premise import Premise
 from .objective import Objective
 from .targets import Condition, Target
+
+if TYPE_CHECKING:
+    from .determine import Determinability
+    from .goodness import Goodness
 
 _MAX_STEPS = 60
 
@@ -60,6 +66,20 @@ class Fit:
     predicted: FloatArray
     broken: FloatArray
     premises: dict[Condition, Premise]
+
+    @cached_property
+    def known(self) -> Determinability:
+        """What the targets determine, at this fit."""
+        from .determine import determinability
+
+        return determinability(self.objective, self.best.z)
+
+    @cached_property
+    def goodness(self) -> Goodness:
+        """How good it is: chi-square, outliers, and whether its data contradict it."""
+        from .goodness import goodness
+
+        return goodness(self, self.known)
 
     @property
     def best(self) -> Descent:
