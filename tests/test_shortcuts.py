@@ -17,7 +17,7 @@ PATH = "springs.steeve.preload_length_mm"
 SWEEP = "format = 1\n[set]\n{fixed} = 9.25\n[parameters.{free}]\nvalues = [0.1, 0.2]\n"
 OPTIMISE = """format = 1
 [optimise]
-minimise = "transition_time_s"
+minimise = "duration_s"
 set = {{ {fixed} = 9.25 }}
 [[optimise.parameters]]
 path = {free}

@@ -166,7 +166,7 @@ def test_every_figure_and_table_has_its_files(files, study):
     assert files[0].name == "report.html"
     assert files[0].stat().st_size < 5_000_000
     rows = files[0].with_name("table_3.csv").read_text(encoding="utf-8").splitlines()
-    assert rows[0].startswith("speed_rpm,first_amplitude_rad")
+    assert rows[0].startswith("speed_rpm,rebound_amplitude_1")
     assert float(rows[1].split(",")[1]) == study.studies.speed.amplitudes[0, 0]
 
 

@@ -209,7 +209,7 @@ def test_tables_as_csv_read_back_to_the_last_bit(study, content):
         assert all(len(row) == len(rows[0]) for row in [*rows, *table.shown])
     table_4 = next(item for item in content.tables if item.name == "table_4")
     rows = list(csv.DictReader(io.StringIO(table_4.csv_text())))
-    read = [float(row["transition_time_s"]) for row in rows]
+    read = [float(row["duration_s"]) for row in rows]
     assert read == study.studies.restitution.durations.tolist()
 
 
@@ -275,7 +275,7 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     assert names >= {"identification.svg", "identification.pdf"}
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out/sensitivities.csv").read_text())))
     # 1 % more of the restitution: amplitude by e^2, so by nearly 2 % and never by more.
-    change = {row["path"]: float(row["first_amplitude_percent"]) for row in rows}
+    change = {row["path"]: float(row["rebound_amplitude_1_percent"]) for row in rows}
     assert 1.5 < change["stops.jaw.restitution"] < 2.0
     record = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
     assert len(record["sensitivities"]["percent_per_unit"]) == 3

@@ -68,11 +68,11 @@ class Study:
         return [
             {
                 self.name: float(value),
-                "first_rebound_amplitude_rad": float(self.amplitudes[i, 0]),
-                "second_rebound_amplitude_rad": float(self.amplitudes[i, 1]),
-                "first_rebound_time_s": float(self.times[i, 0]),
-                "second_rebound_time_s": float(self.times[i, 1]),
-                "transition_time_s": float(self.durations[i]),
+                "rebound_amplitude_1": float(self.amplitudes[i, 0]),
+                "rebound_amplitude_2": float(self.amplitudes[i, 1]),
+                "rebound_time_s_1": float(self.times[i, 0]),
+                "rebound_time_s_2": float(self.times[i, 1]),
+                "duration_s": float(self.durations[i]),
                 "first_two_share": float(self.shares[i]),
             }
             for i, value in enumerate(self.values)

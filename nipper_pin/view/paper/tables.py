@@ -92,13 +92,13 @@ def _general(value: float) -> str:
 
 
 _AMPLITUDES = (
-    Column("first_amplitude_rad", "A<sub>1</sub> [deg]", _scaled(DEGREES)),
-    Column("second_amplitude_rad", "A<sub>2</sub> [deg]", _scaled(DEGREES)),
+    Column("rebound_amplitude_1", "A<sub>1</sub> [deg]", _scaled(DEGREES)),
+    Column("rebound_amplitude_2", "A<sub>2</sub> [deg]", _scaled(DEGREES)),
 )
 _TIMES = (
-    Column("first_time_s", "T<sub>1</sub> [ms]", _scaled(1e3)),
-    Column("second_time_s", "T<sub>2</sub> [ms]", _scaled(1e3)),
-    Column("transition_time_s", "transition [ms]", _scaled(1e3)),
+    Column("rebound_time_s_1", "T<sub>1</sub> [ms]", _scaled(1e3)),
+    Column("rebound_time_s_2", "T<sub>2</sub> [ms]", _scaled(1e3)),
+    Column("duration_s", "transition [ms]", _scaled(1e3)),
 )
 
 
@@ -235,9 +235,9 @@ def drive_table(study: PaperStudy) -> Table:
             Column("speed_rpm", "speed [r/min]", _general),
             Column("inertia_factor", "inertia factor", _general),
             Column("first_impulse_change", "first impulse", lambda v: percent(v, 4)),
-            Column("first_amplitude_change", "A<sub>1</sub>", change),
-            Column("second_amplitude_change", "A<sub>2</sub>", change),
-            Column("transition_time_change", "transition", change),
+            Column("rebound_amplitude_1_change", "A<sub>1</sub>", change),
+            Column("rebound_amplitude_2_change", "A<sub>2</sub>", change),
+            Column("duration_change", "transition", change),
             Column("shaft_rate_jump", "shaft's rate jumps by", lambda v: f"{100.0 * v:.4f} %"),
         ),
         tuple((i.speed_rpm, i.factor, i.first_impulse, i.first_amplitude, i.second_amplitude,
@@ -277,8 +277,8 @@ def step_table(data: FixedStep) -> Table:
             Column("step_s", "step [µs]", _scaled(1e6)),
             Column("first_time_error", "T<sub>1</sub>", error),
             Column("second_time_error", "T<sub>2</sub>", error),
-            Column("first_amplitude_error", "A<sub>1</sub>", error),
-            Column("transition_time_error", "transition", error),
+            Column("rebound_amplitude_1_error", "A<sub>1</sub>", error),
+            Column("duration_error", "transition", error),
         ),
         tuple((rule.name, float(step), *errors.tolist())
               for rule in data.rules

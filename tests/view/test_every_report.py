@@ -1,0 +1,473 @@
+"""Every number of the study's tables and figures, of a sweep's figures and a benchmark's tables.
+
+Numbers of the study are compared with runs of the model files, read by :mod:`judge`; figures of
+sweeps and tables of benchmarks with made-up numbers that differ in every place.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from typing import Any, cast
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from judge import Judge
+from matplotlib.collections import PolyCollection
+
+from nipper_pin import Case, DriveMode, Mechanism, load, simulate
+from nipper_pin.hybrid.event import Event
+from nipper_pin.study.benchmark import Benchmark
+from nipper_pin.study.paper import PaperStudy
+from nipper_pin.study.paper import shares as shares_of
+from nipper_pin.study.paper.drives import DriveComparison, DriveEffect, _numbers
+from nipper_pin.study.paper.published import published
+from nipper_pin.study.paper.ratios import Ratio, ratios
+from nipper_pin.study.paper.shares import Shares
+from nipper_pin.study.paper.studies import run_studies
+from nipper_pin.study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
+from nipper_pin.study.stated import Stated
+from nipper_pin.study.sweep import SweepTable
+from nipper_pin.study.work_precision import Row
+from nipper_pin.view import benchmark_report, sweep_plots
+from nipper_pin.view.paper import question_figures
+from nipper_pin.view.paper.published_figures import published_plates
+from nipper_pin.view.paper.supplements import sensitivity_plate, sensitivity_table
+from nipper_pin.view.paper.tables import (
+    COUNTED_AT,
+    Table,
+    count_table,
+    drive_table,
+    published_tables,
+    ratio_table,
+    rest_table,
+)
+
+GIVEN = published()
+# Peaks are read from 200 places a flight; last digits of the reduced and the direct engine.
+NEAR = 2e-6
+STOP = "jaw"
+SHARES = np.array([0.1, 0.2, 0.35])
+EFFECTS = tuple(
+    DriveEffect(factor, speed, *(k * 1e-4 * factor * speed / 450.0 for k in (1, -2, 3, 4, 5)))
+    for factor in (0.1, 1.0, 3.0, 10.0)
+    for speed in GIVEN.speeds_rpm
+)
+
+
+@pytest.fixture(scope="module")
+def study(e62: Mechanism) -> PaperStudy:
+    """The parts of a study that its tables of transitions need."""
+    studies = run_studies(e62, GIVEN)
+    speeds = np.array(GIVEN.speeds_rpm)
+    shares = np.arange(9.0).reshape(3, 3) / 10.0
+    none = cast("Any", None)
+    return PaperStudy(
+        mechanism=e62,
+        published=GIVEN,
+        studies=studies,
+        ratios=ratios(studies, GIVEN),
+        identified=(),
+        motions=tuple(simulate(e62, Case(speed_rpm=speed)) for speed in GIVEN.speeds_rpm),
+        kinematics=none,
+        counts=none,
+        drives=DriveComparison({}, EFFECTS, ()),
+        phase_one=cast("Any", type("PhaseOne", (), {"stop": "steeve"})()),
+        fixed_step=None,
+        shares=Shares(speeds, SHARES, shares, 1.0 - SHARES**2, {}),
+        designs=none,
+    )
+
+
+CASES = {
+    "table_3": [(speed, GIVEN.common_restitution, 9000.0) for speed in GIVEN.speeds_rpm],
+    "table_4": [(GIVEN.common_speed_rpm, e, 9000.0) for e in GIVEN.restitutions],
+    "table_5": [
+        (GIVEN.common_speed_rpm, GIVEN.common_restitution, k) for k in GIVEN.stiffnesses
+    ],
+}  # fmt: skip
+
+
+def solved(case: tuple[float, float, float], rest_rate: float | None = None) -> Judge:
+    """A transition of the model files with other values."""
+    speed, e, k = case
+    values = {"stops.jaw.restitution": e, "springs.steeve.stiffness_N_per_m": k}
+    run = simulate(load("e62", values), Case(speed_rpm=speed, rest_rate=rest_rate))
+    return Judge(run)
+
+
+def hits(judge: Judge) -> list[Event]:
+    return [event for event in judge.hits if STOP in event.stops]
+
+
+def rest(judge: Judge) -> float:
+    """Time from the first collision to rest [s]."""
+    end = next(e for e in judge.run.events if e.kind.value == "rest" and STOP in e.stops)
+    return end.t - hits(judge)[0].t
+
+
+def numbers(judge: Judge) -> dict[str, float]:
+    """Rebounds and time of a transition in SI units, by the names of the document."""
+    first, second, third = hits(judge)[:3]
+    duration = rest(judge)
+    found = {"duration_s": duration, "first_two_share": (third.t - first.t) / duration}
+    for number, event in enumerate((first, second), start=1):
+        height, time = judge.rebound(event, STOP) or (math.nan, math.nan)
+        found[f"rebound_amplitude_{number}"], found[f"rebound_time_s_{number}"] = height, time
+    return found
+
+
+@pytest.fixture(scope="module")
+def read() -> dict[str, list[dict[str, float]]]:
+    """Numbers of all cases of the three tables."""
+    return {name: [numbers(solved(case)) for case in cases] for name, cases in CASES.items()}
+
+
+FACTORS = {"deg": 180.0 / math.pi, "ms": 1e3, "%": 100.0, "N/mm": 1e-3, "rad/s": 1.0, "µs": 1e6}
+
+
+def shown(table: Table, column: str) -> list[float]:
+    """Cells of a column as people see them, in SI units by the unit in heading or cell."""
+    place = [item.key for item in table.columns].index(column)
+    heading = table.columns[place].heading
+    unit = heading.rpartition("[")[2].rstrip("]") if "[" in heading else ""
+    found = []
+    for row in table.shown:
+        value, _, behind = row[place].partition(" ")
+        found.append(float(value) / FACTORS.get(behind or unit, 1.0))
+    return found
+
+
+def stored(table: Table) -> dict[str, list[str]]:
+    """Columns of the CSV text."""
+    rows = list(csv.DictReader(io.StringIO(table.csv_text())))
+    return {key: [row[key] for row in rows] for key in rows[0]}
+
+
+def test_tables_3_to_5(study: PaperStudy, read: dict[str, list[dict[str, float]]]) -> None:
+    """Amplitudes, times and shares, as stored and as shown."""
+    tables = {item.name: item for item in published_tables(study)}
+    assert set(tables) == set(CASES)
+    heads = {"table_3": "speed_rpm", "table_4": "restitution", "table_5": "stiffness_N_per_m"}
+    for place, (name, head) in enumerate(heads.items()):
+        table, columns = tables[name], stored(tables[name])
+        values = [case[place] for case in CASES[name]]
+        assert [float(x) for x in columns.pop(head)] == values
+        assert shown(table, head) == pytest.approx(values, rel=1e-3)
+        given = columns.pop("published_share", None)
+        if given is not None:
+            wanted = [GIVEN.ratios[f"speed.first_two_share_{speed:g}"] for speed in values]
+            assert [float(x) for x in given] == wanted
+            assert shown(table, "published_share") == pytest.approx(wanted, abs=6e-5)
+        assert set(columns) == set(read[name][0])
+        for key, texts in columns.items():
+            wanted = [item[key] for item in read[name]]
+            assert [float(x) for x in texts] == pytest.approx(wanted, rel=NEAR), (name, key)
+            assert shown(table, key) == pytest.approx(wanted, rel=6e-4), (name, key)
+
+
+def test_ratios(study: PaperStudy, read: dict[str, list[dict[str, float]]]) -> None:
+    """Changes from the first to the last case of a table, and what they deviate."""
+    ours = {}
+    for item in read["table_3"]:
+        speed = GIVEN.speeds_rpm[read["table_3"].index(item)]
+        ours[f"speed.first_two_share_{speed:g}"] = item["first_two_share"]
+    words = {
+        "first_rebound_amplitude": "rebound_amplitude_1",
+        "second_rebound_amplitude": "rebound_amplitude_2",
+        "first_rebound_time": "rebound_time_s_1", "second_rebound_time": "rebound_time_s_2",
+        "transition_time": "duration_s",
+    }  # fmt: skip
+    for name, kind in zip(CASES, ("speed", "restitution", "stiffness"), strict=True):
+        first, last = read[name][0], read[name][-1]
+        for word, key in words.items():
+            for end in ("increase", "change"):
+                ours[f"{kind}.{word}_{end}"] = last[key] / first[key] - 1.0
+    table = ratio_table(study)
+    columns = stored(table)
+    assert columns["name"] == list(GIVEN.ratios)
+    wanted = [ours[name] for name in columns["name"]]
+    deviations = [
+        mine / GIVEN.ratios[name] - 1.0 for name, mine in zip(columns["name"], wanted, strict=True)
+    ]
+    assert [float(x) for x in columns["published"]] == list(GIVEN.ratios.values())
+    assert [float(x) for x in columns["ours"]] == pytest.approx(wanted, rel=1e-4)
+    assert [float(x) for x in columns["relative_deviation"]] == pytest.approx(deviations, abs=1e-4)
+    assert shown(table, "ours") == pytest.approx(wanted, rel=6e-4)
+    assert shown(table, "relative_deviation") == pytest.approx(deviations, abs=6e-4)
+    assert Ratio("x", 4.0, 3.0).relative_deviation == -0.25
+
+
+def test_counts_and_rest_by_a_threshold(study: PaperStudy) -> None:
+    """Collisions up to the first rebound slower than a threshold, and the time until then."""
+    fast = 1e-6
+
+    def rates(judge: Judge) -> list[float]:
+        return [judge.rate(STOP, event.v_after) for event in hits(judge)]
+
+    def counted(found: list[float], threshold: float) -> int:
+        return next(k for k, rate in enumerate(found, start=1) if rate < threshold)
+
+    by_e = [rates(solved(case, fast)) for case in CASES["table_4"]]
+    by_k = [rates(solved(case, fast)) for case in CASES["table_5"]]
+    columns = stored(count_table(study))
+    assert [float(x) for x in columns["threshold_rad_s"]] == list(COUNTED_AT)
+    text = count_table(study).shown
+    for row, threshold in enumerate(COUNTED_AT):
+        found = [counted(item, threshold) for item in by_e]
+        keys = [f"collisions_e_{e:g}" for e in GIVEN.restitutions]
+        assert [int(columns[key][row]) for key in keys] == found
+        assert [int(x) for x in text[row][1 : 1 + len(found)]] == found
+        growth = found[-1] / found[0] - 1.0
+        assert float(columns["increase"][row]) == pytest.approx(growth, abs=1e-12)
+        more = (found[-1] - 1) / (found[0] - 1) - 1.0 if found[0] > 1 else None
+        cell = columns["rebounds_increase"][row]
+        assert (float(cell) if cell else None) == (more and pytest.approx(more))
+        other = [counted(item, threshold) for item in by_k]
+        assert int(columns["stiffness_from"][row]) == min(other)
+        assert int(columns["stiffness_to"][row]) == max(other)
+    case = (GIVEN.common_speed_rpm, GIVEN.common_restitution, 9000.0)
+    bounces, limit = solved(case, fast), rest(solved(case))
+    columns = stored(rest_table(study))
+    for row, threshold in enumerate(COUNTED_AT):
+        number = counted(rates(bounces), threshold)
+        end = hits(bounces)[number - 1].t - hits(bounces)[0].t
+        assert int(columns["collisions"][row]) == number
+        assert float(columns["time_s"][row]) == pytest.approx(end, rel=1e-9)
+        assert float(columns["missing_s"][row]) == pytest.approx(limit - end, abs=1e-12)
+        missing = pytest.approx((limit - end) / limit, abs=1e-9)
+        assert float(columns["missing_share"][row]) == missing
+    table = rest_table(study)
+    for key in ("time_s", "missing_s", "missing_share"):
+        assert shown(table, key) == pytest.approx([float(x) for x in columns[key]], rel=6e-2)
+
+
+def test_effects_of_inertial_shafts(study: PaperStudy) -> None:
+    """Columns of the table by name, of the factors that are shown."""
+    table = drive_table(study)
+    names = {
+        "speed_rpm": "speed_rpm", "inertia_factor": "factor",
+        "first_impulse_change": "first_impulse", "rebound_amplitude_1_change": "first_amplitude",
+        "rebound_amplitude_2_change": "second_amplitude", "duration_change": "transition_time",
+        "shaft_rate_jump": "shaft_jump",
+    }  # fmt: skip
+    columns = stored(table)
+    assert set(columns) == set(names)
+    kept = [item for item in EFFECTS if item.factor in (0.1, 1.0, 10.0)]
+    for key, name in names.items():
+        wanted = [getattr(item, name) for item in kept]
+        assert [float(x) for x in columns[key]] == wanted
+        assert shown(table, key) == pytest.approx(wanted, rel=1e-2, abs=6e-6)
+
+
+def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, float]]]) -> None:
+    """Impulses, times and crosses of the study's figures in the units of their labels."""
+    motion, impulses, restitution, stiffness = (item.figure for item in published_plates(study))
+    for axes, run in zip(motion.axes, study.motions, strict=True):
+        assert "[deg]" in axes.get_ylabel()
+        judge = Judge(run)
+        curve, marks, square = axes.lines
+        start = hits(judge)[0].t
+        times = [1e3 * (event.t - start) for event in hits(judge)]
+        np.testing.assert_allclose(marks.get_xdata(), times, atol=1e-9)
+        assert float(square.get_xdata()[0]) == pytest.approx(1e3 * rest(judge), rel=1e-9)
+        t, angle = (np.asarray(values) for values in curve.get_data())
+        for i in range(5, len(t) - 5, 31):
+            q = judge.state(start + 1e-3 * t[i], left=True)[0]
+            wanted = math.degrees(judge.gap(STOP, q))
+            assert angle[i] == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+    for axes in impulses.axes:
+        assert axes.get_ylabel() == "impulse [N s]"
+        for line, case in zip(axes.lines, CASES["table_3"], strict=True):
+            judge = solved(case)
+            lever = judge.stops[STOP].lever or 1.0
+            wanted = [judge.impulses(event)[0][STOP] / lever for event in hits(judge)[:4]]
+            assert line.get_ydata()[:4] == pytest.approx(wanted, rel=1e-7)
+            assert list(line.get_xdata()[:4]) == [1, 2, 3, 4]
+    durations = [1e3 * item["duration_s"] for item in read["table_4"]]
+    time = restitution.axes[0]
+    assert time.get_ylabel() == "transition time [ms]"
+    assert time.lines[0].get_ydata() == pytest.approx(durations, rel=NEAR)
+    grown = durations[0] * (1.0 + GIVEN.ratios["restitution.transition_time_increase"])
+    assert float(time.lines[1].get_ydata()[0]) == pytest.approx(grown, rel=NEAR)
+    time = stiffness.axes[0]
+    assert (time.get_xlabel(), time.get_ylabel()) == ("spring rate [N/mm]", "time [ms]")
+    lines = {line.get_label(): line for line in time.lines if len(line.get_xdata()) > 1}
+    for label, key in (
+        ("transition", "duration_s"), ("first rebound", "rebound_time_s_1"),
+        ("second rebound", "rebound_time_s_2"),
+    ):  # fmt: skip
+        wanted = [1e3 * item[key] for item in read["table_5"]]
+        assert lines[label].get_ydata() == pytest.approx(wanted, rel=NEAR)
+        assert lines[label].get_xdata() == pytest.approx([1e-3 * k for k in GIVEN.stiffnesses])
+
+
+def test_figure_of_shares(study: PaperStudy) -> None:
+    """Shares by speed, 1 - e^2, their difference in points of per cent, and published marks."""
+    axes, difference = question_figures._shares(study).figure.axes
+    ballistic = [1.0 - e * e for e in SHARES]
+    lines = {line.get_label(): line for line in axes.lines}
+    np.testing.assert_allclose(lines["$1 - e^2$"].get_ydata(), ballistic, rtol=1e-12)
+    curves = [line for line in difference.lines if len(line.get_xdata()) > 1]
+    marks = [line for line in difference.lines if len(line.get_xdata()) == 1]
+    crosses = [line for line in axes.lines if line.get_marker() == "x" and len(line.get_xdata())]
+    e = GIVEN.common_restitution
+    for i, speed in enumerate(GIVEN.speeds_rpm):
+        line = lines[f"{speed:g} r/min"]
+        np.testing.assert_allclose(line.get_xdata(), SHARES)
+        np.testing.assert_allclose(line.get_ydata(), study.shares.shares[i])
+        points = 100.0 * (study.shares.shares[i] - ballistic)
+        np.testing.assert_allclose(curves[i].get_ydata(), points, atol=1e-12)
+        given = GIVEN.ratios[f"speed.first_two_share_{speed:g}"]
+        assert crosses[i].get_xydata().tolist() == [[e, given]]
+        wanted = 100.0 * (given - 1.0 + e * e)
+        assert marks[i].get_xydata()[0].tolist() == pytest.approx([e, wanted])
+
+
+def test_shares_are_those_of_runs(e62: Mechanism) -> None:
+    """The study's shares at some restitutions and speeds."""
+    found = shares_of.shares(e62, GIVEN)
+    for i, j in ((0, 8), (1, 18), (2, 28)):
+        case = (float(found.speeds_rpm[i]), float(found.restitutions[j]), 9000.0)
+        assert found.shares[i, j] == pytest.approx(
+            numbers(solved(case))["first_two_share"], rel=1e-6
+        )
+    np.testing.assert_allclose(found.ballistic, 1.0 - found.restitutions**2, rtol=1e-14)
+
+
+def test_first_effect_of_inertial_shafts(e62: Mechanism) -> None:
+    """Relative changes and the jump of the shafts, by two runs read from their events."""
+    speed = 650.0
+    runs = [
+        Judge(simulate(e62, Case(speed_rpm=speed, drive=drive)))
+        for drive in (DriveMode.HELD, DriveMode.INERTIAL)
+    ]
+    held, free = (numbers(judge) for judge in runs)
+    found = [_numbers(e62, speed, drive) for drive in (DriveMode.HELD, DriveMode.INERTIAL)]
+    for place, key in ((1, "rebound_amplitude_1"), (2, "rebound_amplitude_2"), (3, "duration_s")):
+        assert found[0][place] == pytest.approx(held[key], rel=NEAR)
+        assert found[1][place] == pytest.approx(free[key], rel=NEAR)
+    event = hits(runs[1])[0]
+    jumps = [
+        abs(event.v_after[column] - event.v_before[column]) / abs(event.v_before[column])
+        for column in runs[1].drives.values()
+    ]
+    assert found[1][4] == pytest.approx(max(jumps), rel=1e-9)
+    assert found[0][4] == 0.0
+
+
+# Made-up numbers.
+
+
+def sensitivity(path: str, unit: str, *per: float) -> Sensitivity:
+    shifted = np.array(per)
+    shifted[1] += 1e-3
+    return Sensitivity(path=path, value=7.0, unit=unit, per=np.array(per), control=shifted)
+
+
+def test_bars_and_table_of_sensitivities() -> None:
+    """One bar a number, as long as its effect, by quantity and ranked within its kind of unit."""
+    rows = (
+        sensitivity("links.top_nipper.mass_kg", "%", 0.5, -0.25, 0.125),
+        sensitivity("springs.steeve.preload_length_mm", "mm", -8.0, -4.0, 9.0),
+        sensitivity("stops.jaw.restitution", "%", 1.9, 0.7, 0.0),
+        sensitivity("points.pin.x_mm", "mm", 3.0, 6.0, -1.0),
+    )
+    found = Sensitivities(
+        model="e62", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
+        clamping_force_N=80.0, premise_holds=True, rows=rows,
+    )  # fmt: skip
+    figure = sensitivity_plate(found, "").figure
+    words = ("first amplitude", "transition time", "clamping force")
+    for place, (axes, word) in enumerate(zip(figure.axes, words, strict=True)):
+        assert axes.get_xlabel() == f"change of the {word} [%]"
+        order = sorted(rows, key=lambda row: (row.unit == "%", -abs(row.per[place])))[::-1]
+        bars = [patch for patch in axes.patches if patch.get_height() > 0.0]
+        assert [bar.get_width() for bar in bars] == [row.per[place] for row in order]
+        labels = [label.get_text() for label in axes.get_yticklabels()]
+        assert [text.rpartition("[")[2].rstrip("]") for text in labels] == [r.unit for r in order]
+        said = [text.get_text() for text in axes.texts if text.get_text()[:1] in "+-0123456789"]
+        assert [float(text) for text in said] == pytest.approx(
+            [row.per[place] for row in order], rel=0.06
+        )
+    table = stored(sensitivity_table(found))
+    ranked = sorted(rows, key=lambda row: -abs(row.per[0]))
+    assert table["path"] == [row.path for row in ranked]
+    assert table["unit"] == [row.unit for row in ranked]
+    for place, name in enumerate(QUANTITIES):
+        key = f"{name.removesuffix('_s').removesuffix('_N')}_percent"
+        assert [float(x) for x in table[key]] == [row.per[place] for row in ranked]
+    assert [float(x) for x in table["disagreement_percent"]] == pytest.approx([1e-3] * 4)
+
+
+def test_bands_of_main_effects() -> None:
+    """At every value the mean as a line and the 10th to 90th per cent of scenarios as a band."""
+    random = np.random.default_rng(3)
+    values = [1.0, 2.0, 4.0]
+    x = np.repeat(values, 41)
+    y = x**2 + random.exponential(size=len(x))
+    axis = {"name": "k", "path": "k", "low": 1.0, "high": 4.0, "scale": "linear", "values": values}
+    table = SweepTable(
+        title="made up", model="none", axes=(axis,), quantities=("y",), scenarios=len(x),
+        stored=len(x), table=pa.table({"k": x, "y": y}),
+    )  # fmt: skip
+    parameter = sweep_plots._Parameter.of(table, 0)
+    axes = sweep_plots.main_effects(table, [parameter], "y", y).axes[0]
+    (line,) = axes.get_lines()
+    (band,) = [item for item in axes.collections if isinstance(item, PolyCollection)]
+    corners = {tuple(np.round(row, 9)) for row in band.get_paths()[0].vertices}
+    for value, mean in zip(values, line.get_ydata(), strict=True):
+        part = sorted(y[x == value])
+        assert mean == pytest.approx(sum(part) / 41.0, rel=1e-12)
+        # Of 41 sorted values the 5th and the 37th lie at a tenth and at nine tenths.
+        for edge in (part[4], part[36]):
+            assert (round(value, 9), round(float(edge), 9)) in corners
+    texts = sweep_plots.parallel_coordinates(table, [parameter], "y", y).axes[0].texts
+    ends = [float(text.get_text()) for text in texts]
+    assert ends == pytest.approx([1.0, 4.0, float(y.min()), float(y.max())], rel=6e-4)
+
+
+def made_up_row(start: int) -> Row:
+    """A row whose numbers all differ."""
+    ms = [float(f"{start + k}.{k}") for k in range(4)]
+    errors = [float(f"{start % 10 + 0.1 * k:.1f}e-{5 + k}") for k in range(6)]
+    return Row(
+        engine=f"engine {start}", setting="1e-9", wall_ms=ms[0], first_ms=ms[1], fastest_ms=ms[2],
+        spread_ms=ms[3], runs=30, error_transition_time=errors[0], error_worst=errors[1],
+        error_times=errors[2], error_impulses=errors[3], error_amplitudes=errors[4],
+        error_trajectory=errors[5], evaluations=1000 + start, version=f"4.{start}",
+    )  # fmt: skip
+
+
+def test_tables_of_the_benchmark() -> None:
+    """Every column of rows of engines and peers, and the largest of stated errors."""
+    fields = {
+        "engine": "engine", "peer": "engine", "version": "version", "setting": "setting",
+        "ms": "wall_ms", "fastest": "fastest_ms", "spread": "spread_ms", "first": "first_ms",
+        "worst of four": "error_worst", "transition": "error_transition_time",
+        "times": "error_times", "impulses": "error_impulses", "amplitudes": "error_amplitudes",
+        "trajectory": "error_trajectory", "evaluations": "evaluations",
+    }  # fmt: skip
+    rows = (made_up_row(11), made_up_row(27))
+    for sheet in (benchmark_report._errors("", rows), benchmark_report._peers(rows)):
+        for cells, row in zip(sheet.rows, rows, strict=True):
+            for heading, cell in zip(sheet.headings, cells, strict=True):
+                wanted = getattr(row, fields[heading])
+                if isinstance(wanted, str):
+                    assert cell == wanted
+                else:
+                    assert float(cell) == pytest.approx(wanted, rel=6e-3), heading
+    stated = tuple(
+        Stated(case, tolerance, times, impulses)
+        for case, tolerance, times, impulses in (
+            ("a", 1e-4, 0.2, 0.7), ("b", 1e-4, 0.5, 0.3), ("a", 1e-8, 0.9, 0.1),
+        )
+    )  # fmt: skip
+    result = cast("Benchmark", type("Result", (), {"stated": stated})())
+    sheet = benchmark_report._stated(result)
+    assert sheet.headings == ("tolerance", "times", "impulses")
+    assert [[float(cell) for cell in row] for row in sheet.rows] == [
+        [1e-4, 0.5, 0.7], [1e-8, 0.9, 0.1],
+    ]  # fmt: skip
