@@ -74,13 +74,13 @@ def test_dry_run_says_how_long(
     assert found["scenario_s"] > 0.0
     assert found["workers"] == 1
     assert not (tmp_path / "out").exists()
-    fixed = Estimate(seconds=12.345, workers=2, mechanism_s=0.04, scenario_s=2.5e-5,
+    fixed = Estimate(seconds=7200.0, workers=2, mechanism_s=0.04, scenario_s=2.5e-5,
                      engines={"reduced": 92, "direct": 8})  # fmt: skip
     monkeypatch.setattr(module, "estimate", lambda *_: fixed)
     assert main(arguments) == 0
     assert capsys.readouterr().out == (
         "30 scenarios of 15 mechanisms in 8 chunks\n"
-        "about 12 s on 2 processors here: 40 ms a mechanism, 0.025 ms a scenario "
+        "about 120 min on 2 processors here: 40 ms a mechanism, 0.025 ms a scenario "
         "(timed: 92 by the engine reduced, 8 by the engine direct)\n"
     )
 
@@ -107,3 +107,11 @@ def test_the_estimate_adds_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     workers = min(4, chunks)
     assert found.workers == workers
     assert found.seconds == pytest.approx(1.5 + (15 * 0.04 + 3000 * 1e-3) / workers, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(1.6, "2 s"), (170.0, "170 s"), (600.0, "10 min"), (360_000.0, "100 h")]
+)
+def test_times_have_the_unit_that_suits_them(seconds: float, words: str) -> None:
+    found = Estimate(seconds=seconds, workers=1, mechanism_s=0.0, scenario_s=0.0, engines={})
+    assert found.sentence().startswith(f"about {words} on 1 processors here")

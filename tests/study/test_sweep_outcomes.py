@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from sweep_studies import TABLE, plan, study
 
 from nipper_pin import SimulationError
 from nipper_pin.cli import main
-from nipper_pin.study.sweep import chunks, read_sweep, run_sweep
+from nipper_pin.study.sweep import chunks, read_sweep, run, run_sweep
 from nipper_pin.study.sweep.chunks import DefectError, run_chunk
 from nipper_pin.study.sweep.plan import Chunk
 
@@ -164,4 +165,23 @@ def test_rows_say_whether_the_premise_holds(
     assert main(["sweep", study(tmp_path, text), "--out", str(out)]) == 0
     assert "1 do not arrive in the initial phase (premise_holds is false); 1 of them" in (
         capsys.readouterr().out
+    )
+
+
+def test_the_summary_counts_what_is_on_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Scenarios, mechanisms and chunks from the files alone; the time from a clock of 2.5 s."""
+    text = RADII.format("63.0, 64.0, 65.0") + SPEEDS.replace("chunk = 1", "")
+    path, out = study(tmp_path, "chunk = 3\n" + text), tmp_path / "out"
+    ticks = iter([10.0, 12.5])
+    monkeypatch.setattr("nipper_pin.study.sweep.run.on_this_machine", in_this_process)
+    run_sweep(plan(tmp_path, "chunk = 3\n" + text), out, chunks=(1, 1))
+    monkeypatch.setattr(run, "time", SimpleNamespace(perf_counter=lambda: next(ticks)))
+    assert main(["sweep", path, "--out", str(out), "--workers", "1"]) == 0
+    rows = read_sweep(out).table.to_pylist()
+    machines = {row["drives.pendulum.crank_radius_mm"] for row in rows}
+    assert capsys.readouterr().out.splitlines()[0] == (
+        f"{len(rows)} scenarios of {len(machines)} mechanisms in {out}: 3 were there, "
+        f"{len(rows) - 3} computed in 2.5 s"
     )

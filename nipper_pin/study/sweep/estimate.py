@@ -55,10 +55,18 @@ class Estimate:
         """The estimate in words."""
         parts = [f"{count:,} by the engine {name}" for name, count in self.engines.items()]
         return (
-            f"about {self.seconds:.2g} s on {self.workers} processors here: "
+            f"about {_words(self.seconds)} on {self.workers} processors here: "
             f"{1e3 * self.mechanism_s:.3g} ms a mechanism, {1e3 * self.scenario_s:.3g} ms a "
             f"scenario (timed: {', '.join(parts)})"
         )
+
+
+def _words(seconds: float) -> str:
+    """A time in the unit that suits it; it is no more than an estimate."""
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds > 3.0 * length:
+            return f"{seconds / length:,.0f} {unit}"
+    return f"{seconds:,.0f} s"
 
 
 def estimate(plan: Plan, workers: int | None = None) -> Estimate:
