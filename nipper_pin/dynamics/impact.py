@@ -7,7 +7,7 @@ xi_N = g_N_dot+ + e_N g_N_dot- >= 0, P_N >= 0, xi_N P_N = 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -149,16 +149,16 @@ def drive_impulses(
     q: FloatArray,
     delta: FloatArray,
     P_g: FloatArray,
-    P_N: Mapping[str, float],
 ) -> FloatArray:
-    """Impulses that keep held drives at their rate, S' P_drive = M delta - G' P_g - W' P_N.
+    """Impulses that keep held drives at their rate, S' P_drive = S' (M delta - G' P_g).
+
+    No stop acts on a driven joint.
 
     Args:
         system: The system.
         q: Configuration, shape (nv,).
         delta: Change of velocity, shape (nv,).
         P_g: Closure impulses, shape (m,) [N s].
-        P_N: Impulses of stops along their gaps, by name [N m s or N s].
 
     Returns:
         Shape (drives,) [N m s]; zero for free shafts.
@@ -167,9 +167,6 @@ def drive_impulses(
         return np.zeros(len(system.driven))
     _, jacobian = system.body.closures(q[None])
     momentum = system.body.mass_matrix(q) @ delta - P_g @ jacobian[0]
-    for name, impulse in P_N.items():
-        stop = system.mechanism.stop(name)
-        momentum[stop.index] -= stop.sense * impulse
     return np.asarray(momentum[system.driven])
 
 

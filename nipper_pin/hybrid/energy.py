@@ -183,9 +183,7 @@ def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatAr
     known: dict[int, FloatArray] = {}
     for event in events:
         if id(event.delta) not in known:
-            known[id(event.delta)] = drive_impulses(
-                system, event.q, event.delta, event.P_g, event.P_N
-            )
+            known[id(event.delta)] = drive_impulses(system, event.q, event.delta, event.P_g)
     return tuple(known[id(event.delta)] for event in events)
 
 

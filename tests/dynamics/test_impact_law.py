@@ -98,7 +98,7 @@ def _agrees(tree, system, q, v, impact: Impact, names, e) -> None:
 
 
 def _of_drives(system, q, impact: Impact) -> np.ndarray:
-    return drive_impulses(system, q, impact.delta, impact.P_g, impact.P_N)
+    return drive_impulses(system, q, impact.delta, impact.P_g)
 
 
 @modes
