@@ -140,7 +140,12 @@ def run(options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         home = Path(folder)
         trials = Trials(options.root, home, options.map, options.budget)
-        for mutation in trials.draw(options.rooms.split(","), options.seed):
+        mutations = trials.draw(options.rooms.split(","), options.seed)
+        if options.survivors_of is not None:
+            earlier = _results(options.survivors_of).values()
+            again = {_lasting(item) for item in earlier if not item["caught"]}
+            mutations = [item for item in mutations if _lasting(item.record()) in again]
+        for mutation in mutations:
             if len(done) >= options.count:
                 break
             if mutation.identity in done:
@@ -160,6 +165,11 @@ def _results(file: Path) -> dict[str, dict[str, object]]:
         return {}
     lines = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     return {item["identity"]: item for item in lines}
+
+
+def _lasting(item: dict[str, object]) -> tuple[object, ...]:
+    """What a mutation keeps when its file changes elsewhere."""
+    return tuple(item[name] for name in ("file", "scope", "key", "kind", "before", "after"))
 
 
 def _line(result: dict[str, object]) -> str:
@@ -221,6 +231,9 @@ def main() -> int:
             command.add_argument("--count", type=int, default=120)
             command.add_argument("--seed", type=int, default=1)
             command.add_argument("--rooms", default=",".join(ROOMS))
+            command.add_argument(
+                "--survivors-of", type=Path, metavar="FILE", help="those of earlier results alone"
+            )
             command.add_argument(
                 "--budget", type=float, default=60.0, help="seconds of tests for one mutation"
             )
