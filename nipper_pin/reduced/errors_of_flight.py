@@ -10,6 +10,9 @@ from .layout import BY_U, BY_V, BY_X, EPS, RESIDUAL, Tables
 
 # A bounce's time and the next rate feel a change of x'' once and twice.
 _FELT = 3.0
+# Part of a late start's change of x'' that is not the same all along a flight, by its travel in
+# radians: what drives and links prescribe changes by itself in about one.
+_UNEVEN = 4.0
 
 
 @compiled
@@ -49,8 +52,10 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     Lv, Lx = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
     Lt = speed * size(sizes, BY_U, fastest)
     felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
-    steady = felt * changed + size(sizes, RESIDUAL, fastest) + Lt * dt
-    e = steady + left
+    # A flight that starts late has another x'', by nearly the same all the way.
+    shifted = Lt * dt
+    steady = felt * changed + size(sizes, RESIDUAL, fastest)
+    e = steady + shifted + left
     K = exp(felt)
     rho = a * T / v
     duration = K * (dw * T + 0.5 * e * T * T) / abs(v) + 4.0 * EPS * T
@@ -59,7 +64,8 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
         lever = (1.0 + (rho - 1.0) ** 2) / (2.0 * rho)
     growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
     # What a grid misses changes its sign, so that it may act on the rate and not on the time.
-    rate = growth * dw + K * (steady * lever + left) * T + 4.0 * EPS * abs(v)
+    even = min(abs(1.0 - 0.5 * rho) + _UNEVEN * speed * T * lever, lever)
+    rate = growth * dw + K * (steady * lever + shifted * even + left) * T + 4.0 * EPS * abs(v)
     return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
 
 

@@ -108,6 +108,10 @@ def build(
     degrees that are missing nearly cancel when they are integrated. That they do not act alike on
     time and rate is allowed for: this part has 1 in the place of the last integral.
 
+    What a late start changes of x'', Lt dt, is nearly the same all along a short flight: in its
+    place the last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
+    radians of that with it.
+
     Lv, Lx, Lt are Lipschitz constants of x'' by rate, coordinate and time from the largest
     values and derivatives of the tables. Times add up; the restitution scales dv to the next dw.
 
