@@ -19,6 +19,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -183,12 +184,16 @@ def of_transition(
     from nipper_pin.study.transitions import transition_table
 
     hits = [event for event in events if (event["kind"], event["stop"]) == ("collision", "jaw")]
-    mechanism = _mechanism(one)
+    # The tables of a reduced model hold for all springs and restitutions of its jaw.
+    mechanism = _touching(one.touch_deg) if engine == "reduced" else _mechanism(one)
     for tolerance in TOLERANCES:
         where = (engine, "transition", tolerance)
         table = transition_table(
             mechanism,
             speed_rpm=one.speed_rpm,
+            restitution=one.jaw,
+            stiffness_N_per_m=one.stiffness_N_per_m,
+            preload_length_mm=one.preload_mm,
             tolerance=tolerance,
             engine=engine,  # type: ignore[arg-type]
             max_collisions=_MOST_COLLISIONS,
@@ -223,6 +228,14 @@ def _mechanism(one: Trial) -> Any:
         "cylinder.angle_at_touch_deg": one.touch_deg,
     }
     return load("e62", values)
+
+
+@lru_cache(maxsize=8)
+def _touching(degrees: float) -> Any:
+    """The machine of the file with its usual touch angle, or another one."""
+    from nipper_pin import load
+
+    return load("e62", {"cylinder.angle_at_touch_deg": degrees})
 
 
 def judged(solution: dict[str, Any]) -> dict[str, Any]:

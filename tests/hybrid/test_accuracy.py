@@ -58,12 +58,11 @@ def ratios(name: str, tolerance: float) -> tuple[list[float], list[float]]:
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
-def test_true_errors_are_at_most_twice_the_stated_ones(tolerance: float) -> None:
-    """Over eight decades of tolerance, and not because the statement is idle.
+def test_true_errors_are_at_most_the_stated_ones(tolerance: float) -> None:
+    """Over eight decades of tolerance, for the certified transitions.
 
     The stated errors come from the run itself; the true ones from a solution that shares nothing
-    with it. A statement that is safe by a large margin fails the lower bound, one that misses a
-    contribution the upper one: half of all cases have to lie within a thousandth.
+    with it.
     """
     times: list[float] = []
     impulses: list[float] = []
@@ -72,8 +71,56 @@ def test_true_errors_are_at_most_twice_the_stated_ones(tolerance: float) -> None
         times += of_times
         impulses += of_impulses
     for found in (times, impulses):
-        assert max(found) < 2.0
-        assert np.median(found) > 1e-3
+        assert max(found) <= 1.0
+        assert np.median(found) > 3e-3
+
+
+# Medians of true over stated errors of the 20 random machines below. They differ by less than a
+# fifth between kernels of BLAS; a factor of 2.5 notices statements that are three times too small
+# or too large.
+MEDIANS = {
+    ("direct", "transition", "time of a collision"): 0.034,
+    ("direct", "transition", "approach rate"): 0.0165,
+    ("direct", "transition", "impulse"): 0.016,
+    ("direct", "transition", "amplitude"): 0.0103,
+    ("direct", "transition", "time of a rebound"): 0.017,
+    ("direct", "transition", "time of a rest"): 0.017,
+    ("direct", "turn", "time of a collision"): 0.024,
+    ("direct", "turn", "approach rate"): 0.0165,
+    ("direct", "turn", "impulse"): 0.016,
+    ("direct", "turn", "time of a rest"): 0.02,
+    ("reduced", "transition", "time of a collision"): 0.021,
+    ("reduced", "transition", "approach rate"): 0.027,
+    ("reduced", "transition", "impulse"): 0.026,
+    ("reduced", "transition", "amplitude"): 0.0145,
+    ("reduced", "transition", "time of a rebound"): 0.013,
+    ("reduced", "transition", "time of a rest"): 0.022,
+}
+_WITHIN = 2.5
+
+
+@pytest.fixture(scope="module")
+def measured(measurement: ModuleType) -> dict[tuple[str, str, str], list[float]]:
+    """True over stated errors of 20 random machines, all tolerances together."""
+    found: dict[tuple[str, str, str], list[float]] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measurement, "TOLERANCES", (1e-4, 1e-7, 1e-10))
+        for number in range(20):
+            rows = measurement.judged(measurement.solved(measurement.trial(7, number)))["rows"]
+            for engine, window, what, _, ratio in rows:
+                found.setdefault((engine, window, what), []).append(ratio)
+    return found
+
+
+@extended_only
+@pytest.mark.parametrize("key", MEDIANS)
+def test_of_random_machines_too_and_not_because_the_statement_is_idle(
+    measured: dict[tuple[str, str, str], list[float]], key: tuple[str, str, str]
+) -> None:
+    """Against the 80-bit solution: a bound on all, and one on both sides of the median."""
+    assert len(measured[key]) >= 30
+    assert max(measured[key]) <= 1.0
+    assert MEDIANS[key] / _WITHIN < np.median(measured[key]) < MEDIANS[key] * _WITHIN
 
 
 def test_kinematic_phases_forget_the_past() -> None:
