@@ -12,7 +12,7 @@ from ..hybrid.event import EventKind
 from ..hybrid.premise import MOST_IN_TURN
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Outcome, Solution
-from ..mechanism import Mechanism
+from ..mechanism import INDEX_PER_TURN, Mechanism
 
 # Turns that are followed from the touch; the last one is read, from half a turn before its touch.
 _TURNS = 4
@@ -94,7 +94,9 @@ def assumed_transition(mechanism: Mechanism, case: Case) -> TrueTransition:
     return TrueTransition(solution, solution.premise_holds, hits, found, solution.outcome)
 
 
-def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTransition:
+def transition_of_turns(
+    mechanism: Mechanism, case: Case, why: str, before: float = 0.0
+) -> TrueTransition:
     """The first transition of a turn that repeats, from simulated turns.
 
     Args:
@@ -102,6 +104,8 @@ def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTrans
         case: The case; its window, turns and start are not used, and its largest number of
             collisions is that of the transition.
         why: Why the turns have to be simulated.
+        before: Part of a turn before the touch at which the turns start, in the initial phase. At
+            the touch itself a machine that arrives there is not seen to repeat.
 
     Raises:
         SimulationError: The motion cannot be followed, or no turn has a collision of the
@@ -112,11 +116,12 @@ def transition_of_turns(mechanism: Mechanism, case: Case, why: str) -> TrueTrans
         case,
         window=Window.CYCLE,
         cycles=_TURNS,
-        start_index=cylinder.index_from_angle(cylinder.angle_at_touch_rad),
+        start_index=cylinder.index_from_angle(cylinder.angle_at_touch_rad)
+        - before * INDEX_PER_TURN,
         max_collisions=max(case.max_collisions, MOST_IN_TURN),
     )
     solution = simulate(mechanism, turns)
-    begin = (_TURNS - 1.5) * solution.shaft.period
+    begin = (_TURNS - 1.5 + before) * solution.shaft.period
     later = [hit for hit in solution.collisions if hit.stop == stop and hit.t >= begin]
     if not later:
         message = f"{why} No turn has a collision of stop {stop!r}: {solution.outcome.value}"

@@ -116,18 +116,21 @@ class Transitions:
             return self.in_turn(mechanism, speed_rpm, found.solution.premise.why)
         return Bounces(DIRECT, _at_rest(found))
 
-    def in_turn(self, mechanism: Mechanism, speed_rpm: float, why: str) -> Bounces:
+    def in_turn(
+        self, mechanism: Mechanism, speed_rpm: float, why: str, before: float = 0.0
+    ) -> Bounces:
         """The transition of a simulated turn.
 
         Args:
             mechanism: The mechanism.
             speed_rpm: Cylinder speed [r/min].
             why: Why it is not taken alone.
+            before: Part of a turn before the touch at which the turns start.
 
         Raises:
             SimulationError: It cannot be simulated, does not come to rest, or turns differ.
         """
-        found = transition_of_turns(mechanism, self._case(speed_rpm), why)
+        found = transition_of_turns(mechanism, self._case(speed_rpm), why, before)
         if found.solution.repeated_from is None:
             message = (
                 f"{mechanism.name}: turns differ from one another, and so do their transitions"
