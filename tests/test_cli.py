@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -66,6 +68,85 @@ def test_values_reach_the_model(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", "--json", "-", "--speed", "500", "--restitution", "0.1"]) == 0
     lighter = json.loads(capsys.readouterr().out)["collisions"][0]
     assert lighter["impulse_N_s"] < first["impulse_N_s"]
+
+
+PARTS = {
+    "transition": ("Collisions of stop jaw", "Phases", "Transition", "Forces", "Checks and work"),
+    "cycle": ("Collisions of stop steeve", "Collisions of stop jaw", "Phases", "Transition",
+              "Releases", "Forces", "Checks and work"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("window", PARTS)
+def test_simulate_prints_every_part(window: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """From the title to the sentence how it ended: no part is missing, empty or only its heading,
+    and every collision has a row in which every column is filled."""
+    assert main(["simulate", "--speed", "650", "--window", window, "--forces"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    lines = out.rstrip().splitlines()
+    mechanism = load("e62")
+    solution = simulate(mechanism, Case(speed_rpm=650.0, window=Window(window)))
+    assert lines[0] == mechanism.title
+    assert lines[-1] == solution.outcome.value
+    places = [
+        next(row for row, line in enumerate(lines) if line.startswith(part))
+        for part in PARTS[window]
+    ]
+    assert places == sorted(places)
+    for begin, end in zip(places, [*places[1:], len(lines)], strict=True):
+        assert sum(bool(line.strip()) for line in lines[begin:end]) >= 2
+    rows = [line.split() for line in lines if re.match(r" *\d+ +\d+\.\d{4} ", line)]
+    shown = {hit.number: f"{hit.index:.4f}" for hit in solution.collisions}
+    assert {int(row[0]): row[1] for row in rows} == shown
+    assert {len(row) for row in rows} == {9}
+    begin = places[PARTS[window].index("Phases")]
+    end = places[PARTS[window].index("Transition")]
+    phases = [line.split()[0] for line in lines[begin:end] if re.match(r"\d ", line)]
+    assert phases == [str(phase.number) for phase in solution.phases]
+
+
+def test_numbers_with_shortcuts_are_in_the_document(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also one of a link; two whose paths end alike stand there by their whole paths."""
+    source = Path(__file__).parents[1] / "models" / "e62"
+    folder = tmp_path / "machine"
+    shutil.copytree(source, folder)
+    text = (folder / "e62.toml").read_text(encoding="utf-8")
+    more = 'mass = "links.top_nipper.mass_kg"\nback = "stops.steeve.restitution"\n'
+    text = text.replace("[shortcuts]\n", f"[shortcuts]\n{more}")
+    (folder / "machine.toml").write_text(text, encoding="utf-8")
+    (folder / "e62.toml").unlink()
+    (folder / "e62.urdf").rename(folder / "machine.urdf")
+    assert main(["simulate", str(folder), "--set", "mass=1.3", "--set", "back=0.1",
+                 "--json", "-"]) == 0  # fmt: skip
+    case = json.loads(capsys.readouterr().out)["case"]
+    assert case["mass_kg"] == 1.3
+    assert case["stops.steeve.restitution"] == 0.1
+    assert case["stops.jaw.restitution"] == 0.2
+    assert "restitution" not in case
+
+
+def test_options_without_anything_to_act_on_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    design = tmp_path / "design.toml"
+    design.write_text(
+        'format = 1\n[optimise]\nminimise = "duration_s"\n[[optimise.parameters]]\n'
+        'path = "restitution"\nlower = 0.05\nupper = 0.3\n',
+        encoding="utf-8",
+    )
+    for words, sentence in (
+        (["optimise", str(design), "--points", "3"], "--points changes nothing beside one aim"),
+        (["optimise", str(design), "--format", "png"], "--format changes nothing beside one aim"),
+        (["identify", "--profiles", "-1"], "--profiles -1: at least 0"),
+    ):
+        assert main(words) == 2
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert sentence in err
+    assert [path.name for path in tmp_path.iterdir()] == ["design.toml"]
 
 
 def test_rated_speed_is_the_default(capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,7 +22,7 @@ STUDY = 'format = 1\nchunk = 2\ntitle = "{title}"\n[parameters.{name}]\nvalues =
 DESIGN = """format = 1
 [optimise]
 title = "{title}"
-maximise = "clamping_force_N"
+maximise = ["clamping_force_N", "stop_force_N"]
 [[optimise.parameters]]
 path = "{name}"
 lower = 0.05

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ..errors import InputError
 from .arguments import check_outputs, write_json
 
 
@@ -47,6 +48,9 @@ def _run(options: argparse.Namespace) -> None:
         write_model,
     )
 
+    if options.profiles < 0:
+        message = f"--profiles {options.profiles}: at least 0"
+        raise InputError(message, argument=options.profiles)
     problem = read_problem(options.problem)
     check_outputs(options.out, options.json)
     if options.out is not None:
@@ -60,7 +64,7 @@ def _run(options: argparse.Namespace) -> None:
             progress=advance,
         )
     known, judged = fit.known, fit.goodness
-    chosen = [path for path, _ in known.ranked()][: max(0, options.profiles)]
+    chosen = [path for path, _ in known.ranked()][: options.profiles]
     profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
     if options.out is not None:
         write_model(fit, judged, options.out)

@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .arguments import write_json
+from .arguments import refuse_beside, write_json
+
+_POINTS = 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--starts", type=int, default=6, metavar="N", help="descents by each aim (default 6)"
     )
     parser.add_argument(
-        "--points", type=int, default=12, metavar="N", help="points of the front (default 12)"
+        "--points",
+        type=int,
+        metavar="N",
+        help=f"points of the front of two aims (default {_POINTS})",
     )
     parser.add_argument(
         "--no-check",
@@ -38,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=int, metavar="N", help="processes (default: one a processor)"
     )
     parser.add_argument(
-        "--format", choices=["svg", "png"], default="svg", help="of the figure (default svg)"
+        "--format", choices=["svg", "png"], help="of the figure of the front (default svg)"
     )
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
     parser.set_defaults(run=_run)
@@ -48,6 +53,9 @@ def _run(options: argparse.Namespace) -> None:
     from ..study.optimise import optimise, read_problem, write
 
     problem = read_problem(options.study)
+    if len(problem.aims) == 1:
+        names = {"points": "--points", "format": "--format"}
+        refuse_beside(options, "one aim, which has no front", names)
     folder = Path(options.out or Path("out") / Path(options.study).stem)
     with _progress(folder) as advance:
         optimum = optimise(
@@ -55,7 +63,7 @@ def _run(options: argparse.Namespace) -> None:
             starts=options.starts,
             seed=options.seed,
             check=not options.no_check,
-            points=options.points,
+            points=_POINTS if options.points is None else options.points,
             workers=options.workers,
             folder=folder,
             progress=advance,
@@ -64,7 +72,7 @@ def _run(options: argparse.Namespace) -> None:
     if len(optimum.front) > 1:
         from ..view.front_plot import plot_front
 
-        written += (plot_front(optimum, folder / f"front.{options.format}"),)
+        written += (plot_front(optimum, folder / f"front.{options.format or 'svg'}"),)
     if options.json is not None:
         write_json(optimum.record(), options.json)
     if options.json != "-":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections import Counter
+from dataclasses import asdict, fields
 from typing import Any
 
+from ..mechanism import Mechanism, number_of
+from .case import Case
 from .collisions import Collision
 from .quantities import COLLISION, TRANSITION
 from .solution import Solution
@@ -29,10 +32,7 @@ def record(solution: Solution) -> dict[str, Any]:
         "case": {
             "model": solution.mechanism.name,
             **asdict(solution.case),
-            **{
-                path.rpartition(".")[2]: _value(solution.mechanism.description, path)
-                for path in solution.mechanism.shortcuts.values()
-            },
+            **_shortcuts(solution.mechanism),
         },
         "outcome": solution.outcome.value,
         "collisions": [_collision(solution, item) for item in solution.collisions],
@@ -70,7 +70,17 @@ def _collision(solution: Solution, item: Collision) -> dict[str, Any]:
     }
 
 
-def _value(description: Any, path: str) -> Any:
-    for key in path.split("."):
-        description = description[key]
-    return description
+def _shortcuts(mechanism: Mechanism) -> dict[str, float]:
+    """Numbers that have shortcuts: by the last step of their path; by all of it if two share it."""
+    paths = set(mechanism.shortcuts.values())
+    last = Counter(path.rpartition(".")[2] for path in paths)
+    taken = {
+        "model",
+        *(item.name for item in fields(Case)),
+        *(key for key in last if last[key] > 1),
+    }
+    found = {}
+    for path in mechanism.shortcuts.values():
+        key = path.rpartition(".")[2]
+        found[path if key in taken else key] = number_of(mechanism, path)
+    return found

@@ -3,7 +3,15 @@
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
-from .load import find_model, from_sources, known_models, load, need_mechanism, with_numbers
+from .load import (
+    find_model,
+    from_sources,
+    known_models,
+    load,
+    need_mechanism,
+    number_of,
+    with_numbers,
+)
 from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Stop
 from .shapes import collision_model
 
@@ -35,6 +43,7 @@ __all__ = [
     "known_models",
     "load",
     "need_mechanism",
+    "number_of",
     "rad_s_from_rpm",
     "with_numbers",
 ]

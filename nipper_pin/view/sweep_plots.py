@@ -284,6 +284,11 @@ def _pair(
     first = across or (left.pop(0) if left else None)
     second = upwards or (left.pop(0) if left else None)
     if first is None or second is None:
+        if across or upwards:
+            message = (
+                f"--x and --y: level lines need two parameters; {where} has only {first or second}"
+            )
+            raise InputError(message, parameter=across or upwards)
         return None
     return by_name[first], by_name[second]
 

@@ -404,7 +404,8 @@ def test_files_that_cannot_be_used(
 def test_arguments_that_cannot_be_used(
     option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    file = study(tmp_path, AT_LEAST)
+    # A front, and so its points, is there with two aims only.
+    file = study(tmp_path, 'maximise = "rebound_time_s_1"\n' + AT_LEAST)
     assert main(["optimise", str(file), "--out", str(tmp_path / "out"), option, "0"]) == 2
     assert f"{option[2:]} = 0" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
