@@ -15,6 +15,7 @@ from matplotlib.collections import LineCollection
 from nipper_pin import InputError, UnknownNameError
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import SweepTable, read_plan, read_sweep, run_sweep
+from nipper_pin.study.sweep.results.chunk_file import about, encode
 from nipper_pin.view import sweep_plots
 from nipper_pin.view.sweep_plots import cell_means, plot_sweep
 
@@ -165,7 +166,9 @@ def test_thinned_reading_is_even(folder: Path, tmp_path: Path) -> None:
     (copy / "plan.json").write_bytes((folder / "plan.json").read_bytes())
     for number, (start, stop) in enumerate([(0, 5), (5, 6), (6, 18)]):
         part = table.slice(start, stop - start)
-        pq.write_table(part, copy / "chunks" / f"{number:07d}.parquet")
+        columns = {name: part[name] for name in part.column_names}
+        content = encode(columns, words=(), units={}, about=about(table))
+        (copy / "chunks" / f"{number:07d}.parquet").write_bytes(content)
     thin = read_sweep(copy, 5)
     assert thin.stored == 18
     assert thin.table["scenario"].to_pylist() == [0, 5, 10, 15]
@@ -195,3 +198,5 @@ def test_unusable_requests(
 def test_one_parameter_has_no_level_lines() -> None:
     item = SimpleNamespace(name="speed_rpm")
     assert sweep_plots._pair([item], None, None, "here") is None  # type: ignore[list-item]
+    with pytest.raises(InputError, match="level lines need two parameters; here has only speed"):
+        sweep_plots._pair([item], "speed_rpm", None, "here")  # type: ignore[list-item]
