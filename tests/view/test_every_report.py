@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -17,12 +18,13 @@ import pytest
 from judge import Judge
 from matplotlib.collections import PolyCollection
 
-from nipper_pin import Case, DriveMode, Mechanism, load, simulate
+from nipper_pin import Case, DriveMode, Mechanism, Window, load, simulate
 from nipper_pin.hybrid.event import Event
 from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.paper import PaperStudy
 from nipper_pin.study.paper import shares as shares_of
 from nipper_pin.study.paper.drives import DriveComparison, DriveEffect, _numbers
+from nipper_pin.study.paper.kinematics import kinematics
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio, ratios
 from nipper_pin.study.paper.shares import Shares
@@ -33,6 +35,7 @@ from nipper_pin.study.sweep import SweepTable
 from nipper_pin.study.work_precision import Row
 from nipper_pin.view import benchmark_report, sweep_plots
 from nipper_pin.view.paper import question_figures
+from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
 from nipper_pin.view.paper.supplements import sensitivity_plate, sensitivity_table
 from nipper_pin.view.paper.tables import (
@@ -324,6 +327,77 @@ def test_figure_of_shares(study: PaperStudy) -> None:
         assert crosses[i].get_xydata().tolist() == [[e, given]]
         wanted = 100.0 * (given - 1.0 + e * e)
         assert marks[i].get_xydata()[0].tolist() == pytest.approx([e, wanted])
+
+
+def test_kinematic_figures(study: PaperStudy, e62: Mechanism) -> None:
+    """Guide, links and stops over a turn: a closed form, and the states of a simulated turn."""
+    turn = kinematics(e62, GIVEN.speeds_rpm)
+    guide, links, stops = (
+        item.figure for item in kinematic_plates(replace(study, kinematics=turn))
+    )
+    speed = GIVEN.speeds_rpm[0]
+    run = simulate(e62, Case(speed_rpm=speed, window=Window.CYCLE))
+    judge = Judge(run)
+    law = judge.document["drives"]["pendulum"]
+    arm = np.subtract(law["crank_axis_mm"], law["guide_axis_mm"])
+
+    def bar(psi: float) -> float:
+        r = law["crank_radius_mm"]
+        return math.atan2(arm[1] + r * math.sin(psi), arm[0] + r * math.cos(psi))
+
+    touch = math.radians(judge.document["cylinder"]["angle_at_touch_deg"])
+    units = ("deg", "rad/s", "rad/s$^2$")
+    for axes, unit, order in zip(guide.axes, units, range(3), strict=True):
+        assert unit_in(axes.get_ylabel()) == unit
+        for line, rpm in zip(axes.lines, GIVEN.speeds_rpm, strict=True):
+            omega, h = -math.tau * rpm / 60.0, 1e-3
+            for i in range(3, len(line.get_xdata()), 71):
+                place = float(line.get_xdata()[i])
+                psi = touch - math.tau * (place - turn.closing_index) / 40.0
+                left, here, right = bar(psi - h), bar(psi), bar(psi + h)
+                wanted = (
+                    math.degrees(here - bar(touch)),
+                    omega * (right - left) / (2.0 * h),
+                    omega**2 * (right - 2.0 * here + left) / h**2,
+                )[order]
+                size = np.abs(line.get_ydata()).max()
+                assert line.get_ydata()[i] == pytest.approx(wanted, abs=1e-4 * size)
+    assert [unit_in(axes.get_ylabel()) for axes in links.axes] == list(units)
+    labels = [line.get_label().replace(" ", "_") for line in links.axes[0].lines]
+    assert labels == list(e62.links)
+    held = [item for item in judge.phases if len(item[0]) == 1 and item[2] - item[1] > 1e-3]
+    for _, begin, end in held:
+        for share in (0.3, 0.7):
+            t, h = begin + share * (end - begin), 1e-6
+            place = judge.index(t)
+            q, v, _ = judge.state(t, left=True)
+            rest = judge.places(np.zeros(len(q)))
+            angles = {n: math.degrees(x[2] - rest[n][2]) for n, x in judge.places(q).items()}
+            rates = {name: x[0] for name, x in judge.links(q, v).items()}
+            ahead, behind = (judge.links(*judge.state(t + step, left=True)[:2]) for step in (h, -h))
+            faster = {name: (ahead[name][0] - behind[name][0]) / (2.0 * h) for name in rates}
+            for axes, found in zip(links.axes, (angles, rates, faster), strict=True):
+                for line, link in zip(axes.lines, labels, strict=True):
+                    size = float(np.nanmax(np.abs(line.get_ydata()))) + 1e-9
+                    drawn = float(np.interp(place, line.get_xdata(), line.get_ydata()))
+                    assert drawn == pytest.approx(found[link], abs=2e-3 * size), link
+            factors = {"jaw": 180.0 / math.pi, "steeve": 1e3}
+            for column, name in enumerate(("jaw", "steeve")):
+                gap, rate = factors[name] * judge.gap(name, q), judge.rate(name, v)
+                rise = [judge.rate(name, judge.state(t + s, left=True)[1]) for s in (h, -h)]
+                found = (gap, rate, (rise[0] - rise[1]) / (2.0 * h))
+                for row, wanted in enumerate(found):
+                    axes = stops.axes[2 * row + column]
+                    (line,) = axes.lines
+                    size = float(np.nanmax(np.abs(line.get_ydata()))) + 1e-9
+                    drawn = float(np.interp(place, line.get_xdata(), line.get_ydata()))
+                    assert drawn == pytest.approx(wanted, abs=2e-3 * size), (name, row)
+    shown = [unit_in(axes.get_ylabel()) for axes in stops.axes]
+    assert shown == ["deg", "mm", "rad/s", "m/s", "rad/s$^2$", "m/s$^2$"]
+
+
+def unit_in(label: str) -> str:
+    return label.rpartition("[")[2].rstrip("]")
 
 
 def test_shares_are_those_of_runs(e62: Mechanism) -> None:
