@@ -15,7 +15,7 @@ import numpy as np
 
 from ..dynamics.system import System
 from ..errors import SimulationError
-from .case import Window
+from .case import Resolution, Window
 from .cycles import comes_back
 from .event import Event, EventKind
 from .phases import pressed
@@ -29,6 +29,8 @@ MOST_IN_TURN = 10_000
 """Collisions of a turn that are followed."""
 # Part of a turn by which the last rest has to lie before the touch: far above the error of both.
 _BEFORE = 1e-6
+# What is only decided needs no more: times are right to a thousandth of what a rest keeps clear of.
+_DECIDED, _PANELS = 1e-9, 6
 # [rad or m]: assemblies of the links that are not the same differ by far more.
 _SAME_POSITION = 1e-5
 
@@ -60,10 +62,15 @@ def premise_of(solution: Solution) -> Premise:
         return Premise(None, reason)
     before = (1.0 - _BEFORE) * system.shaft.period
     start = _end(solution)
+    case = replace(
+        solution.case,
+        max_collisions=MOST_IN_TURN,
+        resolution=Resolution(
+            tolerance=max(solution.case.resolution.tolerance, _DECIDED), panels_per_turn=_PANELS
+        ),
+    )
     try:
-        end, events = go_on(
-            system, replace(solution.case, max_collisions=MOST_IN_TURN), start, before
-        )
+        end, events = go_on(system, case, start, before)
     except SimulationError as error:
         return Premise(None, f"The turn cannot be followed to the next touch: {error.message}")
     if end is None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,6 +53,18 @@ class Arrival:
     asked: bool = True
 
 
+class Opening(NamedTuple):
+    """Where the waiting stop is reached again, and opens the transition stop.
+
+    Attributes:
+        travel: Travel from the touch configuration [rad].
+        q: Configuration, shape (1, nv).
+    """
+
+    travel: float
+    q: FloatArray
+
+
 def unknown(why: str, *, asked: bool = True) -> Arrival:
     """An arrival of which nothing is known."""
     none = np.zeros((6, 1, 2))
@@ -77,10 +90,14 @@ def unknown(why: str, *, asked: bool = True) -> Arrival:
     return Arrival(tables=empty, turn=turn, why=why, asked=asked)
 
 
+NOT_SAMPLED = unknown("the rest of the turn was not sampled")
+
+
 def arrival(
     system: System,
     sampler: Sampler,
     waiting: Sampler,
+    opening: Opening,
     stop: Stop,
     weights: FloatArray,
     gap_max: float,
@@ -92,6 +109,7 @@ def arrival(
         system: The held system; its shaft turns at 1 rad/s from the touch configuration.
         sampler: Functions of (u, x).
         waiting: Functions of (u, y).
+        opening: Where y comes back to zero.
         stop: The waiting stop, closed in the initial phase.
         weights: Weights of the functions in y'', shape (functions,).
         gap_max: Largest y.
@@ -103,7 +121,7 @@ def arrival(
     if not comes_back(system):
         return unknown("the drives do not come back with the cylinder", asked=False)
     try:
-        return _sampled(system, sampler, waiting, stop, weights, gap_max, tolerance)
+        return _sampled(system, sampler, waiting, opening, stop, weights, gap_max, tolerance)
     except NipperError as error:
         return unknown(error.message)
 
@@ -112,21 +130,21 @@ def _sampled(
     system: System,
     sampler: Sampler,
     waiting: Sampler,
+    opening: Opening,
     stop: Stop,
     weights: FloatArray,
     gap_max: float,
     tolerance: float,
 ) -> Arrival:
     mechanism = system.mechanism
-    opening, q = _opening(sampler, stop)
-    n, m = sampler.rates(np.array([opening]), q)
+    n, m = sampler.rates(np.array([opening.travel]), opening.q)
     throw, approach = float(n[0, stop.index]), float(m[0, stop.index])
     if throw <= 0.0 or approach >= 0.0:
         message = f"stop {stop.name!r} does not open {mechanism.transition_stop!r} by its collision"
         raise SimulationError(message, throw=throw, approach=approach)
     clamping = frozenset({mechanism.transition_stop})
-    rounded = of_rates(system, clamping, opening, q[0], m[0])
-    travel = 2.0 * math.pi - opening
+    rounded = of_rates(system, clamping, opening.travel, opening.q[0], m[0])
+    travel = 2.0 * math.pi - opening.travel
     domain = Domain(travel, -gap_max / 16.0, gap_max, begin=-travel, count_x=_NODES_Y)
     tables, _ = resolved(waiting, domain, weights, tolerance)
     _check_open(mechanism, tables)
@@ -138,7 +156,7 @@ def _sampled(
     width = travel / equation.shape[1]
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
     touch, touch_errors = _touch(waiting, mechanism, domain)
-    clamped, clamped_residual = _clamping(sampler, opening)
+    clamped, clamped_residual = _clamping(sampler, opening.travel)
     return Arrival(
         tables=Tables(
             equation=equation,
@@ -160,7 +178,7 @@ def _sampled(
         ),
         turn=Turn(
             known=1.0,
-            opening=opening,
+            opening=opening.travel,
             restitution=stop.restitution,
             clamping=clamped,
             waiting=np.ascontiguousarray(equation @ at_zero),
@@ -171,25 +189,24 @@ def _sampled(
     )
 
 
-def _opening(sampler: Sampler, stop: Stop) -> tuple[float, FloatArray]:
-    """Travel at which y comes back to zero with x at zero, and the configuration there."""
+def found_opening(sampler: Sampler, stop: Stop) -> Opening | None:
+    """Where y comes back to zero with x at zero; None where it does not, or cannot be followed."""
     u = np.arange(_STEP, 2.0 * math.pi, _STEP)
-    zero, before = np.zeros(1), np.zeros((1, sampler.size))
-    for travel, row in zip(u, sampler.along(u, zero, before), strict=True):
-        gap = stop.gap(row[0])
-        if gap <= 0.0:
-            return _root(sampler, stop, float(travel - _STEP), float(travel), before)
-        before = row
-    message = f"stop {stop.name!r} is not reached again within a turn"
-    raise SimulationError(message, stop=stop.name)
+    before = np.zeros((1, sampler.size))
+    try:
+        for travel, row in zip(u, sampler.along(u, np.zeros(1), before), strict=True):
+            if stop.gap(row[0]) <= 0.0:
+                return _root(sampler, stop, float(travel - _STEP), float(travel), before)
+            before = row
+    except SimulationError:
+        return None
+    return None
 
 
-def _root(
-    sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray
-) -> tuple[float, FloatArray]:
+def _root(sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray) -> Opening | None:
     if low <= 0.0:
-        message = f"stop {stop.name!r} does not open after the touch"
-        raise SimulationError(message, stop=stop.name)
+        # It does not even open.
+        return None
     travel = high
     for _ in range(_ROOT_STEPS):
         (row,) = sampler.along(np.array([travel]), np.zeros(1), q)
@@ -205,7 +222,7 @@ def _root(
         if abs(new - travel) <= 4.0 * _EPS * travel or gap == 0.0:
             break
         travel = new
-    return travel, row
+    return Opening(travel, row)
 
 
 def _check_open(mechanism: Mechanism, tables: Series) -> None:

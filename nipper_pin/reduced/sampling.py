@@ -15,7 +15,7 @@ from ..hybrid.linear_maps import of_rates
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
 from . import series2d
-from .arrival import Arrival, arrival, unknown
+from .arrival import NOT_SAMPLED, Arrival, Opening, arrival, found_opening, unknown
 from .functions import Sampler
 from .model import (
     BY_GRAVITY,
@@ -36,6 +36,8 @@ _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 _LEAST_SHARE = 0.01
 # Accuracy of the tables of a turn: most of its motion is forgotten.
 _ARRIVING = 1e-10
+# Travel of a domain where no opening is known, and the longest [rad].
+_USUAL, _LONGEST = math.radians(95.0), math.radians(150.0)
 # Accelerations at touch that are none: a quotient of the others by them would overflow.
 _NOTHING = 1e-290
 
@@ -80,10 +82,11 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
 def build(
     mechanism: Mechanism,
     *,
-    travel_rad: float = math.radians(95.0),
+    travel_rad: float | None = None,
     gap_max: float | None = None,
     tolerance: float = 1e-11,
     drive: DriveMode | str = DriveMode.HELD,
+    turn: bool = True,
 ) -> ReducedModel:
     """Sample the reduced model of a mechanism.
 
@@ -117,11 +120,13 @@ def build(
 
     Args:
         mechanism: The mechanism.
-        travel_rad: Travel of the cylinder from the touch configuration that the domain covers.
+        travel_rad: Travel of the cylinder from the touch configuration that the domain covers; by
+            default up to the opening of the transition stop, but no more than 150 degrees.
         gap_max: Largest coordinate of the transition stop [rad or m]; by default enough for
             restitution 0.5 at one and a half times the rated speed.
         tolerance: Relative accuracy of the tables.
         drive: Behaviour of the driven shafts; only held ones can be reduced.
+        turn: Whether to sample the rest of the turn, too, which tells how the machine arrives.
 
     Returns:
         The model.
@@ -134,7 +139,8 @@ def build(
     if reason is not None:
         message = f"{mechanism.name}: {reason}; use the direct engine"
         raise InputError(message, model=mechanism.name, drive=str(drive))
-    _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
+    if travel_rad is not None:
+        _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
     _check(1e-13 <= tolerance <= 1e-3, "tolerance", tolerance, "1e-13 to 1e-3")
     if gap_max is not None:
         _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
@@ -161,6 +167,10 @@ def build(
             f"at {_FAST:g} times the rated speed; give gap_max"
         )
         raise InputError(message, stop=stop.name)
+    (name,) = closed
+    opening = found_opening(sampler, mechanism.stop(name)) if turn or travel_rad is None else None
+    if travel_rad is None:
+        travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
     domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
     count_u, count_x = series2d.needed(tables.equation, weights, 0.1 * tolerance)
@@ -196,15 +206,19 @@ def build(
         gravity_m_s2=mechanism.gravity_m_s2,
         tolerance=tolerance,
         samples=samples,
-        arrival=_arrival(system, sampler, gap_max, tolerance),
+        arrival=_arrival(system, sampler, opening, gap_max, tolerance) if turn else NOT_SAMPLED,
     )
 
 
-def _arrival(system: System, sampler: Sampler, gap_max: float, tolerance: float) -> Arrival:
+def _arrival(
+    system: System, sampler: Sampler, opening: Opening | None, gap_max: float, tolerance: float
+) -> Arrival:
     """What a turn does between its opening and the touch; flights as high as those after it."""
     mechanism = system.mechanism
     (name,) = mechanism.phase(mechanism.initial_phase).closed
     stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
+    if opening is None:
+        return unknown(f"stop {name!r} does not come back to its place within a turn")
     # The transition stop stays open as long as this one does not close beyond its place.
     between = (name, transition.name)
     others = tuple(item.index for item in mechanism.stops if item.name not in between)
@@ -219,7 +233,7 @@ def _arrival(system: System, sampler: Sampler, gap_max: float, tolerance: float)
     rate, _ = _approach_rate(system, closed, transition.index, transition.name)
     weights, _ = _nominal(mechanism, waiting, throw * rate)
     tolerance = max(tolerance, _ARRIVING)
-    return arrival(system, sampler, waiting, stop, weights, throw * gap_max, tolerance)
+    return arrival(system, sampler, waiting, opening, stop, weights, throw * gap_max, tolerance)
 
 
 def _check(right: bool, key: str, value: float, allowed: str) -> None:

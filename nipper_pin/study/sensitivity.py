@@ -278,7 +278,7 @@ def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray, *, true: bo
     model = (
         build(mechanism)
         if true
-        else build(mechanism, travel_rad=travel, gap_max=_ROOM * float(near[0]))
+        else build(mechanism, travel_rad=travel, gap_max=_ROOM * float(near[0]), turn=False)
     )
     found = transition(model, speed_rpm=speed_rpm, assumed=not true)
     solution = simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))

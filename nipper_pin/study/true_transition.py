@@ -15,7 +15,7 @@ from ..hybrid.solution import Outcome, Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
 
 # Turns that are followed from the touch; the last one is read, from half a turn before its touch.
-_TURNS = 4
+_TURNS = 3
 
 
 @dataclass(frozen=True, eq=False)

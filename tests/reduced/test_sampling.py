@@ -57,7 +57,7 @@ def test_stated_residual(model: ReducedModel, e62: Mechanism) -> None:
 
     Points of a finer model are the truth: its tables have other nodes, and twice the degrees.
     """
-    fine = build(e62, tolerance=1e-13, gap_max=1.01 * model.gap_max, travel_rad=1.7)
+    fine = build(e62, tolerance=1e-13, gap_max=1.01 * model.gap_max, travel_rad=2.2)
     random = np.random.default_rng(11)
     for u, x in zip(
         random.uniform(0.0, model.travel_rad, 200),

@@ -134,7 +134,7 @@ def test_stated_bound_on_random_parameters(
         "stiffness": random.uniform(7000.0, 13000.0, 500),
         "preload": random.uniform(0.009, 0.015, 500),
     }
-    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=1.75)
+    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=2.2)
     true, found = (
         transitions(fine, tolerance=1e-13, **cases),
         transitions(model, tolerance=tolerance, **cases),
@@ -179,7 +179,7 @@ def test_stated_bound_of_the_limit(model: ReducedModel, e62: Mechanism, toleranc
         "stiffness": random.uniform(5000.0, 16000.0, 2000),
         "preload": random.uniform(0.006, 0.02, 2000),
     }
-    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=1.75)
+    fine = build(e62, tolerance=1e-13, gap_max=1.02 * model.gap_max, travel_rad=2.2)
     true = transitions(fine, tolerance=1e-13, **cases)
     found = transitions(model, tolerance=tolerance, **cases)
     rest = (true.status == Status.AT_REST) & (found.status == Status.AT_REST)

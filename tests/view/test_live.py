@@ -444,3 +444,13 @@ def test_other_commands_import_nothing_of_this() -> None:
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert done.stderr == ""
+
+
+def test_a_transition_that_no_turn_has_is_not_shown_alone(controls) -> None:
+    """The first row says so, and why; where turns have it there is no such row."""
+    late = {"stops.steeve.restitution": 0.97}
+    found = answer(load("e62", late), controls, asked(controls))
+    assert found.rows[0][0] == "premise"
+    assert "one turn later" in found.rows[0][2]
+    assert "no turn has this transition" in as_html(found)
+    assert "premise" not in numbers(answer(load("e62"), controls, asked(controls)))

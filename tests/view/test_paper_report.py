@@ -256,6 +256,19 @@ IDENTIFIED = {
 }  # fmt: skip
 
 
+def test_transitions_that_no_turn_has_are_named(study, content, page):
+    """The summary says so, with the values; where every turn has its transition it is silent."""
+    assert "No turn has the transition" not in page
+    assert [row["premise_holds"] for row in study.studies.speed.record()] == [True, True, True]
+    speed = study.studies.speed
+    told = np.array([True, True, False], dtype=object)
+    late = replace(speed, table=replace(speed.table, premise_holds=told))
+    assert late.without_turn == (650.0,)
+    doctored = replace(study, studies=replace(study.studies, speed=late))
+    found = report_html(doctored, Supplements(), content)
+    assert "<b>No turn has the transition</b> computed for speed 650:" in found
+
+
 def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     """Sections, figure, tables and files of both; and none of them without results."""
     chosen = ("speed_rpm", "stops.jaw.restitution", "springs.steeve.preload_length_mm")

@@ -74,9 +74,16 @@ class Study:
                 "rebound_time_s_2": float(self.times[i, 1]),
                 "duration_s": float(self.durations[i]),
                 "first_two_share": float(self.shares[i]),
+                "premise_holds": self.table.premise_holds[i],
             }
             for i, value in enumerate(self.values)
         ]
+
+    @property
+    def without_turn(self) -> tuple[float, ...]:
+        """Values at which no turn has the transition: the machine does not arrive as assumed."""
+        told = zip(self.values, self.table.premise_holds, strict=True)
+        return tuple(float(value) for value, holds in told if holds is False)
 
 
 @dataclass(frozen=True)

@@ -121,6 +121,9 @@ def _rows(
     ]  # fmt: skip
     if others:
         rows.append(("others", "other stops", _also(solution, others).strip()))
+    if solution.premise_holds is False:
+        # Numbers of a motion that no turn has must not stand alone.
+        rows.insert(0, ("premise", "no turn has this transition", solution.premise.why))
     rows.append(("engine", "engine", f"direct, {1e3 * solution.wall_s:.1f} ms"))
     return rows
 

@@ -188,6 +188,7 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
         else None,
         "threshold_rpm": threshold if math.isfinite(threshold) else None,
         "released": released,
+        "without_turn": [(item.name, item.without_turn) for item in studies if item.without_turn],
         "last_errors": {rule.name: float(abs(rule.errors[-1, -1])) for rule in rules},
         "rules": rules,
         "time_range_ms": [
