@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import binom, chi2
 
 import nipper_pin as nip
 from nipper_pin.study.identify import (
@@ -60,9 +60,11 @@ class Confirmed:
 
     Attributes:
         paths: The free numbers.
-        off: Identified less drawn, by the covariance that is stated: its square is chi-square with
-            as many degrees of freedom as there are numbers.
-        deviations: Each in its own stated standard deviations, shape (numbers,).
+        worse: By how much the sum of squares of the numbers drawn is larger than that of the fit:
+            chi-square with as many degrees of freedom as there are numbers, however curved the
+            valley is in which both lie.
+        deviations: Identified less drawn, in stated standard deviations, of the numbers that the
+            fit calls determined, shape (determined,).
         chi_square: Of the targets.
         freedom: Its degrees of freedom.
         verdict: What the fit says of itself.
@@ -71,7 +73,7 @@ class Confirmed:
     """
 
     paths: tuple[str, ...]
-    off: float
+    worse: float
     deviations: np.ndarray
     chi_square: float
     freedom: float
@@ -136,7 +138,7 @@ def confirm(problem: Problem, truth: dict[str, float]) -> Confirmed:
     off = np.array([fit.values[path] - truth[path] for path in known.paths])
     width = np.array([item.width for item in problem.free])
     stated = np.array([known.deviations[path] for path in known.paths]) * width
-    covariance = known.correlations * np.outer(stated, stated)
+    drawn = (np.array([truth[path] for path in known.paths]) - fit.objective.low) / width
     machine = nip.load(MODEL, fit.values)
     turns = {
         speed: turn(machine, speed)
@@ -145,8 +147,8 @@ def confirm(problem: Problem, truth: dict[str, float]) -> Confirmed:
     whole = np.array([turns[item.at.speed_rpm][item.quantity] for item in problem.targets])
     return Confirmed(
         paths=known.paths,
-        off=float(off @ np.linalg.solve(covariance, off)),
-        deviations=off / stated,
+        worse=float(np.sum(fit.objective.rows(drawn) ** 2)) - 2.0 * fit.best.cost,
+        deviations=(off / stated)[[path in known.determined for path in known.paths]],
         chi_square=judged.chi_square,
         freedom=judged.degrees_of_freedom,
         verdict=judged.verdict.value,
@@ -168,7 +170,7 @@ def honest(found: Sequence[Confirmed]) -> list[str]:
     ]
     numbers = sum(len(item.paths) for item in found)
     for words, total, freedom in (
-        ("distances from the numbers drawn", sum(item.off for item in found), float(numbers)),
+        ("numbers drawn against the fits", sum(item.worse for item in found), float(numbers)),
         ("misfits", sum(item.chi_square for item in found), sum(item.freedom for item in found)),
     ):
         low, high = chi2.interval(1.0 - CHANCE, freedom)
@@ -176,6 +178,15 @@ def honest(found: Sequence[Confirmed]) -> list[str]:
             wrong.append(
                 f"{words}: chi-square {total:.1f} with {freedom:.1f} degrees of freedom, outside "
                 f"of {low:.1f} to {high:.1f}"
+            )
+    sizes = np.abs(np.concatenate([item.deviations for item in found]))
+    for reach, share in ((1.0, 0.6827), (2.0, 0.9545)):
+        low, high = binom.interval(1.0 - CHANCE, len(sizes), share)
+        inside = int(np.count_nonzero(sizes < reach))
+        if not low <= inside <= high:
+            wrong.append(
+                f"stated deviations: {inside} of {len(sizes)} numbers within {reach:g} of them, "
+                f"outside of {low:g} to {high:g}"
             )
     return wrong
 
@@ -204,16 +215,16 @@ def main(count: int = 10, seed: int = 1) -> int:
         print(
             f"{len(found):7d}  {len(item.paths):4d}  {item.chi_square:10.2f}  {item.freedom:7.2f}"
             f"  {item.verdict:14s}  {'held' if item.premise else 'failed':7s}"
-            f"  {np.abs(item.deviations).max():12.2f}  {item.confirmed:12.1e}",
+            f"  {np.abs(item.deviations).max(initial=0.0):12.2f}  {item.confirmed:12.1e}",
             flush=True,
         )
-    deviations = np.concatenate([item.deviations for item in found])
+    sizes = np.abs(np.concatenate([item.deviations for item in found]))
+    one, two = (int(np.count_nonzero(sizes < reach)) for reach in (1.0, 2.0))
     print(
-        f"{count} problems, seed {seed}, {refused} machines left out (no second rebound); "
-        f"{np.count_nonzero(np.abs(deviations) < 1.0)} of {len(deviations)} numbers within one "
-        f"stated deviation (68 % wanted), {np.count_nonzero(np.abs(deviations) < 2.0)} within two "
-        f"(95 %); whole turns differ by {max(item.confirmed for item in found):.1e} at most; "
-        f"{time.perf_counter() - begin:.0f} s"
+        f"{count} problems, seed {seed}, {refused} machines left out (no second rebound); of "
+        f"{len(sizes)} determined numbers {one} within one stated deviation (68 % wanted), {two} "
+        f"within two (95 %); whole turns differ by {max(item.confirmed for item in found):.1e} at "
+        f"most; {time.perf_counter() - begin:.0f} s"
     )
     wrong = honest(found)
     for line in wrong:

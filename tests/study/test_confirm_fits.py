@@ -24,7 +24,7 @@ def campaign() -> list[Confirmed]:
         errors, misfits = rng.standard_normal(3), rng.standard_normal(9)
         found.append(
             Confirmed(
-                paths=("a", "b", "c"), off=float(errors @ errors), deviations=errors,
+                paths=("a", "b", "c"), worse=float(errors @ errors), deviations=errors,
                 chi_square=float(misfits @ misfits), freedom=9.0, verdict="agrees", premise=True,
                 confirmed=1e-9,
             )
@@ -35,14 +35,17 @@ def campaign() -> list[Confirmed]:
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        (lambda item: replace(item, off=4.0 * item.off), "numbers drawn"),
-        (lambda item: replace(item, off=item.off / 4.0), "numbers drawn"),
+        (lambda item: replace(item, worse=4.0 * item.worse), "numbers drawn"),
+        (lambda item: replace(item, worse=0.0 * item.worse), "numbers drawn"),
+        (lambda item: replace(item, deviations=2.0 * item.deviations), "stated deviations"),
+        (lambda item: replace(item, deviations=0.5 * item.deviations), "stated deviations"),
         (lambda item: replace(item, chi_square=9.0 * item.chi_square), "misfits"),
         (lambda item: replace(item, chi_square=item.chi_square / 3.0), "misfits"),
         (lambda item: replace(item, confirmed=1e-4), "whole turns differ"),
         (lambda item: replace(item, confirmed=float("nan")), "whole turns differ"),
     ],
-    ids=["deviations halved", "deviations doubled", "sigmas too small", "sigmas too large",
+    ids=["not the fit", "the numbers drawn", "deviations halved", "deviations doubled",
+         "sigmas too small", "sigmas too large",
          "another transition", "no transition"],
 )  # fmt: skip
 def test_each_error_is_refused(change: Callable[[Confirmed], Confirmed], word: str) -> None:
@@ -60,6 +63,7 @@ def test_a_random_problem_is_confirmed() -> None:
     found = script.confirm(problem, truth)
     assert set(found.paths) == set(truth)
     assert honest([found]) == []
+    assert np.isfinite(found.worse)
     # A fit of another machine is not confirmed: the numbers are not those that were drawn.
     wrong = {path: 1.1 * value for path, value in truth.items()}
     assert "numbers drawn" in " ".join(honest([script.confirm(problem, wrong)]))

@@ -202,6 +202,17 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
     said = re.search(r"chi-square (\S+) with (\S+) degrees of freedom, probability (\S+)\.", text)
     if said is None:
         return [*wrong, "goodness"]
+    for item in document["profiles"]:
+        line = re.search(rf"profile of {re.escape(item['path'])} .*? sigma = (\S+)\): (.*)", text)
+        if line is None:
+            return [*wrong, "profile"]
+        hold("profile.sigma", line[1], item["sigma"], digits(item["sigma"], 3))
+        points = re.findall(r"(\S+): (\S+) \((\S+)\)", line[2])
+        columns = (item["values"], item["cost"], item["quadratic"])
+        for point, numbers in zip(points, zip(*columns, strict=True), strict=True):
+            hold("profile.values", point[0], numbers[0], digits(numbers[0], 4))
+            hold("profile.cost", point[1], numbers[1], 0.005)
+            hold("profile.quadratic", point[2], numbers[2], 0.005)
     for key, part, count in (("chi_square", 1, 4), ("degrees_of_freedom", 2, 3),
                              ("probability", 3, 2)):  # fmt: skip
         hold(key, said[part], good[key], digits(good[key], count))
@@ -216,6 +227,7 @@ def test_the_printed_tables_say_what_the_document_says(found: Run) -> None:
         if not re.fullmatch(
             r"goodness\.(chi_square|degrees_of_freedom|probability)|"
             r"targets\.\d+\.(wanted|sigma|found|relative_deviation|residual_sigmas)|"
+            r"profiles\.\d+\.(sigma|(values|cost|quadratic)\.\d+)|"
             r"free\.\d+\.(before|identified|low|high|standard_deviation\w*|range_left)", key
         ):  # fmt: skip
             continue
