@@ -247,6 +247,15 @@ def test_an_engine_that_refuses_everything_fails_a_short_campaign(
     assert main(["stress", "--cases", "52"]) == 0
 
 
+def test_verdicts_are_the_same_however_long_they_took() -> None:
+    """Wall times differ from process to process; nothing else may."""
+    verdict = Verdict(3, "chain", RIGHT, "COMPLETED", "", "abc", 1.0)
+    assert verdict == replace(verdict, wall_s=2.0)
+    for name, other in (("number", 4), ("family", "spring"), ("word", WRONG), ("kind", "energy"),
+                        ("detail", "x"), ("fingerprint", "abd")):  # fmt: skip
+        assert verdict != replace(verdict, **{name: other})
+
+
 def test_the_machine_of_all_elements_is_in_reach_of_the_mirror() -> None:
     """Its mirror image is another machine: else the comparison above would compare nothing."""
     source = everything()
