@@ -6,6 +6,8 @@ no parser.
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,9 @@ from command_probe import Facts, Probe, options, stand_ins
 from option_table import GONE, TABLE, Entry
 
 from nipper_pin import Case, load, save, save_case, simulate
+from nipper_pin.cli import main
+from nipper_pin.study.stress import judge
+from nipper_pin.study.stress.space import trial
 
 # What a run computes: it follows from the settings, and moves with them.
 COMPUTED = tuple(
@@ -121,6 +126,20 @@ def check(entry: Entry, before: Facts, after: Facts, inputs: dict[str, str]) -> 
     assert named == expected
     for beginning in entry.moves:
         assert any(key.startswith(beginning) for key in free), f"{beginning} does not move"
+
+
+@pytest.mark.slow
+def test_the_seed_of_a_campaign_reaches_its_cases(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without stand-ins: one case of each seed, judged here as well."""
+    digests = []
+    for seed in (7, 8):
+        words = ["stress", "--cases", "1", "--workers", "1", "--seed", str(seed), "--json", "-"]
+        assert main(words) == 0
+        document = json.loads(capsys.readouterr().out)
+        fingerprint = judge(trial(seed, 0)).fingerprint
+        assert document["digest"] == hashlib.sha256(fingerprint.encode()).hexdigest()
+        digests.append(document["digest"])
+    assert digests[0] != digests[1]
 
 
 def test_every_entry_says_what_it_changes() -> None:

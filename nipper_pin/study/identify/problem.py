@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -146,7 +146,7 @@ class Problem:
     """
 
     title: str
-    sources: Sources
+    sources: Sources = field(repr=False)
     free: tuple[Free, ...]
     targets: tuple[Target, ...]
     limits: Limits | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import msgspec
@@ -92,7 +92,7 @@ class Problem:
     title: str
     model: str
     changes: Mapping[str, object]
-    sources: Sources
+    sources: Sources = field(repr=False)
     speed_rpm: float
     parameters: tuple[Parameter, ...]
     aims: tuple[Aim, ...]
