@@ -400,6 +400,7 @@ def unit_in(label: str) -> str:
     return label.rpartition("[")[2].rstrip("]")
 
 
+@pytest.mark.slow
 def test_shares_are_those_of_runs(e62: Mechanism) -> None:
     """The study's shares at some restitutions and speeds."""
     found = shares_of.shares(e62, GIVEN)
