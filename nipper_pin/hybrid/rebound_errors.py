@@ -67,7 +67,7 @@ def _left_out(
     rate = abs(float(v[index]))
     relative = error.impulse + own.size(len(v) + index) / rate
     duration = flight.t_end - flight.t_start
-    late = own.size(index) / rate + _CLOCK * flight.t_end
+    late = own.size(index) / rate + _CLOCK * (hit.t + duration)
     return ReboundError(
         2.0 * relative * float(hit.rebound_amplitude or 0.0), relative * duration + late
     )

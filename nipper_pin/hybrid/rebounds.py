@@ -49,7 +49,8 @@ class Rebounds:
         if not self._left_out(event, end):
             return end.t - event.t
         segment = self._followed(event, stop)
-        return None if segment is None else segment.t_end - event.t
+        # Copies of a turn share the flight of the turn that they are copies of.
+        return None if segment is None else segment.t_end - segment.t_start
 
     def amplitude(self, event: Event) -> float | None:
         """Largest gap of that rebound [rad or m]; None if unknown."""

@@ -136,7 +136,8 @@ def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) 
     with pytest.raises(InputError, match="held drives"):
         transition_table(first, speed_rpm=450.0, engine="reduced", drive=DriveMode.INERTIAL)
     gone = weakref.ref(reduced_model(first))
-    del first
+    # A table names the units of its machine, and so holds it.
+    del first, slow, table, automatic
     gc.collect()
     assert gone() is None
 
@@ -179,19 +180,21 @@ def test_outside_the_tables(e62: Mechanism) -> None:
     """
     speeds = np.linspace(450.0, 600.0, REDUCED_PAYS_FROM)
     restitution = np.full(REDUCED_PAYS_FROM, 0.2)
-    speeds[40], restitution[40] = 560.0, 0.6
+    # The jaw still bounces when it is opened again, which is where the tables end.
+    speeds[40], restitution[40] = 600.0, 0.7
     table = transition_table(e62, speed_rpm=speeds, restitution=restitution)
     assert np.flatnonzero(table.engine == "direct").tolist() == [40]
     assert "left_travel" in table.message[40]
     assert table.why.endswith("1 that its tables do not cover: direct")
     assert [text for text in table.message if text] == [table.message[40]]
-    mechanism = load("e62", {"stops.jaw.restitution": 0.6})
-    case = Case(speed_rpm=560.0, resolution=Resolution(tolerance=1e-10))
+    mechanism = load("e62", {"stops.jaw.restitution": 0.7})
+    case = Case(speed_rpm=600.0, resolution=Resolution(tolerance=1e-10))
     direct = simulate(mechanism, case)
-    assert table.outcome[40] == "at_rest"
-    assert table.duration[40] == direct.transitions[0].duration
-    assert table.time[40, 3] == direct.collisions[3].t
-    assert table.collisions[40] == direct.transitions[0].collisions
+    hits = [hit for hit in direct.collisions if hit.stop == "jaw"]
+    assert table.outcome[40] == "no_rest"
+    assert np.isnan(table.duration[40])
+    assert table.time[40, 3] == hits[3].t
+    assert table.collisions[40] == len(hits)
     assert np.isfinite(table.time[40, : table.collisions[40]]).all()
     forced = transition_table(e62, speed_rpm=speeds, restitution=restitution, engine="reduced")
     assert forced.outcome[40] == "left_travel"

@@ -94,7 +94,7 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
                 Column("before", "before", digits),
                 Column("identified", "identified", digits),
                 Column("standard_deviation", "±", digits),
-                Column("standard_deviation_scaled", "± scaled by the misfit", _digits),
+                Column("standard_deviation_scaled", "± scaled", _digits),
                 Column("low", "from", digits),
                 Column("high", "to", digits),
                 Column("range_left", "range left", lambda v: f"{100.0 * v:.0f} %"),
