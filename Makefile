@@ -1,6 +1,7 @@
 # make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/
-# make test    the tests
-# make check   lint, types and tests
+# make test    the tests, without the longer ones
+# make test-slow   the longer ones: pages in a browser, clusters, campaigns
+# make check   lint, types and all tests
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
@@ -15,7 +16,7 @@ SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
 # a second environment of unlocked packages to build in.
 PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test lint types check clean
+.PHONY: demo test test-slow lint types check clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -27,7 +28,10 @@ demo: $(BASE)
 	@echo "open out/demo.html in a browser: the nipper and its rebounds"
 
 test: $(DEV)
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -m "not slow" $(PYTEST_ARGS)
+
+test-slow: $(DEV)
+	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
 lint: $(DEV)
 	$(BIN)/ruff check .
@@ -35,7 +39,7 @@ lint: $(DEV)
 types: $(DEV)
 	$(BIN)/mypy
 
-check: lint types test
+check: lint types test test-slow
 
 $(BASE): pyproject.toml constraints.txt
 	@command -v "$(PYTHON)" >/dev/null || { \

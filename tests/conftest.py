@@ -32,6 +32,8 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterat
     """Say what was not tested and what to install, after all else but the line of figures."""
     result = yield
     found = not_tested.lines(terminalreporter.stats.get("skipped", ()))
+    if terminalreporter.config.option.markexpr == "not slow":
+        found.append("the longer tests: `make test-slow` (pages in a browser, clusters, campaigns)")
     if found:
         terminalreporter.section("not tested on this machine", sep="-", yellow=True)
     for line in found:

@@ -17,9 +17,12 @@ from playwright.sync_api import Browser, Locator, Page
 
 from nipper_pin import Case, Solution, load, simulate
 
-pytestmark = pytest.mark.skipif(
-    find_spec("viser") is None, reason="viser is not installed (extra `live`)"
-)
+pytestmark = [
+    pytest.mark.skipif(
+        find_spec("viser") is None, reason="viser is not installed (extra `live`)"
+    ),
+    pytest.mark.slow,
+]
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 # three.js, inside of viser, says this of viser's own clock whenever a page is opened.

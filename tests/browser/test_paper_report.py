@@ -16,6 +16,9 @@ from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.view.paper.files import write_paper
 from nipper_pin.view.paper.supplements import Supplements
 
+# A browser takes seconds to start and to draw.
+pytestmark = pytest.mark.slow
+
 FIGURES = [
     "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
     "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",

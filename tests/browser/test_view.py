@@ -18,6 +18,9 @@ from nipper_pin import Case, Solution, load, simulate
 from nipper_pin.view.scene import Film, Look, film, write_page
 from nipper_pin.view.scene.colours import channels, phase_colour
 
+# A browser takes seconds to start and to draw.
+pytestmark = pytest.mark.slow
+
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
 

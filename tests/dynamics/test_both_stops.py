@@ -94,6 +94,7 @@ def test_forces_of_both_stops(mechanism: Mechanism, tree: PlanarTree) -> None:
         assert np.abs(forces.drive[0] - torques).max() <= scale
 
 
+@pytest.mark.slow
 def test_which_stay_closed() -> None:
     """Of both stops at rest those stay closed that a complementary KKT solution keeps closed.
 

@@ -101,6 +101,7 @@ def _of_drives(system, q, impact: Impact) -> np.ndarray:
     return drive_impulses(system, q, impact.delta, impact.P_g)
 
 
+@pytest.mark.slow
 @modes
 @pytest.mark.parametrize("name", ["jaw", "steeve"])
 @pytest.mark.parametrize("e_N", [0.0, 0.2, 1.0])

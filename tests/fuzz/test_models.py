@@ -85,6 +85,7 @@ def test_anything_missing_from_the_toml(path: tuple[object, ...]) -> None:
     _built(URDF, document)
 
 
+@pytest.mark.slow
 @given(st.sampled_from(PLACES), st.text(min_size=1, max_size=12), _values)
 def test_unknown_keys_are_refused(path: tuple[object, ...], key: str, value: object) -> None:
     document = copy.deepcopy(TOML)
@@ -109,6 +110,7 @@ _texts = st.one_of(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(st.integers(0, ELEMENTS - 1), st.data())
 def test_any_attribute_anywhere_in_the_urdf(place: int, data: st.DataObject) -> None:
     root = ElementTree.fromstring(URDF)
@@ -118,6 +120,7 @@ def test_any_attribute_anywhere_in_the_urdf(place: int, data: st.DataObject) -> 
     _built(ElementTree.tostring(root, encoding="unicode"), TOML)
 
 
+@pytest.mark.slow
 @given(st.integers(1, ELEMENTS - 1), st.sampled_from(["remove", "double", "rename", "move"]),
        st.integers(0, ELEMENTS - 1))  # fmt: skip
 def test_elements_lost_doubled_and_moved(place: int, change: str, other: int) -> None:
@@ -135,6 +138,7 @@ def test_elements_lost_doubled_and_moved(place: int, change: str, other: int) ->
     _built(ElementTree.tostring(root, encoding="unicode"), TOML)
 
 
+@pytest.mark.slow
 @given(st.integers(0, len(URDF)), st.integers(0, 400), st.text(max_size=6))
 def test_text_cut_out_of_the_urdf(start: int, count: int, instead: str) -> None:
     _built(URDF[:start] + instead + URDF[start + count :], TOML)

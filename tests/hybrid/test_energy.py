@@ -43,6 +43,7 @@ def test_balance_sees_a_wrong_loss(run: Solution) -> None:
     assert changed.relative > 1e-8
 
 
+@pytest.mark.slow
 def test_drive_work_is_the_integral_of_torque_times_rate(run: Solution) -> None:
     """The trapezoidal rule on dense reactions gives the drives' work, segment by segment.
 

@@ -103,6 +103,7 @@ def test_rest_in_closed_form(numbers: Numbers) -> None:
     assert abs(event.t - w / GRAVITY - duration) <= 1e-15 + solution.errors[event.number - 1].time
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "numbers",
     [(1.0, 0.3, 0.8, 0.8, 60.0), (1.0, 0.3, 0.6, 0.7, 60.0), (1.0, 1.0, 0.5, 0.2, 30.0)],

@@ -53,6 +53,7 @@ def judge(mechanism: Mechanism, cases: dict[str, Any], number: int) -> Any:
     )
 
 
+@pytest.mark.slow
 def test_agrees_with_whole_turns(e62: Mechanism, model: ReducedModel) -> None:
     """Both verdicts, and the transition of the turn within the stated errors."""
     cases = risky(24, 3)
@@ -129,6 +130,7 @@ def test_long_bounces_are_not_called_true(e62: Mechanism) -> None:
     assert transition(build(e62), speed_rpm=650.0).premise_holds is True
 
 
+@pytest.mark.slow
 def test_without_tables_nothing_is_told(e62: Mechanism, model: ReducedModel) -> None:
     """Where the turn is unknown no verdict is given, and a table asks the direct engine."""
     dark = replace(model.arrival, turn=model.arrival.turn._replace(known=0.0))

@@ -41,6 +41,7 @@ def test_gravity_shows_in_the_duration() -> None:
     assert abs(durations(3.7) / durations(9.81) - 1.0) > 1e3 * AGREED
 
 
+@pytest.mark.slow
 def test_a_model_of_another_gravity_has_that_gravity(on_mars: ReducedModel) -> None:
     """By default its own, and in a case any: the direct engine says the same."""
     found = transition(on_mars, speed_rpm=650.0, tolerance=1e-12)

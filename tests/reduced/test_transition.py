@@ -248,6 +248,7 @@ def test_no_rebound(model: ReducedModel) -> None:
     assert found.energy_lost[0] == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.slow
 def test_batch_equals_single(model: ReducedModel) -> None:
     """A case gives the same bits alone and among others, whatever was computed before it."""
     random = np.random.default_rng(3)

@@ -37,6 +37,7 @@ def test_rates_that_round_off_decides_on_are_refused() -> None:
     assert caught.value.evidence["condition"] > 4e4
 
 
+@pytest.mark.slow
 def test_infinite_accelerations_are_refused_without_a_warning() -> None:
     """An inertial shaft shakes in a dead centre until accelerations of both signs overflow."""
     lengths = 0.1, 0.02990616209864714, 0.054051767254931535, 0.07585439502474135

@@ -184,6 +184,7 @@ def test_what_closures_are_open_by_near_a_dead_centre_is_stated() -> None:
             assert abs(a.t - b.t) <= stated.time + also.time
 
 
+@pytest.mark.slow
 def test_what_a_gap_loses_where_panels_meet_is_stated() -> None:
     """Found by case 9822 of seed 111: impulses 1e-9 apart, of which 2e-11 was stated.
 

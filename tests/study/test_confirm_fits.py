@@ -54,6 +54,7 @@ def test_each_error_is_refused(change: Callable[[Confirmed], Confirmed], word: s
     assert word in last
 
 
+@pytest.mark.slow
 def test_a_random_problem_is_confirmed() -> None:
     """The first one of the campaign whose figures are documented."""
     (stream,) = np.random.SeedSequence(1).spawn(1)

@@ -83,6 +83,7 @@ def camera(measured: Path) -> Problem:
     return read_problem(measured)
 
 
+@pytest.mark.slow
 def test_known_numbers_come_back(camera: Problem) -> None:
     """Three numbers from twelve noiseless rebounds, from starts all over the bounds.
 
@@ -97,6 +98,7 @@ def test_known_numbers_come_back(camera: Problem) -> None:
     assert np.abs(Objective(camera).residuals(Objective(camera).start)).max() > 3.0
 
 
+@pytest.mark.slow
 def test_same_seed_same_bits_with_any_number_of_workers(camera: Problem) -> None:
     """A start is a function of its point alone; another seed starts elsewhere."""
     short = replace(camera, targets=camera.targets[:4], tolerance=1e-8)
@@ -157,6 +159,7 @@ def targets(sigma: float = 0.02) -> str:
     return "".join(rows)
 
 
+@pytest.mark.slow
 def test_jacobian_is_that_of_the_planar_reference(tmp_path: Path) -> None:
     """One column against 24-digit arithmetic of a hand-derived equation, differenced there.
 
@@ -193,6 +196,7 @@ def rebounds(preload_mm: Any) -> list[Any]:
     ]
 
 
+@pytest.mark.slow
 def test_profile_is_quadratic_near_the_optimum(camera: Problem) -> None:
     """Profile likelihood and linear covariance are two ways to the same uncertainty.
 
@@ -315,6 +319,7 @@ def test_published_ratios_of_the_identified_model() -> None:
         assert item.low - 1e-9 <= value <= item.high + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [450.0, 550.0, 650.0])
 @pytest.mark.parametrize("stiffness", [7000.0, 9000.0, 11000.0])
 def test_steeve_of_the_identified_model_stays_on_its_stop(speed: float, stiffness: float) -> None:
@@ -327,6 +332,7 @@ def test_steeve_of_the_identified_model_stays_on_its_stop(speed: float, stiffnes
     assert [stop for stop, _ in check_model(model, speed).releases if stop == "steeve"] == []
 
 
+@pytest.mark.slow
 def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     """Restarted from its result, the search stays: neither cost nor numbers move.
 

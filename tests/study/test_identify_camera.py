@@ -41,6 +41,7 @@ def test_the_file_in_the_repository_is_what_the_script_writes(tmp_path: Path) ->
     assert (tmp_path / "again.csv").read_text(encoding="utf-8") == kept
 
 
+@pytest.mark.slow
 def test_the_numbers_of_the_filmed_machine_come_back(problem: Problem) -> None:
     """Within three and a half stated standard deviations, from starts all over the bounds.
 
@@ -64,6 +65,7 @@ def test_the_numbers_of_the_filmed_machine_come_back(problem: Problem) -> None:
     assert costs == pytest.approx([costs[0]] * 3, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_stated_deviations_are_those_of_repeated_films(problem: Problem) -> None:
     """Eight films of one machine: errors and misfits are distributed as they should be.
 

@@ -98,6 +98,7 @@ CHECKED = re.compile(
 """Numbers of the document that the judge holds against whole simulations."""
 
 
+@pytest.mark.slow
 def test_stated_numbers_are_those_of_whole_simulations(found: Run, right: Truth) -> None:
     """All of them at once; and the judge refuses a document in which any one is off by 1 %."""
     assert mistakes(found.document, right) == []
@@ -276,6 +277,7 @@ def test_tables_and_figure_of_the_page_hold_the_document(found: Run) -> None:
     assert list(profiles.lines[1].get_ydata()) == item["quadratic"]
 
 
+@pytest.mark.slow
 def test_starts_are_those_of_the_seed(tmp_path: Path) -> None:
     """SciPy's scrambled Sobol sequence of the seed itself, in the middle four fifths of ranges."""
     filmed(tmp_path)
@@ -323,6 +325,7 @@ def far_off(_: int, row: list[str]) -> list[str]:
     return [*row[:3], repr(1e-4 * float(row[3]))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said", "outliers"),
     [

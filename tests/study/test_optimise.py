@@ -191,6 +191,7 @@ def mean_force(preload_mm: float) -> float:
 # --- what may not disturb ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
     """One process or two, one go or with parts from a folder; another seed starts elsewhere."""
     found = problem(tmp_path, AT_LEAST)
@@ -228,6 +229,7 @@ def test_threads_of_blas_change_no_bit(tmp_path: Path) -> None:
     assert said.strip() == str([item.z for item in quick(found).descents])
 
 
+@pytest.mark.slow
 def test_global_check_finds_what_descents_miss(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -414,6 +416,7 @@ def test_arguments_that_cannot_be_used(
 # --- the command and its files -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_command_writes_what_simulate_and_load_take(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

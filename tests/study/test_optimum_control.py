@@ -130,6 +130,7 @@ def test_the_assumed_transition_is_contradicted_with_both_numbers(tmp_path: Path
     assert control(found.text(), true).confirmed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [550.0, 650.0, 700.0])
 def test_every_doctored_quantity_is_refused(tmp_path: Path, speed: float) -> None:
     """The true design is confirmed; with any one number off by little it is not.

@@ -261,6 +261,7 @@ def test_small_restitutions_tend_to_the_constant_force(study):
     assert data.largest_difference < 0.01
 
 
+@pytest.mark.slow
 def test_shares_that_do_not_exist_are_left_out(e62):
     """No transition of a fast machine that rests too late is taken for one of no length."""
     given = replace(published(), speeds_rpm=(650.0, 3000.0, 6000.0))
@@ -379,6 +380,7 @@ def test_other_mechanisms_are_refused(tmp_path):
         paper_study(mass)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
 def test_the_same_is_done_for_another_comber(name):
     """Speeds and spring rates in proportion to its own; nothing is compared with the E62.
@@ -412,6 +414,7 @@ def test_the_same_is_done_for_another_comber(name):
     assert changes["speed.first_rebound_amplitude_increase"] == high / low - 1.0
 
 
+@pytest.mark.slow
 def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
     program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
     done = subprocess.run(

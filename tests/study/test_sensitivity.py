@@ -98,6 +98,7 @@ def slopes(path: str) -> np.ndarray:
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", SAME)
 def test_sensitivities_are_those_of_the_planar_reference(found: Sensitivities, path: str) -> None:
     """Both ways of the package against the reference.

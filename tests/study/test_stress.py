@@ -89,6 +89,7 @@ def small() -> Campaign:
     return run_campaign(2 * len(FAMILIES), SEED, workers=2)
 
 
+@pytest.mark.slow
 def test_a_small_campaign_finds_nothing_wrong(small: Campaign) -> None:
     """Two trials of every family: none wrong, most of them run, and refusals have reasons.
 
@@ -103,6 +104,7 @@ def test_a_small_campaign_finds_nothing_wrong(small: Campaign) -> None:
     assert all(len(v.detail) > 40 for v in small.verdicts if v.word != RIGHT)
 
 
+@pytest.mark.slow
 def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
     """One process, two processes and this one give the same bits, trial by trial.
 

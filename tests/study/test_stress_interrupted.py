@@ -35,6 +35,7 @@ def without_time(campaign: Campaign) -> dict[str, object]:
     return {**campaign.record(), "wall_s": None}
 
 
+@pytest.mark.slow
 def test_an_interrupted_campaign_goes_on(tmp_path: Path, whole: Campaign) -> None:
     """What is kept is not judged again, and the end is that of a campaign in one go.
 
@@ -98,6 +99,7 @@ def test_a_folder_is_of_one_campaign(tmp_path: Path, capsys: pytest.CaptureFixtu
         run_campaign(1, SEED, 1, folder=tmp_path)
 
 
+@pytest.mark.slow
 def test_the_command_is_interrupted(tmp_path: Path) -> None:
     """From the keyboard, with cases left to judge: it says what it keeps, and has kept it."""
     command = [*COMMAND, "stress", "--seed", str(SEED), "--workers", "2"]

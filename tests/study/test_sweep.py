@@ -213,6 +213,7 @@ def test_interrupted_sweeps_resume(tmp_path: Path) -> None:
     assert (again.found, again.workers) == (30, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("blow", [signal.SIGINT, signal.SIGKILL])
 def test_a_sweep_is_stopped(tmp_path: Path, blow: signal.Signals) -> None:
     """The command itself, interrupted or killed, leaves no process behind and can be run again.

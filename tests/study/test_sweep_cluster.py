@@ -60,6 +60,7 @@ class Cluster:
             process.wait()
 
 
+@pytest.mark.slow
 def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
     """Nothing is lost and nothing is double when one of two workers is killed at work.
 
@@ -160,6 +161,7 @@ def test_workers_without_the_package_are_refused(
     assert not list((out / "chunks").iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lost", ["workers", "scheduler"])
 def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
     """One sentence and status 1 within seconds; what is finished is kept."""

@@ -45,6 +45,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, dict[str, byte
     return path, chunk_files(folder / "out")
 
 
+@pytest.mark.slow
 def test_two_processes_share_a_folder(tmp_path: Path, alone: tuple[str, dict[str, bytes]]) -> None:
     """What each says that it computed adds up to all, without a scenario that both computed.
 

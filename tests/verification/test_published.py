@@ -263,6 +263,7 @@ def _rates(frequency: float, cycles: int) -> np.ndarray:
     return np.array([hit.separation_rate for hit in solution.collisions])
 
 
+@pytest.mark.slow
 def test_impact_oscillator_settles_on_its_closed_orbit() -> None:
     """The engine's impacts converge to the closed rate, by the closed stability, below 2.6533.
 

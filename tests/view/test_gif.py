@@ -114,6 +114,7 @@ def test_near_things_are_drawn_after_far_ones(drawn: tuple[Solid, ...], seen: Fl
     assert first["frame_wall"] == min(first.values())
 
 
+@pytest.mark.slow
 def test_the_file_is_the_film_ten_times_a_second(cycle: Solution, tmp_path: Path) -> None:
     """Pictures, time and size from the file itself; no two pictures of a moving machine are alike.
 
@@ -148,6 +149,7 @@ def test_the_file_is_the_film_ten_times_a_second(cycle: Solution, tmp_path: Path
     assert shows == every
 
 
+@pytest.mark.slow
 def test_exaggeration_and_slow_motion_are_those_of_the_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -171,6 +173,7 @@ def test_exaggeration_and_slow_motion_are_those_of_the_page(
     assert (np.abs(openings[0] - openings[2]).max(axis=-1) > 60).sum() > 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", known_models())
 def test_every_model_of_the_package_can_be_filmed(model: str, tmp_path: Path) -> None:
     mechanism = load(model)

@@ -67,6 +67,7 @@ class Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.mark.slow
 def test_the_page_is_well_formed_and_points_nowhere_else(page):
     """Whatever a browser would fetch: sources, style sheets, imports, fonts."""
     tags = Tags()
@@ -99,6 +100,7 @@ def test_every_figure_and_table_is_on_the_page_once_with_its_number(page, conten
         assert re.search(rf'<figure id="figure_{number}">.*?<b>Figure {number}\. ', page, re.S)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["hanging_pendulum", "e62_offset_guide"])
 def test_the_page_of_another_comber(name):
     """It has the same figures and tables where they apply, and speaks of no other machine."""
@@ -186,6 +188,7 @@ def test_no_line_is_drawn_through_a_jump(study):
         assert np.isnan(values).sum() == 2
 
 
+@pytest.mark.slow
 def test_contours_of_the_map_run_through_their_times(study):
     """Along a line of 5 ms the map, interpolated, is 5 ms: to the square of its mesh, 1e-3 ms."""
     axes = question_plates(study)[-1].figure.axes[0]
@@ -269,6 +272,7 @@ def test_transitions_that_no_turn_has_are_named(study, content, page):
     assert "<b>No turn has the transition</b> computed for speed 650:" in found
 
 
+@pytest.mark.slow
 def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     """Sections, figure, tables and files of both; and none of them without results."""
     chosen = ("speed_rpm", "stops.jaw.restitution", "springs.steeve.preload_length_mm")
@@ -309,6 +313,7 @@ def test_files_that_are_no_identification_are_refused(text, tmp_path):
         read_identification(tmp_path / "file.json")
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_a_file_is_refused(study, tmp_path: Path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be made a folder"):
