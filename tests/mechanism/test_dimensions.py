@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -113,6 +114,22 @@ def test_a_chain_of_polar_points_is_followed_from_the_frame_outwards() -> None:
         np.testing.assert_allclose(after["bottom_nipper"], pivot, atol=1e-9)
         arm = after["rocker"] - after["bottom_nipper"]
         assert np.hypot(*arm) == pytest.approx(188.0, abs=1e-9)
+
+
+def test_a_hinge_goes_before_what_is_seen_from_it_whatever_their_names() -> None:
+    """The crank's pin and the coupler's end, which stands before it in the alphabet, at once."""
+    values = {"points.coupler_end.radius_mm": 310.0, "points.crank_pin.angle_deg": 70.0}
+    model = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
+    before = layout(load(model))
+    for order in itertools.permutations(values.items()):
+        moved = load(model, dict(order))
+        shaft = np.array(before.point_mm(before.hinge_below("crank_pin")))
+        pin_at, end = (
+            np.array(layout(moved).point_mm(name)) for name in ("crank_pin", "coupler_end")
+        )
+        crank = pin_at - shaft
+        assert math.degrees(math.atan2(crank[1], crank[0])) == pytest.approx(70.0, abs=1e-9)
+        assert np.hypot(*(end - pin_at)) == pytest.approx(310.0, abs=1e-9)
 
 
 def test_centre_of_mass_is_where_it_was_asked_for_also_when_its_link_moves() -> None:

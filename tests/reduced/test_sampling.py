@@ -105,6 +105,32 @@ def test_bouncing_mass() -> None:
     assert found.duration == pytest.approx(2.0 * e * w0 / (g * (1.0 - e)), rel=1e-12)
 
 
+def test_upside_down_with_gravity_upwards_nothing_differs(tmp_path: Path) -> None:
+    """Neither the motion nor what is stated of its errors: only signs change, and no rounding."""
+    source, turned = MODELS / "bouncing_mass", tmp_path / "bouncing_mass"
+    turned.mkdir()
+    for file in source.iterdir():
+        text = file.read_text(encoding="utf-8")
+        if file.suffix == ".urdf":
+            assert text.count('axis xyz="0 0 1"') == 3
+            text = text.replace('axis xyz="0 0 1"', 'axis xyz="0 0 -1"')
+        (turned / file.name).write_text(text, encoding="utf-8")
+    up, down = (
+        transition(
+            build(load(folder), travel_rad=3.0, gap_max=0.05),
+            speed_rpm=60.0, restitution=0.4, gravity=gravity, tolerance=1e-12,
+        )
+        for folder, gravity in ((source, 12.0), (turned, -12.0))
+    )  # fmt: skip
+    assert up.collisions == down.collisions
+    for name in ("time", "rate", "impulse", "amplitude", "rebound"):
+        stated = getattr(up, f"{name}_error")
+        assert stated[1] > 0.0
+        np.testing.assert_allclose(getattr(down, f"{name}_error"), stated, rtol=1e-6)
+    assert down.duration == pytest.approx(up.duration, rel=1e-12)
+    assert down.duration_error == pytest.approx(up.duration_error, rel=1e-6)
+
+
 def test_same_model_every_time(model: ReducedModel, e62: Mechanism) -> None:
     """Building twice gives the same bits."""
     again = build(e62)

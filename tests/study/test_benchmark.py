@@ -217,6 +217,13 @@ def test_bouncing_mass_bounces_as_its_closed_form(tmp_path: Path, e: float) -> N
     assert bouncing_mass_times(e, len(times)) == pytest.approx(expected, rel=1e-13)
 
 
+def test_bouncing_mass_strikes_with_its_own_mass(tmp_path: Path) -> None:
+    """The slides that guide its 0.7 kg add 1 g each: the first impulse is m (1 + e) V."""
+    solution = simulate(bouncing_mass(tmp_path, 0.5), Case(speed_rpm=60.0))
+    expected = (0.7 + 0.001 + 0.001) * 1.5 * 0.06
+    assert solution.collisions[0].impulse == pytest.approx(expected, rel=1e-12)
+
+
 def test_chain_of_parallelograms_moves_as_one(tmp_path: Path) -> None:
     """All cranks follow the drive, couplers stay level, and the energy is that of 2 N + 1 bars.
 

@@ -497,6 +497,30 @@ def test_least_values_of_intervals() -> None:
     )  # fmt: skip
 
 
+CYCLE = (
+    "clamping_force_N",
+    "stop_force_N",
+    "closing_index",
+    "opening_index",
+    "jaw_opening_deg",
+    "stroke_mm",
+)
+
+
+def test_each_quantity_of_a_turn_can_be_asked_for_alone(tmp_path: Path) -> None:
+    """It is what it is among all others, within the errors that both state."""
+    aims = {name: f'minimise = "{name}"\n' + parameter("speed_rpm", 600.0, 700.0) for name in CYCLE}
+    limits = "".join(f"{name} = {{ lower = 1e-3 }}\n" for name in CYCLE[1:])
+    z = np.array([0.5])
+    every = Evaluator(problem(tmp_path, f"{aims[CYCLE[0]]}[optimise.constraints]\n{limits}", "e62"))
+    for name, body in aims.items():
+        alone = Evaluator(problem(tmp_path, body, "e62"))
+        stated = alone.errors(z)[name] + every.errors(z)[name]
+        value = every.at(z).values[name]
+        assert stated < 1e-2 * abs(value)
+        assert alone.at(z).values[name] == pytest.approx(value, rel=0.0, abs=stated)
+
+
 def test_tables_and_single_runs_agree(tmp_path: Path) -> None:
     """A point by the reduced engine is the direct run of a model that is loaded with its numbers.
 

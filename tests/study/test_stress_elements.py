@@ -11,9 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import small_machines
 from machine_of_all_elements import CASE, everything
 
-from nipper_pin import Case, EventKind, Mechanism, Solution, simulate
+from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
 from nipper_pin.dynamics.elements import Elements
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.stress import FAMILIES, RIGHT, judge, trial, violations
@@ -42,6 +43,37 @@ def test_the_machine_shows_what_the_errors_below_need(run: Solution) -> None:
     assert {hit.stop for hit in run.collisions} >= {"j0 lower", "j0 upper", "j1 upper"}
     assert run.energy.dissipated > 0.01
     assert violations(run) == []
+
+
+@pytest.mark.parametrize("ratio", [1.0, -1.0])
+def test_a_strut_that_keeps_its_length_is_no_violation(ratio: float) -> None:
+    """From the hub of a wheel to its rim, whichever way that turns: all its power is round-off."""
+    wheel = small_machines.machine(
+        [
+            small_machines.link("wheel"),
+            small_machines.hinge("axle", "frame", "wheel"),
+            small_machines.frame("hub", "frame"),
+            small_machines.frame("rim", "wheel", (0.3, 0.1)),
+        ],
+        1,
+        drives={
+            "axle": {
+                "joint": "axle", "law": "constant_speed", "ratio": ratio, **small_machines.SHAFT
+            }
+        },
+        springs={
+            "rod": {
+                "frame_a": "hub",
+                "frame_b": "rim",
+                "stiffness_N_per_m": 1e4,
+                "free_length_mm": 200.0,
+            }
+        },
+    )  # fmt: skip
+    case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
+    turning = simulate(wheel, case)
+    assert np.sign(turning.trajectory.evaluate(0.5).v[0, 0]) == ratio
+    assert violations(turning) == []
 
 
 def other_engine(run: Solution, **changes: object) -> Solution:

@@ -252,6 +252,18 @@ def test_no_rest(e62: Mechanism) -> None:
     assert np.isfinite(table.time).all()
 
 
+@pytest.mark.parametrize("engine", ["direct", "reduced"])
+def test_no_case_has_more_collisions_than_are_allowed(e62: Mechanism, engine: Any) -> None:
+    """Also one that would come to rest with a few more."""
+    usual = transition_table(e62, speed_rpm=450.0, restitution=0.2, engine=engine)
+    assert 3 < int(usual.collisions[0]) < 32
+    table = transition_table(e62, speed_rpm=450.0, restitution=0.2, engine=engine, max_collisions=3)
+    assert list(table.outcome) == ["too_many_collisions"]
+    assert list(table.collisions) == [3]
+    assert table.time.shape == (1, 3)
+    assert np.isnan(table.duration).all()
+
+
 def test_long_series(e62: Mechanism) -> None:
     """A series longer than the columns of a batch is solved again with more, and is the same."""
     e, rate = 0.9, 1e-5

@@ -114,6 +114,21 @@ def test_near_things_are_drawn_after_far_ones(drawn: tuple[Solid, ...], seen: Fl
     assert first["frame_wall"] == min(first.values())
 
 
+@pytest.mark.parametrize(("depth", "front"), [(-0.5, True), (0.5, False)])
+def test_a_joint_off_the_plane_takes_its_link_along(depth: float, front: bool) -> None:
+    """Half a metre before all else or behind it: its faces come after all others, or first."""
+    mechanism = load("e62", {"urdf.joint.rocker_pin.origin.xyz.y": depth})
+    run = simulate(mechanism, Case(speed_rpm=650.0))
+    drawn = solids(mechanism)
+    found = flat(film(run, Look(slow=100.0, exaggerate=10.0)), drawn)
+    link = [joint.name for joint in mechanism.joints].index("rocker_pin")
+    own = {place for place, item in enumerate(drawn) if item.body == link}
+    places = np.flatnonzero(np.isin(found.solid, list(own)))
+    others = np.flatnonzero(~np.isin(found.solid, list(own)))
+    assert len(places) > 0
+    assert places.min() > others.max() if front else places.max() < others.min()
+
+
 @pytest.mark.slow
 def test_the_file_is_the_film_ten_times_a_second(cycle: Solution, tmp_path: Path) -> None:
     """Pictures, time and size from the file itself; no two pictures of a moving machine are alike.

@@ -315,6 +315,29 @@ def test_the_film_stands_at_rest_for_a_moment_and_begins_again(e62, controls, sl
     assert "0.00" not in told[: first + still]
 
 
+def test_plots_are_there_with_the_numbers_and_only_then(e62, controls) -> None:
+    """They go where a setting has no rest, and come back with the curves of the next that has."""
+    viser = pytest.importorskip("viser", reason=WHY)
+    from nipper_pin.view.live.page import Page
+
+    usual = asked(controls)
+    endless = asked(controls, speed=900.0, restitution=0.7)
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        page = Page(server, e62, controls)
+        for setting, there in ((usual, True), (endless, False), (usual, True)):
+            for key, value in setting.items():
+                page._sliders[key].value = value
+            found = page._follow()
+            assert bool(found.rows) is there
+            for plot in (page._gap, page._impulse):
+                assert plot.visible is there
+        np.testing.assert_array_equal(page._gap.data, (found.time, found.gap))
+        np.testing.assert_array_equal(page._impulse.data[1], found.impulse)
+    finally:
+        server.stop()
+
+
 class Moves:
     """A clock that runs only while the page waits, and sliders that move at some of its times."""
 

@@ -1,5 +1,6 @@
 """The figures exist, show something in every panel, and leave global state alone."""
 
+import io
 import subprocess
 import sys
 from collections.abc import Callable
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from rich.console import Console
 
 from nipper_pin.errors import InputError
 from nipper_pin.hybrid.case import Case
@@ -19,6 +21,7 @@ from nipper_pin.mechanism import load
 from nipper_pin.view.bounces import impulse_figure, transition_figure
 from nipper_pin.view.plots import plot_solution
 from nipper_pin.view.sampling import force_ranges, lift, sample_coordinates, sample_forces
+from nipper_pin.view.table import print_solution
 from nipper_pin.view.timelines import force_figure, motion_figure, phase_figure
 
 
@@ -131,6 +134,19 @@ def test_a_lift_ends_at_the_next_collision(cycle: Solution) -> None:
     grid = np.linspace(released.t, cycle.collisions[0].t, 5000)
     stroke = cycle.trajectory.evaluate(grid, left=True).q[:, cycle.mechanism.stop("steeve").index]
     assert gap == pytest.approx(stroke.max(), rel=1e-3)
+
+
+def test_a_stop_that_is_open_at_the_end_has_left_and_not_come_back() -> None:
+    """A turn that ends while the steeve floats: the report says when it leaves, and no more."""
+    run = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle", start_index=30.0))
+    (released,) = (item for item in run.events if item.kind is EventKind.RELEASE)
+    assert released is run.events[-1]
+    assert lift(run, released) is None
+    stream = io.StringIO()
+    print_solution(run, Console(file=stream, width=400))
+    (told,) = (row for row in stream.getvalue().splitlines() if "leaves its stop" in row)
+    assert "steeve" in told
+    assert "later" not in told
 
 
 def test_a_run_without_a_rest_has_no_transition_figure(tmp_path: Path) -> None:
