@@ -27,6 +27,8 @@ from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
 from nipper_pin.study.sweep.chunks import NO_MODEL, run_chunk
+from nipper_pin.study.sweep.plan import Chunk
+from nipper_pin.study.sweep.results import Store
 
 # --- results -----------------------------------------------------------------------------------
 
@@ -243,6 +245,26 @@ def test_a_sweep_is_stopped(tmp_path: Path, blow: signal.Signals) -> None:
     assert f"{4 * stored} were there, {240 - 4 * stored} computed" in done.stdout
     numbers = pq.read_table([*out.glob("chunks/*.parquet")])["scenario"].to_pylist()
     assert sorted(numbers) == list(range(240))
+
+
+def test_an_interrupt_counts_what_is_stored(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The interrupt comes in the moment between a stored chunk and the note that it is stored.
+
+    Without a look at the folder this chunk would be missing in what the command says.
+    """
+    write = Store.write
+
+    def interrupted(store: Store, chunk: Chunk, content: bytes) -> None:
+        write(store, chunk, content)
+        if len(chunk_files(out)) == 2:
+            raise KeyboardInterrupt
+
+    path, out = study(tmp_path, GEOMETRY), tmp_path / "out"
+    monkeypatch.setattr(Store, "write", interrupted)
+    assert main(["sweep", path, "--out", str(out), "--workers", "1"]) == 130
+    assert "interrupted; 8 of 30 scenarios" in capsys.readouterr().err
 
 
 def children(pid: int) -> list[int]:

@@ -113,19 +113,28 @@ class _Run:
 
     def complete(self) -> None:
         """Compute what is missing, and wait for what other processes compute."""
-        for chunk in list(self._left.values()):
-            self._take_up(chunk)
+        self._look_for_stored()
         self._found = self._done
         self._tell()
-        self._compute(self._claimed())
-        while self._left:
-            self._compute(self._given_up())
+        try:
+            self._compute(self._claimed())
+            while self._left:
+                self._compute(self._given_up())
+        except KeyboardInterrupt:
+            # One that was stored in this moment is counted, too.
+            self._look_for_stored()
+            self._tell()
+            raise
         if self.defects:
             message = (
                 f"{self.defects[0].message}; {len(self.defects)} of {self.chunks} chunks are not "
                 "stored for such a reason, all others are"
             )
             raise SimulationError(message, **self.defects[0].evidence)
+
+    def _look_for_stored(self) -> None:
+        for chunk in list(self._left.values()):
+            self._take_up(chunk)
 
     def _take_up(self, chunk: Chunk) -> bool:
         """Count a chunk that is on disk; a damaged one is as good as none."""
