@@ -93,7 +93,7 @@ class Judge:
         self._v = [joint.idx_v for joint in joints]
         self._circles = [joint.nq == 2 for joint in joints]
         self.turning = [self._turns(name) for name in self.names]
-        self.stops = {name: self._stop(name) for name in self.document["stops"]}
+        self.stops = {name: self._stop(name) for name in self.document.get("stops", {})}
         drives = self.document.get("drives", {})
         self.drives = {name: self.names.index(drives[name]["joint"]) for name in drives}
         forward = self.document["cylinder"]["direction"] == "counter-clockwise"

@@ -282,7 +282,8 @@ def test_arrows_are_as_long_as_impulses(plain: Film) -> None:
         t, scale = track(plain, f"impulse_{stop}", "scale")
         assert (np.diff(t) >= 0.0).all()
         for hit in hits:
-            at = float(plain.pace.playback_at(hit.t))
+            # In single precision, as the times of the track are.
+            at = float(np.float32(plain.pace.playback_at(hit.t)))
             shown = np.interp(at, t, scale[:, 1])
             if hit.stop == stop and hit.impulse > 0.01 * largest:
                 assert shown == pytest.approx(hit.impulse / largest, rel=1e-3)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from ...arrays import FloatArray
 from ...hybrid.solution import Solution
 from ..reading import digits, index_at, units_of
-from ..scene.arrows import FADE, HELD, arrow_stops
+from ..scene.arrows import FADE, HELD, drawn_collisions
 
 
 def closed_at(solution: Solution, t: float) -> frozenset[str]:
@@ -30,8 +32,7 @@ def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
         Size of the arrow of each stop struck so far that has one, by the largest impulse [-].
     """
     # A moment's impulse has another unit, and no arrow.
-    drawn = {stop.name for stop in arrow_stops(solution.mechanism)}
-    hits = [item for item in solution.collisions if item.stop in drawn]
+    hits = drawn_collisions(solution, math.inf)
     largest = max((item.impulse for item in hits), default=0.0)
     found = {}
     for hit in hits:

@@ -6,7 +6,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
+from ...hybrid.collisions import Collision
 from ...hybrid.quantities import force_unit
+from ...hybrid.solution import Solution
 from ...mechanism import Mechanism, Stop
 from ...mechanism.tree import joint_placements
 from .solids import FIXED
@@ -20,6 +22,12 @@ _HEAD, _THICK, _WIDE = 0.28, 0.022, 3.0  # of the length; of the length; of the 
 def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:
     """Stops whose impulses are drawn: all whose impulse is a force by time, and not a moment."""
     return tuple(stop for stop in mechanism.stops if force_unit(mechanism, stop) == "N")
+
+
+def drawn_collisions(solution: Solution, end: float) -> list[Collision]:
+    """Collisions whose impulses are drawn until a time [s]; the largest has the whole arrow."""
+    drawn = {stop.name for stop in arrow_stops(solution.mechanism)}
+    return [item for item in solution.collisions if item.t <= end and item.stop in drawn]
 
 
 def arrow_body(mechanism: Mechanism, stop: Stop) -> int:

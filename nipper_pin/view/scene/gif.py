@@ -16,7 +16,16 @@ from ...hybrid.solution import Solution
 from ...hybrid.storage import complete_file
 from ...mechanism import Stop
 from ..reading import case_text, digits, phase_name
-from .arrows import FADE, HELD, arrow_body, arrow_place, arrow_scale, arrow_sizes, arrow_stops
+from .arrows import (
+    FADE,
+    HELD,
+    arrow_body,
+    arrow_place,
+    arrow_scale,
+    arrow_sizes,
+    arrow_stops,
+    drawn_collisions,
+)
 from .colours import ARROW, LINE, channels, phase_colour
 from .film import Film, Look, bouncing_stop, film
 from .flat import colours, flat, moved, placed
@@ -221,7 +230,8 @@ class _Painter:
 
     def _share(self, stop: Stop, frame: int) -> float:
         """Size of an arrow by the largest one: whole for a moment, then shrinking."""
-        pace, hits = self._shown.pace, self._shown.solution.collisions
+        pace = self._shown.pace
+        hits = drawn_collisions(self._shown.solution, pace.machine[-1])
         now, largest = pace.machine[frame], max((item.impulse for item in hits), default=0.0)
         past = [item for item in hits if item.stop == stop.name and item.t <= now]
         if not past or largest <= 0.0:

@@ -12,7 +12,7 @@ import numpy as np
 import umsgpack
 
 from ...arrays import FloatArray
-from .arrows import FADE, HELD, arrow_scale, arrow_stops
+from .arrows import FADE, HELD, arrow_scale, arrow_stops, drawn_collisions
 from .colours import channels, phase_colour
 from .film import Film, bouncing_stop
 from .objects import arrow_path, body_path, solid_path, strut_path
@@ -135,10 +135,8 @@ def _phases(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:
 def _arrows(film: Film) -> Iterator[dict[str, object]]:
     """Size of the arrows: as the impulse for a moment after each collision, else nothing."""
     solution = film.solution
-    last = film.pace.machine[-1]
     stops = arrow_stops(solution.mechanism)
-    drawn = {stop.name for stop in stops}
-    hits = [item for item in solution.collisions if item.t <= last and item.stop in drawn]
+    hits = drawn_collisions(solution, film.pace.machine[-1])
     largest = max((item.impulse for item in hits), default=0.0)
     for stop in stops:
         keys = [(0.0, 0.0)]
@@ -147,8 +145,10 @@ def _arrows(film: Film) -> Iterator[dict[str, object]]:
                 continue
             start, size = float(film.pace.playback_at(hit.t)), hit.impulse / largest
             # A new collision takes the arrow over from the one before it.
-            keys = [key for key in keys if key[0] < start - _JUMP] or [(0.0, 0.0)]
-            keys += [(max(start - _JUMP, 0.0), 0.0), (start, size), (start + HELD, size),
+            before = max(start - _JUMP, 0.0)
+            left = float(np.interp(before, [key[0] for key in keys], [key[1] for key in keys]))
+            keys = [key for key in keys if key[0] < before] or [(0.0, 0.0)]
+            keys += [(before, left), (start, size), (start + HELD, size),
                      (start + HELD + FADE, 0.0)]  # fmt: skip
         end = float(film.pace.playback[-1])
         keys = [key for key in keys if key[0] < end]
