@@ -10,6 +10,7 @@ import numpy as np
 from ..dynamics.impact import impact_condition
 from ..hybrid.case import Case, Window
 from ..hybrid.event import EventKind
+from ..hybrid.quantities import force_unit
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
@@ -46,7 +47,8 @@ class ModelReport:
         closing_index: Index of the first collision of the transition stop; None without one.
         opening_index: Index at which that stop opens again; None if it does not.
         releases: Indices at which a closed stop lets go because its force falls to zero.
-        stop_force: Smallest force of every stop while it is closed [N], and where.
+        stop_force: Smallest force of every stop while it is closed [N], or moment [N m] of one at a
+            hinge without a contact point, and where.
         outcome: How the cycle ended.
     """
 
@@ -105,11 +107,19 @@ class ModelReport:
             "closing_index": self.closing_index,
             "opening_index": self.opening_index,
             "releases": [{"stop": stop, "index": index} for stop, index in self.releases],
-            "smallest_stop_force_N": {
-                name: asdict(extreme) for name, extreme in self.stop_force.items()
-            },
+            "smallest_stop_force_N": self._smallest("N"),
+            "smallest_stop_moment_N_m": self._smallest("N m"),
             "outcome": self.outcome,
             "provenance": dict(mechanism.provenance),
+        }
+
+    def _smallest(self, unit: str) -> dict[str, Any]:
+        """Smallest forces of the stops whose force has a unit, by stop."""
+        stops = [stop for stop in self.mechanism.stops if stop.name in self.stop_force]
+        return {
+            stop.name: asdict(self.stop_force[stop.name])
+            for stop in stops
+            if force_unit(self.mechanism, stop) == unit
         }
 
 

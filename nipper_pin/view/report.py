@@ -6,6 +6,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from ..hybrid.quantities import force_unit
 from ..study.check import Extreme, ModelReport
 from .reading import damper_text, spring_text, stop_place
 
@@ -77,14 +78,14 @@ def _stops(report: ModelReport, console: Console) -> None:
         _say(
             console,
             f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
-            f"closed {_force(force)}",
+            f"closed {_force(force, force_unit(report.mechanism, stop))}",
         )
 
 
-def _force(force: Extreme | None) -> str:
+def _force(force: Extreme | None, unit: str) -> str:
     if force is None:
         return "not seen: it is never closed"
-    return f"{force.value:.1f} N at index {force.index:.2f}"
+    return f"{force.value:.1f} {unit} at index {force.index:.2f}"
 
 
 def _timing(report: ModelReport) -> str:

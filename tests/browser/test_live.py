@@ -18,9 +18,7 @@ from playwright.sync_api import Browser, Locator, Page
 from nipper_pin import Case, Solution, load, simulate
 
 pytestmark = [
-    pytest.mark.skipif(
-        find_spec("viser") is None, reason="viser is not installed (extra `live`)"
-    ),
+    pytest.mark.skipif(find_spec("viser") is None, reason="viser is not installed (extra `live`)"),
     pytest.mark.slow,
 ]
 

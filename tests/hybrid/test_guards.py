@@ -108,9 +108,7 @@ def test_no_limit_is_taken_across_a_knot_of_a_drive(
     assert asked
     assert len(followed.collisions) > len(free.collisions)
     # Both are the same rest: what the limit says is what the bounces do.
-    assert followed.transitions[0].duration == pytest.approx(
-        free.transitions[0].duration, rel=1e-9
-    )
+    assert followed.transitions[0].duration == pytest.approx(free.transitions[0].duration, rel=1e-9)
 
 
 def passing(distance: float) -> Mechanism:
