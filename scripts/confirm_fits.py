@@ -25,7 +25,7 @@ from scipy.stats import binom, chi2
 import nipper_pin as nip
 from nipper_pin.study.identify import (
     Condition,
-    Free,
+    Parameter,
     Problem,
     Sources,
     Target,
@@ -123,12 +123,15 @@ def draw(rng: np.random.Generator) -> tuple[Problem, dict[str, float]] | None:
                 )
             )
     sources = Sources.of(base)
-    free = tuple(
-        Free(path=path, low=low, high=high, start=read_values(sources, [path])[0], why="drawn")
+    parameters = tuple(
+        Parameter(path=path, low=low, high=high, start=read_values(sources, [path])[0], why="drawn")
         for path, (low, high) in ((path, RANGES[path]) for path in paths)
     )
     title = "a machine drawn at random"
-    return Problem(title=title, sources=sources, free=free, targets=tuple(targets)), truth
+    found = Problem(
+        title=title, sources=sources, parameters=parameters, targets=tuple(targets)
+    )
+    return found, truth
 
 
 def confirm(problem: Problem, truth: dict[str, float]) -> Confirmed:
@@ -136,7 +139,7 @@ def confirm(problem: Problem, truth: dict[str, float]) -> Confirmed:
     fit = identify(problem, starts=2, workers=1)
     known, judged = fit.known, fit.goodness
     off = np.array([fit.values[path] - truth[path] for path in known.paths])
-    width = np.array([item.width for item in problem.free])
+    width = np.array([item.width for item in problem.parameters])
     stated = np.array([known.deviations[path] for path in known.paths]) * width
     drawn = (np.array([truth[path] for path in known.paths]) - fit.objective.low) / width
     machine = nip.load(MODEL, fit.values)

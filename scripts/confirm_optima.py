@@ -48,23 +48,23 @@ def drawn(rng: np.random.Generator, folder: Path) -> Problem:
         names = rng.choice(list(NUMBERS), size=int(rng.integers(2, 4)), replace=False)
         sense, aim = AIMS[int(rng.integers(len(AIMS)))]
         speed = float(rng.uniform(450.0, 750.0))
-        head = f'format = 1\n[optimise]\nmodel = "e62"\n{sense} = "{aim}"\nspeed_rpm = {speed}\n'
+        head = f'format = 1\nmodel = "e62"\n{sense} = "{aim}"\ncase = {{ speed_rpm = {speed} }}\n'
         for name in names:
             low, high = np.sort(rng.uniform(*NUMBERS[name], size=2))
-            head += f'[[optimise.parameters]]\npath = "{name}"\nlower = {low}\nupper = {high}\n'
+            head += f'[parameters."{name}"]\nlow = {low}\nhigh = {high}\n'
         others = [name for name in LIMITED if name != aim]
         limited = rng.choice(others, size=int(rng.integers(1, 3)), replace=False)
-        sides = [("lower", "upper")[int(rng.integers(2))] for _ in limited]
+        sides = [("low", "high")[int(rng.integers(2))] for _ in limited]
         # Limits that say nothing, to see what a drawn design has.
-        asking = "".join(f"{name} = {{ lower = -1e9 }}\n" for name in limited)
-        point = _point(folder, f"{head}[optimise.constraints]\n{asking}", rng.random(len(names)))
+        asking = "".join(f"{name} = {{ low = -1e9 }}\n" for name in limited)
+        point = _point(folder, f"{head}[limits]\n{asking}", rng.random(len(names)))
         if point is None:
             continue
         lines = [
             f"{name} = {{ {side} = {point[name]} }}\n"
             for name, side in zip(limited, sides, strict=True)
         ]
-        return _problem(folder, f"{head}[optimise.constraints]\n{''.join(lines)}")
+        return _problem(folder, f"{head}[limits]\n{''.join(lines)}")
 
 
 def _problem(folder: Path, text: str) -> Problem:

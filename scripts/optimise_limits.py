@@ -21,7 +21,7 @@ def limited(problem: Problem, *least: float | None) -> Problem:
     """The problem with other limits of stroke and opening; None: without."""
     kept = [item for item in problem.limits if item.quantity not in JUDGED]
     judged = [
-        Limit(quantity=name, side="lower", value=value)
+        Limit(quantity=name, side="low", value=value)
         for name, value in zip(JUDGED, least, strict=True)
         if value is not None
     ]

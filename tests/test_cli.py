@@ -133,8 +133,8 @@ def test_options_without_anything_to_act_on_are_refused(
 ) -> None:
     design = tmp_path / "design.toml"
     design.write_text(
-        'format = 1\n[optimise]\nminimise = "duration_s"\n[[optimise.parameters]]\n'
-        'path = "restitution"\nlower = 0.05\nupper = 0.3\n',
+        'format = 1\nminimise = "duration_s"\n'
+        "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n",
         encoding="utf-8",
     )
     for words, sentence in (

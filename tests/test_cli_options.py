@@ -25,13 +25,11 @@ COMPUTED = tuple(
 )
 STUDY = 'format = 1\nchunk = 2\ntitle = "{title}"\n[parameters.{name}]\nvalues = [0.1, 0.2, 0.3]\n'
 DESIGN = """format = 1
-[optimise]
 title = "{title}"
 maximise = ["clamping_force_N", "stop_force_N"]
-[[optimise.parameters]]
-path = "{name}"
-lower = 0.05
-upper = 0.3
+[parameters."{name}"]
+low = 0.05
+high = 0.3
 """
 ASKED_FOR = {
     "optimise STUDY.toml": "{optimise}",
@@ -42,7 +40,7 @@ ASKED_FOR = {
 FIT = """format = 1
 title = "fit"
 model = "e62"
-[free.restitution]
+[parameters.restitution]
 low = 0.05
 high = 0.3
 [[targets]]

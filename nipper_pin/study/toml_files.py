@@ -15,9 +15,33 @@ from ..mechanism import Mechanism, find_model, load
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
+# Earlier words of study files, and what is written now; those of the second table at the top only.
+_EARLIER = {
+    "lower": "low",
+    "upper": "high",
+    "stiffness": "stiffness_N_per_m, or stiffness_N_m_per_rad for a spring on a hinge",
+    "least_stop_force_N": "stop_force_N = { low = ... }",
+    "least_opening_deg": "jaw_opening_deg = { low = ... }",
+}
+_EARLIER_AT_TOP = {
+    "free": "[parameters.NAME]",
+    "constraints": "[limits]",
+    "optimise": "the same without it: [parameters.NAME], [limits], [case] and [set] at the top",
+    "speed_rpm": "speed_rpm in [case]",
+    "rest_rate": "rest_rate in [case]",
+    "tolerance": "tolerance in [case]",
+}
+
 
 class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A TOML table whose keys are all known."""
+
+
+class Bounds(Table, frozen=True, kw_only=True):
+    """A range of a number, in the unit of its name."""
+
+    low: float
+    high: float
 
 
 def read_table(file: Path, kind: type[TableT]) -> TableT:
@@ -41,8 +65,20 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
     except msgspec.ValidationError as error:
         text, _, place = str(error).partition(" - at `$")
         key = place.strip("`.") or "document"
-        message = f"{file.name}: {key} cannot be used: {text}"
+        message = f"{file.name}: {key} cannot be used: {text}{_instead(text, place)}"
         raise InputError(message, file=str(file), key=key) from error
+
+
+def _instead(text: str, place: str) -> str:
+    """What to write for an earlier word or form."""
+    word = text.removeprefix("Object contains unknown field `").rstrip("`")
+    known = _EARLIER if place else {**_EARLIER, **_EARLIER_AT_TOP}
+    if word in known:
+        return f"; write {known[word]}"
+    if text == "Expected `object`, got `array`":
+        whole = place.strip("`.") == "parameters"
+        return f"; write {'[parameters.NAME] with' if whole else 'a table with'} low and high"
+    return ""
 
 
 def base_mechanism(

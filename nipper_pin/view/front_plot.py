@@ -86,7 +86,7 @@ def _numbers_along(optimum: Optimum, axes: Axes) -> None:
             color=LINES[place % len(LINES)],
             marker=MARKERS[place % len(MARKERS)],
             markersize=3,
-            label=f"{item.name}, {item.lower:g} to {item.upper:g}",
+            label=f"{item.name}, {item.low:g} to {item.high:g}",
         )
     axes.set_ylim(-0.05, 1.05)
     axes.legend(fontsize=SMALL, frameon=False)

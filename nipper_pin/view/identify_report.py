@@ -92,7 +92,7 @@ def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) 
     table = plain_table("number", "before", "found", "+-", "scaled", "bounds", "left")
     left, given = dict(known.ranked()), known.deviations
     scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
-    for item in fit.objective.problem.free:
+    for item in fit.objective.problem.parameters:
         value = fit.values[item.path]
         edge = min(value - item.low, item.high - value) < _NEAR * item.width
         table.add_row(

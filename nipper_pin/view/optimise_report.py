@@ -51,7 +51,7 @@ def _numbers(optimum: Optimum, console: Console) -> None:
     table = plain_table("number", "before", "optimum", "bounds")
     for item in optimum.problem.parameters:
         value = optimum.best.numbers[item.name]
-        bounds = f"{item.lower:g} to {item.upper:g}"
+        bounds = f"{item.low:g} to {item.high:g}"
         table.add_row(item.name, f"{item.start:.6g}", f"{value:.6g}", bounds)
     console.print(table)
 

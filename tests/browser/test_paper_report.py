@@ -44,9 +44,10 @@ def files(study: PaperStudy, tmp_path_factory: pytest.TempPathFactory) -> list[P
         "within_4_percent": 1, "singular_values": [12.0, 0.3], "identifiable_directions": 1,
         "targets": [{"name": "a", "wanted": 2.0, "found": 2.2, "relative_deviation": 0.1,
                      "sigma": 0.25, "residual_sigmas": 0.8, "outlier": False}],
-        "free": [{"path": paths[2], "low": 6.0, "high": 22.0, "before": 11.0, "identified": 8.25,
-                  "standard_deviation": 0.5, "standard_deviation_scaled": 0.6,
-                  "range_left": 0.43, "determined": True}],
+        "parameters": [{"path": paths[2], "low": 6.0, "high": 22.0, "before": 11.0,
+                        "identified": 8.25, "standard_deviation": 0.5,
+                        "standard_deviation_scaled": 0.6, "range_left": 0.43,
+                        "determined": True}],
         "profiles": [{"path": paths[2], "sigma": 0.5, "values": [7.75, 8.25, 8.75],
                       "cost": [0.6, 0.0, 0.45], "quadratic": [0.5, 0.0, 0.5]}],
     }  # fmt: skip

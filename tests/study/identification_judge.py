@@ -34,7 +34,8 @@ class Measured:
         document = tomllib.loads(problem.read_text(encoding="utf-8"))
         with (problem.parent / document["measured"]).open(encoding="utf-8") as stream:
             rows = tuple(csv.DictReader(stream))
-        ranges = {path: (item["low"], item["high"]) for path, item in document["free"].items()}
+        parameters = document["parameters"].items()
+        ranges = {path: (item["low"], item["high"]) for path, item in parameters}
         return cls(rows, document["model"], ranges)
 
     def simulated(self, numbers: Mapping[str, float]) -> np.ndarray:
@@ -139,7 +140,7 @@ def mistakes(document: Mapping[str, Any], right: Truth) -> list[str]:
         hold(key, document[key], float(np.count_nonzero(off <= part)), 0.0)
     deviations = np.sqrt(np.diag(right.covariance))
     correlations = right.covariance / np.outer(deviations, deviations)
-    for place, item in enumerate(document["free"]):
+    for place, item in enumerate(document["parameters"]):
         key = f"free.{place}"
         width = item["high"] - item["low"]
         hold(f"{key}.standard_deviation", item["standard_deviation"], deviations[place], 1e-4)

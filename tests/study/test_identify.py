@@ -53,7 +53,8 @@ def problem_file(folder: Path, body: str, name: str = "problem.toml") -> Path:
 
 def free(bounds: dict[str, tuple[float, float]]) -> str:
     return "".join(
-        f'[free."{path}"]\nlow = {low}\nhigh = {high}\n' for path, (low, high) in bounds.items()
+        f'[parameters."{path}"]\nlow = {low}\nhigh = {high}\n'
+        for path, (low, high) in bounds.items()
     )
 
 
@@ -67,7 +68,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A high-speed camera that saw the E62 with other numbers, to 13 digits."""
     folder = tmp_path_factory.mktemp("measured")
     machine = load("e62", TRUE)
-    lines = ["speed_rpm,stiffness,quantity,value,sigma"]
+    lines = ["speed_rpm,stiffness_N_per_m,quantity,value,sigma"]
     for speed, stiffness in ((450.0, ""), (650.0, ""), (650.0, "7000.0")):
         at = Condition(speed, None, float(stiffness) if stiffness else None)
         for quantity in ASKED:
@@ -75,7 +76,8 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
             (value,) = predict(machine, [one], 1e-12, None)
             lines.append(f"{speed},{stiffness},{quantity},{value:.17g},{0.01 * value:.17g}")
     (folder / "camera.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return problem_file(folder, f'measured = "camera.csv"\ntolerance = 1e-11\n{free(BOUNDS)}')
+    head = 'measured = "camera.csv"\ncase = { tolerance = 1e-11 }\n'
+    return problem_file(folder, head + free(BOUNDS))
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +137,7 @@ def test_weighing_all_forces_changes_nothing(tmp_path: Path) -> None:
     known = determinability(objective, objective.start)
     direction = np.array(
         [item.start / (item.high - item.low) if item.path in paths else 0.0
-         for item in problem.free]
+         for item in problem.parameters]
     )  # fmt: skip
     assert np.abs(known.jacobian @ direction).max() < 1e-4
     single = np.abs(known.jacobian * direction).max(axis=0)[:2]
@@ -166,7 +168,8 @@ def test_jacobian_is_that_of_the_planar_reference(tmp_path: Path) -> None:
     Central differences over a thousandth of the range of 8 mm leave f''' h^2 / 6, 1e-6 of the
     slope with curvatures on a scale of some mm; the reference is good to 1e-10.
     """
-    text = problem_file(tmp_path, "tolerance = 1e-12\n" + targets() + free({PRELOAD: (8, 16)}))
+    body = "case = { tolerance = 1e-12 }\n" + targets() + free({PRELOAD: (8, 16)})
+    text = problem_file(tmp_path, body)
     objective = Objective(read_problem(text))
     column = objective.jacobian(objective.start)[:4, 0]
     with mpmath.workdps(24):
@@ -212,7 +215,7 @@ def test_profile_is_quadratic_near_the_optimum(camera: Problem) -> None:
     assert found.quadratic[[0, -1]] == pytest.approx(0.5, abs=1e-3)
     assert found.cost == pytest.approx(found.quadratic, abs=0.03)
     objective = fit.objective
-    column = objective.jacobian(fit.best.z)[:, [item.path for item in exact.free].index(GEAR)]
+    column = objective.jacobian(fit.best.z)[:, [item.path for item in exact.parameters].index(GEAR)]
     alone = objective.width[-1] / np.linalg.norm(column)
     assert found.sigma > 1.5 * alone
 
@@ -313,7 +316,9 @@ def test_published_ratios_of_the_identified_model() -> None:
     assert report.stop_force["steeve"].value > 10.0
     assert report.interferences == ()
     for item, value in zip(
-        problem.free, read_values(Sources.of(model), [x.path for x in problem.free]), strict=True
+        problem.parameters,
+        read_values(Sources.of(model), [x.path for x in problem.parameters]),
+        strict=True,
     ):
         # Files hold decimal places in frames of links: round-off of the bounds themselves.
         assert item.low - 1e-9 <= value <= item.high + 1e-9
@@ -341,7 +346,7 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
     """
     problem = read_problem()
     objective = Objective(problem)
-    paths = [item.path for item in problem.free]
+    paths = [item.path for item in problem.parameters]
     numbers = np.array(read_values(Sources.of(load("e62_identified")), paths))
     z = np.clip((numbers - objective.low) / objective.width, 0.0, 1.0)
     before = 0.5 * float(np.sum(objective.residuals(z) ** 2))
@@ -352,7 +357,7 @@ def test_best_point_of_the_built_in_problem_is_stationary() -> None:
 
 NONSENSE: Sequence[tuple[str, str, str]] = (
     ("no targets", free({PRELOAD: (8, 16)}), "nothing to aim at"),
-    ("nothing free", targets() + "[free]\n", "nothing is free"),
+    ("nothing free", targets() + "[parameters]\n", "nothing is free"),
     ("upside down", targets() + free({PRELOAD: (16, 8)}), "low below high"),
     ("away from the model", targets() + free({PRELOAD: (12, 16)}), "own value 11"),
     ("unknown path", targets() + free({"springs.steeve.colour": (0, 1)}), "colour"),
@@ -366,8 +371,20 @@ NONSENSE: Sequence[tuple[str, str, str]] = (
      + free({PRELOAD: (8, 16)}), "colour"),
     ("two sigmas", targets() + "relative_sigma = 0.1\n" + free({PRELOAD: (8, 16)}), "one of"),
     ("negative speed", targets().replace("450.0", "-450.0") + free({PRELOAD: (8, 16)}), "speed"),
-    ("wild index", targets() + "[limits]\nat = { speed_rpm = 450.0 }\nclosing_index = [50.0, 60.0]"
-     "\n" + free({PRELOAD: (8, 16)}), "0 and 40"),
+    ("wild index", targets() + "[limits]\nat = { speed_rpm = 450.0 }\nclosing_index = { low = 50.0,"
+     " high = 60.0 }\n" + free({PRELOAD: (8, 16)}), "0 and 40"),
+    ("range as a list", targets() + "[limits]\nat = { speed_rpm = 450.0 }\n"
+     "closing_index = [33, 35]\n" + free({PRELOAD: (8, 16)}), "a table with low and high"),
+    ("earlier limit", targets() + "[limits]\nat = { speed_rpm = 450.0 }\n"
+     "least_opening_deg = 1.0\n" + free({PRELOAD: (8, 16)}), "jaw_opening_deg = { low"),
+    ("earlier table", targets() + f'[free."{PRELOAD}"]\nlow = 8\nhigh = 16\n',
+     r"write \[parameters.NAME\]"),
+    ("tolerance at the top", "tolerance = 1e-8\n" + targets() + free({PRELOAD: (8, 16)}),
+     r"tolerance in \[case\]"),
+    ("stiffness without unit", targets().replace("450.0", "450.0, stiffness = 9000.0")
+     + free({PRELOAD: (8, 16)}), "write stiffness_N_per_m"),
+    ("stiffness of a hinge", targets().replace("450.0", "450.0, stiffness_N_m_per_rad = 9000.0")
+     + free({PRELOAD: (8, 16)}), "write stiffness_N_per_m"),
     ("no file", 'measured = "absent.csv"\n' + free({PRELOAD: (8, 16)}), "absent.csv"),
 )  # fmt: skip
 
@@ -452,7 +469,7 @@ def test_command_writes_a_model_that_simulate_accepts(
     result = json.loads(capsys.readouterr().out)
     assert main(["simulate", str(folder), "--speed", "650", "--json", "-"]) == 0
     run = json.loads(capsys.readouterr().out)
-    said = {item["path"]: item["identified"] for item in result["free"]}
+    said = {item["path"]: item["identified"] for item in result["parameters"]}
     assert said == pytest.approx(TRUE, rel=1e-7)
     truth = simulate(load("e62", TRUE), Case(speed_rpm=650.0))
     assert run["transition"]["duration_s"] == pytest.approx(truth.transitions[0].duration, rel=1e-6)

@@ -30,7 +30,7 @@ def off(fit: Fit) -> np.ndarray:
     return np.array([
         (fit.values[item.path] - example.TRUTH[item.path])
         / (stated[item.path] * (item.high - item.low))
-        for item in fit.objective.problem.free
+        for item in fit.objective.problem.parameters
     ])  # fmt: skip
 
 
@@ -51,12 +51,12 @@ def test_the_numbers_of_the_filmed_machine_come_back(problem: Problem) -> None:
     fit = identify(problem, starts=3, seed=1, workers=1)
     assert np.abs(off(fit)).max() < 3.5
     stated = determinability(fit.objective, fit.best.z).deviations
-    for item in problem.free:
+    for item in problem.parameters:
         away = abs(item.start - example.TRUTH[item.path])
         assert away > 10.0 * stated[item.path] * (item.high - item.low)
     # The page that explains it shows these numbers.
     page = (SCRIPTS.parent / "docs" / "identification.md").read_text(encoding="utf-8")
-    for item in problem.free:
+    for item in problem.parameters:
         deviation = stated[item.path] * (item.high - item.low)
         row = f"| `{item.path}` | {example.TRUTH[item.path]:g} | {item.start:g} |"
         assert f"{row} {fit.values[item.path]:.5g} ± {deviation:.2g} |" in page

@@ -75,7 +75,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 @pytest.fixture(scope="module")
 def right(found: Run) -> Truth:
-    numbers = {item["path"]: item["identified"] for item in found.document["free"]}
+    numbers = {item["path"]: item["identified"] for item in found.document["parameters"]}
     return truth(Measured.read(SCRIPTS / "identify_camera.toml"), numbers)
 
 
@@ -115,7 +115,7 @@ def test_stated_numbers_are_those_of_whole_simulations(found: Run, right: Truth)
 
 def test_the_rest_of_the_document_follows_from_it(found: Run) -> None:
     """Verdict, outliers and what is determined, by their definitions."""
-    good, free = found.document["goodness"], found.document["free"]
+    good, free = found.document["goodness"], found.document["parameters"]
     assert found.status == 0
     assert good["verdict"] == "agrees"
     assert good["absolute_sigma"] is True
@@ -183,9 +183,9 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
         if sigmas.endswith("!") != item["outlier"]:
             wrong.append("target.outlier")
     free = cells(report, "number")
-    if len(free) != len(document["free"]):
+    if len(free) != len(document["parameters"]):
         wrong.append("free")
-    for row, item in zip(free, document["free"], strict=False):
+    for row, item in zip(free, document["parameters"], strict=False):
         path, before, value, plus, scaled, bounds, left = row
         if path != item["path"]:
             wrong.append("free.path")
@@ -247,7 +247,7 @@ def test_tables_and_figure_of_the_page_hold_the_document(found: Run) -> None:
     for table, rows, keys in (
         (targets, document["targets"], ("name", "wanted", "sigma", "found", "relative_deviation",
                                         "residual_sigmas", "outlier")),
-        (numbers, document["free"], ("path", "before", "identified", "standard_deviation",
+        (numbers, document["parameters"], ("path", "before", "identified", "standard_deviation",
                                      "standard_deviation_scaled", "low", "high", "range_left",
                                      "determined")),
     ):  # fmt: skip
@@ -270,7 +270,7 @@ def test_tables_and_figure_of_the_page_hold_the_document(found: Run) -> None:
     assert sum(len(part.get_xdata()) for part in values.lines[1:]) == 3
     assert len(values.lines[1].get_xdata()) == document["identifiable_directions"]
     (item,) = document["profiles"]
-    best = next(x["identified"] for x in document["free"] if x["path"] == item["path"])
+    best = next(x["identified"] for x in document["parameters"] if x["path"] == item["path"])
     away = (np.array(item["values"]) - best) / item["sigma"]
     assert profiles.lines[0].get_xdata() == pytest.approx(away)
     assert list(profiles.lines[0].get_ydata()) == item["cost"]
@@ -286,12 +286,14 @@ def test_starts_are_those_of_the_seed(tmp_path: Path) -> None:
         document = run(tmp_path, *more).document
         assert document["seed"] == seed
         points = qmc.Sobol(3, scramble=True, rng=np.random.default_rng(seed)).random_base2(7)
-        low, high = (np.array([item[key] for item in document["free"]]) for key in ("low", "high"))
-        own = [item["before"] for item in document["free"]]
+        low, high = (
+            np.array([item[key] for item in document["parameters"]]) for key in ("low", "high")
+        )
+        own = [item["before"] for item in document["parameters"]]
         wanted = [own, *(low + (0.1 + 0.8 * points[[0, 64]]) * (high - low)).tolist()]
         begun = [list(item["from"].values()) for item in document["starts"]]
         assert np.array(sorted(begun)) == pytest.approx(np.array(sorted(wanted)), rel=1e-12)
-        best = {item["path"]: item["identified"] for item in document["free"]}
+        best = {item["path"]: item["identified"] for item in document["parameters"]}
         assert document["starts"][0]["to"] == pytest.approx(best, rel=1e-12)
 
 
@@ -372,7 +374,7 @@ def test_scaled_deviations_follow_the_noise(tmp_path: Path, found: Run) -> None:
     noisy = run(tmp_path / "noisy", "--starts", "1", "--profiles", "0").document
     ratio = noisy["goodness"]["scale"] / found.document["goodness"]["scale"]
     assert ratio > 1.5
-    for before, after in zip(found.document["free"], noisy["free"], strict=True):
+    for before, after in zip(found.document["parameters"], noisy["parameters"], strict=True):
         assert after["standard_deviation"] == pytest.approx(before["standard_deviation"], rel=0.1)
         grown = after["standard_deviation_scaled"] / before["standard_deviation_scaled"]
         assert grown == pytest.approx(ratio, rel=0.1)
@@ -389,7 +391,8 @@ def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
         (tmp_path / name).mkdir()
         filmed(tmp_path / name, change)
         file = tmp_path / name / "identify_camera.toml"
-        text = file.read_text(encoding="utf-8").replace("[free", "absolute_sigma = false\n[free", 1)
+        weights = "absolute_sigma = false\n[parameters"
+        text = file.read_text(encoding="utf-8").replace("[parameters", weights, 1)
         file.write_text(text, encoding="utf-8")
         results.append(run(tmp_path / name, "--starts", "1", "--profiles", "0"))
     one, other = (item.document for item in results)
@@ -397,7 +400,7 @@ def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
     assert one["goodness"]["verdict"] == "weights alone"
     assert one["goodness"]["probability"] is None
     assert one["goodness"]["scale"] / other["goodness"]["scale"] == pytest.approx(1.7, rel=1e-4)
-    for a, b in zip(one["free"], other["free"], strict=True):
+    for a, b in zip(one["parameters"], other["parameters"], strict=True):
         stated = a["standard_deviation_scaled"]
         assert a["identified"] == pytest.approx(b["identified"], abs=1e-3 * stated)
         assert b["standard_deviation_scaled"] == pytest.approx(stated, rel=1e-3)

@@ -28,7 +28,7 @@ def problem(tmp_path: Path) -> Path:
     assert first.rebound_amplitude is not None
     assert assumed.rebound_amplitude is not None
     assert first.rebound_amplitude > 1.5 * assumed.rebound_amplitude
-    lines = ["speed_rpm,restitution,stiffness,quantity,value,sigma"]
+    lines = ["speed_rpm,restitution,stiffness_N_per_m,quantity,value,sigma"]
     for quantity, value in (
         ("rebound_amplitude_1", first.rebound_amplitude),
         ("rebound_time_s_1", first.rebound_time),
@@ -40,7 +40,7 @@ def problem(tmp_path: Path) -> Path:
     file = tmp_path / "problem.toml"
     file.write_text(
         'format = 1\ntitle = "fast"\nmodel = "e62"\nmeasured = "camera.csv"\n'
-        f'[free."{PRELOAD}"]\nlow = 8.9\nhigh = 11.1\n',
+        f'[parameters."{PRELOAD}"]\nlow = 8.9\nhigh = 11.1\n',
         encoding="utf-8",
     )
     return file
@@ -59,7 +59,7 @@ def test_the_true_transition_is_fitted(
     report = " ".join(capsys.readouterr().out.split())
     document = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
     assert status == 0
-    assert document["free"][0]["identified"] == pytest.approx(MACHINE[PRELOAD], abs=1e-4)
+    assert document["parameters"][0]["identified"] == pytest.approx(MACHINE[PRELOAD], abs=1e-4)
     assert [item["premise_holds"] for item in document["targets"]] == [False, False]
     assert "681.27 r/min, restitution 0.18674, stiffness 7065.98: the transition of the " in report
     assert "steeve" in report

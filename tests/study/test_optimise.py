@@ -40,8 +40,8 @@ E_N, LEAD = "stops.table.restitution", "drives.table.lead_mm_per_turn"
 PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
 
 
-def parameter(path: str, lower: float, upper: float) -> str:
-    return f'[[optimise.parameters]]\npath = "{path}"\nlower = {lower}\nupper = {upper}\n'
+def parameter(path: str, low: float, high: float) -> str:
+    return f'[parameters."{path}"]\nlow = {low}\nhigh = {high}\n'
 
 
 BOUNCES = parameter(E_N, 0.05, 0.5) + parameter(LEAD, 20.0, 100.0)
@@ -51,7 +51,7 @@ def study(folder: Path, body: str, model: str | Path = MASS, name: str = "study"
     """A file of a problem; with a cylinder at 60 r/min a lead of v metres is v m/s."""
     speed = 60.0 if model == MASS else 650.0
     file = folder / f"{name}.toml"
-    head = f'format = 1\n[optimise]\nmodel = "{model}"\nspeed_rpm = {speed}\n'
+    head = f'format = 1\nmodel = "{model}"\ncase = {{ speed_rpm = {speed} }}\n'
     file.write_text(head + body, encoding="utf-8")
     return file
 
@@ -72,7 +72,7 @@ LEAST = 2e-5
 AT_LEAST = (
     'minimise = "duration_s"\n'
     + BOUNCES
-    + f"[optimise.constraints]\nrebound_amplitude_1 = {{ lower = {LEAST} }}\n"
+    + f"[limits]\nrebound_amplitude_1 = {{ low = {LEAST} }}\n"
 )
 
 
@@ -116,7 +116,7 @@ def test_what_is_maximised_comes_out_with_its_own_sign(tmp_path: Path) -> None:
     """
     body = 'maximise = "rebound_amplitude_1"\n' + BOUNCES
     found = quick(
-        problem(tmp_path, body + "[optimise.constraints]\nduration_s = { upper = 0.01 }\n")
+        problem(tmp_path, body + "[limits]\nduration_s = { high = 0.01 }\n")
     )
     c = GRAVITY * 0.01 / 2.0
     e = c / (0.1 + c)
@@ -161,7 +161,7 @@ def test_clamping_limit_is_met_where_simulated_turns_say(tmp_path: Path) -> None
     the tables of the reduced engine serve, and the control is the direct engine.
     """
     body = 'minimise = "rebound_amplitude_1"\n' + parameter("preload", 8.0, 20.0)
-    limits = "[optimise.constraints]\nclamping_force_N = { upper = 100.0 }\n"
+    limits = "[limits]\nclamping_force_N = { high = 100.0 }\n"
     found = quick(problem(tmp_path, body + limits, "e62"))
     lengths = (11.0, 14.0)
     forces = [mean_force(length) for length in lengths]
@@ -312,8 +312,8 @@ def test_limits_that_contradict_one_another_are_named_with_what_is_missing(tmp_p
 
     Each limit can be met alone, so the nearest design breaks both, and says so.
     """
-    limits = f"rebound_amplitude_1 = {{ lower = {1e-4} }}\nduration_s = {{ upper = 0.01 }}\n"
-    body = 'minimise = "duration_s"\n' + BOUNCES + f"[optimise.constraints]\n{limits}"
+    limits = f"rebound_amplitude_1 = {{ low = {1e-4} }}\nduration_s = {{ high = 0.01 }}\n"
+    body = 'minimise = "duration_s"\n' + BOUNCES + f"[limits]\n{limits}"
     with pytest.raises(InfeasibleError) as caught:
         quick(problem(tmp_path, body))
     broken = caught.value.evidence["limits"]
@@ -345,8 +345,8 @@ def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
     """A sliver of the box meets both limits, and no sample lies in it."""
     u = math.sqrt(2.0 * GRAVITY * 1e-4)
     limits = (
-        Limit(quantity="rebound_amplitude_1", side="lower", value=1e-4),
-        Limit(quantity="duration_s", side="upper", value=1.0001 * rest(u, 0.1)),
+        Limit(quantity="rebound_amplitude_1", side="low", value=1e-4),
+        Limit(quantity="duration_s", side="high", value=1.0001 * rest(u, 0.1)),
     )
     found = quick(replace(problem(tmp_path, AT_LEAST), limits=limits))
     assert found.best.inside
@@ -356,34 +356,43 @@ def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
 WRONG = {
     "no file": (None, "file"),
     "not TOML": ("minimise =", "file"),
-    "no aim": (BOUNCES, "optimise.minimise"),
+    "no aim": (BOUNCES, "minimise"),
     "three aims": (
         'minimise = ["duration_s", "rebound_amplitude_1", "rebound_time_s_1"]\n' + BOUNCES,
-        "optimise.minimise",
+        "minimise",
     ),
     "unknown aim": ('minimise = "beauty"\n' + BOUNCES, "beauty"),
     "earlier name": ('minimise = "transition_time_s"\n' + BOUNCES, "it is called 'duration_s'"),
     "angle of a slide": ('minimise = "jaw_opening_deg"\n' + BOUNCES, "jaw_opening_deg"),
     "unknown key": ('minimise = "duration_s"\nstart = 1\n' + BOUNCES, "start"),
-    "nothing is free": ('minimise = "duration_s"\nparameters = []\n', "parameters"),
+    "nothing is free": ('minimise = "duration_s"\nparameters = {}\n', "parameters"),
     "unknown path": (
         'minimise = "duration_s"\n' + parameter("stops.floor.restitution", 0.0, 1.0),
         "floor",
     ),
-    "bounds": ('minimise = "duration_s"\n' + parameter(E_N, 0.5, 0.5), "lower below"),
+    "bounds": ('minimise = "duration_s"\n' + parameter(E_N, 0.5, 0.5), "low below"),
     "bounds no restitution has": (
         'minimise = "duration_s"\n' + parameter(E_N, 0.5, 1.5),
         "1.5",
     ),
-    "twice": ('minimise = "duration_s"\n' + BOUNCES + parameter(E_N, 0.1, 0.2), "too"),
-    "unknown limit": (AT_LEAST + "beauty = { lower = 1 }\n", "beauty"),
-    "no limit": (AT_LEAST + "duration_s = {}\n", "lower, upper"),
-    "limits crossed": (
-        AT_LEAST + "duration_s = { lower = 2, upper = 1 }\n",
-        "lower below upper",
+    "twice": (f'minimise = "duration_s"\nset = {{ "{E_N}" = 0.1 }}\n' + BOUNCES, "gives, too"),
+    "earlier table": ("[optimise]\n", "write the same without it"),
+    "earlier bounds": (AT_LEAST.replace("low = 0.05", "lower = 0.05"), "write low"),
+    "earlier limit": (AT_LEAST + "duration_s = { upper = 1.0 }\n", "write high"),
+    "earlier list": (
+        f'minimise = "duration_s"\n[[parameters]]\npath = "{E_N}"\n',
+        "write [parameters.NAME] with low and high",
     ),
-    "limit that is no number": (AT_LEAST + "duration_s = { lower = nan }\n", "finite"),
-    "index": (AT_LEAST + "closing_index = { lower = 41 }\n", "0 to 40"),
+    "earlier limits": ('minimise = "duration_s"\n[constraints]\n', "write [limits]"),
+    "speed at the top": ('minimise = "duration_s"\nspeed_rpm = 60.0\n', "speed_rpm in [case]"),
+    "unknown limit": (AT_LEAST + "beauty = { low = 1 }\n", "beauty"),
+    "no limit": (AT_LEAST + "duration_s = {}\n", "low, high"),
+    "limits crossed": (
+        AT_LEAST + "duration_s = { low = 2, high = 1 }\n",
+        "low below high",
+    ),
+    "limit that is no number": (AT_LEAST + "duration_s = { low = nan }\n", "finite"),
+    "index": (AT_LEAST + "closing_index = { low = 41 }\n", "0 to 40"),
 }
 
 
@@ -510,9 +519,9 @@ CYCLE = (
 def test_each_quantity_of_a_turn_can_be_asked_for_alone(tmp_path: Path) -> None:
     """It is what it is among all others, within the errors that both state."""
     aims = {name: f'minimise = "{name}"\n' + parameter("speed_rpm", 600.0, 700.0) for name in CYCLE}
-    limits = "".join(f"{name} = {{ lower = 1e-3 }}\n" for name in CYCLE[1:])
+    limits = "".join(f"{name} = {{ low = 1e-3 }}\n" for name in CYCLE[1:])
     z = np.array([0.5])
-    every = Evaluator(problem(tmp_path, f"{aims[CYCLE[0]]}[optimise.constraints]\n{limits}", "e62"))
+    every = Evaluator(problem(tmp_path, f"{aims[CYCLE[0]]}[limits]\n{limits}", "e62"))
     for name, body in aims.items():
         alone = Evaluator(problem(tmp_path, body, "e62"))
         stated = alone.errors(z)[name] + every.errors(z)[name]
@@ -527,7 +536,7 @@ def test_tables_and_single_runs_agree(tmp_path: Path) -> None:
     Every kind of setting takes part, so a wrong unit or place would show in the first digits.
     """
     body = (
-        'minimise = "rebound_amplitude_1"\n[optimise.set]\n"stops.steeve.restitution" = 0.1\n'
+        'minimise = "rebound_amplitude_1"\n[set]\n"stops.steeve.restitution" = 0.1\n'
         + parameter("preload", 8.0, 14.0)
         + parameter("stops.jaw.restitution", 0.1, 0.3)
         + parameter("stiffness", 8000.0, 10000.0)

@@ -16,31 +16,26 @@ from nipper_pin.study.optimise.search import evolve, look, samples, scales
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 HEAD = f"""
 format = 1
-[optimise]
 model = "{MASS}"
 minimise = "duration_s"
-speed_rpm = 60.0
-[[optimise.parameters]]
-path = "stops.table.restitution"
-lower = 0.05
-upper = 0.5
+case = {{ speed_rpm = 60.0 }}
+[parameters."stops.table.restitution"]
+low = 0.05
+high = 0.5
 """
 LEAD = """
-[[optimise.parameters]]
-path = "drives.table.lead_mm_per_turn"
-lower = 20.0
-upper = 100.0
+[parameters."drives.table.lead_mm_per_turn"]
+low = 20.0
+high = 100.0
 """
 E62 = """
 format = 1
-[optimise]
 model = "e62"
 minimise = "rebound_amplitude_1"
-speed_rpm = 650.0
-[[optimise.parameters]]
-path = "preload"
-lower = 9.0
-upper = 14.0
+case = { speed_rpm = 650.0 }
+[parameters.preload]
+low = 9.0
+high = 14.0
 """
 
 

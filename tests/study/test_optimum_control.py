@@ -20,25 +20,21 @@ from nipper_pin.study.optimise.points import Evaluator
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 STATED = """
 format = 1
-[optimise]
 model = "e62"
 minimise = "rebound_amplitude_1"
-speed_rpm = 700.0
-[[optimise.parameters]]
-path = "springs.steeve.preload_length_mm"
-lower = 3.0
-upper = 14.0
-[[optimise.parameters]]
-path = "points.eccentric_pin.angle_deg"
-lower = 100.0
-upper = 260.0
-[[optimise.parameters]]
-path = "drives.tension.ratio"
-lower = 1.2
-upper = 4.0
-[optimise.constraints]
-clamping_force_N = { lower = 40.0, upper = 60.0 }
-jaw_opening_deg = { lower = 25.0 }
+case = { speed_rpm = 700.0 }
+[parameters."springs.steeve.preload_length_mm"]
+low = 3.0
+high = 14.0
+[parameters."points.eccentric_pin.angle_deg"]
+low = 100.0
+high = 260.0
+[parameters."drives.tension.ratio"]
+low = 1.2
+high = 4.0
+[limits]
+clamping_force_N = { low = 40.0, high = 60.0 }
+jaw_opening_deg = { low = 25.0 }
 """
 # What a search led to that took transitions as they are assumed: its steeve is off its stop at the
 # touch, where the transition starts on it.
@@ -46,15 +42,15 @@ MISLED = (5.8072267226383145, 260.0, 2.094944510736112)
 # Limits that hold, so that a problem asks for every quantity.
 EVERY = (
     STATED[: STATED.index("clamping_force_N")]
-    + """duration_s = { upper = 1.0 }
-rebound_time_s_1 = { upper = 1.0 }
-closing_index = { upper = 36.0 }
-opening_index = { upper = 8.0 }
-clamping_force_N = { upper = 1e4 }
-stop_force_N = { upper = 1e4 }
-jaw_opening_deg = { lower = 0.0 }
-stroke_mm = { lower = 0.0 }
-speed_rpm = { upper = 1e4 }
+    + """duration_s = { high = 1.0 }
+rebound_time_s_1 = { high = 1.0 }
+closing_index = { high = 36.0 }
+opening_index = { high = 8.0 }
+clamping_force_N = { high = 1e4 }
+stop_force_N = { high = 1e4 }
+jaw_opening_deg = { low = 0.0 }
+stroke_mm = { low = 0.0 }
+speed_rpm = { high = 1e4 }
 """
 )
 
@@ -68,7 +64,7 @@ def problem(folder: Path, text: str = STATED) -> Problem:
 def design(found: Problem, numbers: tuple[float, ...], **changes: Any) -> Design:
     """A design as a search reports it."""
     source = Evaluator(found)
-    z = (np.array(numbers) - found.lower) / found.width
+    z = (np.array(numbers) - found.low) / found.width
     point = source.at(z)
     assert point.usable, point.why
     made = Design(
@@ -168,19 +164,16 @@ def test_turns_that_cannot_be_simulated_confirm_nothing(tmp_path: Path) -> None:
 
 MASS_STUDY = f"""
 format = 1
-[optimise]
 model = "{MASS}"
 minimise = "duration_s"
 maximise = "rebound_amplitude_1"
-speed_rpm = 60.0
-[[optimise.parameters]]
-path = "stops.table.restitution"
-lower = 0.05
-upper = 0.3
-[[optimise.parameters]]
-path = "drives.table.lead_mm_per_turn"
-lower = 20.0
-upper = 100.0
+case = {{ speed_rpm = 60.0 }}
+[parameters."stops.table.restitution"]
+low = 0.05
+high = 0.3
+[parameters."drives.table.lead_mm_per_turn"]
+low = 20.0
+high = 100.0
 """
 
 

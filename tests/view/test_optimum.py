@@ -20,22 +20,19 @@ from nipper_pin.view.optimise_report import print_optimum
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 STUDY = f"""
 format = 1
-[optimise]
 title = "A ball [bold]and[/bold] a table"
 model = "{MASS}"
 minimise = "duration_s"
 maximise = "rebound_amplitude_1"
-speed_rpm = 60.0
-[[optimise.parameters]]
-path = "stops.table.restitution"
-lower = 0.05
-upper = 0.3
-[[optimise.parameters]]
-path = "drives.table.lead_mm_per_turn"
-lower = 20.0
-upper = 100.0
-[optimise.constraints]
-rebound_time_s_1 = {{ upper = 0.005 }}
+case = {{ speed_rpm = 60.0 }}
+[parameters."stops.table.restitution"]
+low = 0.05
+high = 0.3
+[parameters."drives.table.lead_mm_per_turn"]
+low = 20.0
+high = 100.0
+[limits]
+rebound_time_s_1 = {{ high = 0.005 }}
 """
 
 
@@ -190,7 +187,7 @@ def test_every_number_of_the_document_is_that_of_the_formulas(optimum: Optimum) 
     change = BEST["duration_s"] / BEFORE["duration_s"] - 1.0
     assert document["relative_change"] == pytest.approx(change, rel=1e-8)
     first, second = document["parameters"]
-    assert (first["path"], first["lower"], first["upper"], first["before"]) == (
+    assert (first["path"], first["low"], first["high"], first["before"]) == (
         "stops.table.restitution", 0.05, 0.3, 0.5,
     )  # fmt: skip
     assert (second["before"], second["optimum"]) == (1500.0, pytest.approx(20.0, rel=1e-9))

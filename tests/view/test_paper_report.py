@@ -249,7 +249,7 @@ IDENTIFIED = {
             "residual_sigmas": 0.8, "outlier": False,
         }
     ],
-    "free": [
+    "parameters": [
         {
             "path": "springs.steeve.preload_length_mm", "low": 6.0, "high": 22.0, "before": 11.0,
             "identified": 8.25, "standard_deviation": 0.5, "standard_deviation_scaled": None,
@@ -305,7 +305,7 @@ def test_without_other_results_there_is_no_section_for_them(page):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", "{}", '{"free": 1}', json.dumps({**IDENTIFIED, "targets": [3]})]
+    "text", ["", "[]", "{}", '{"parameters": 1}', json.dumps({**IDENTIFIED, "targets": [3]})]
 )
 def test_files_that_are_no_identification_are_refused(text, tmp_path):
     (tmp_path / "file.json").write_text(text, encoding="utf-8")

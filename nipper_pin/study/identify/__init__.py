@@ -7,7 +7,7 @@ from .goodness import Goodness, Verdict, goodness
 from .measured import read_measured
 from .objective import Objective
 from .parameters import read_values, with_values
-from .problem import Free, Limits, Problem, read_problem
+from .problem import Limits, Parameter, Problem, read_problem
 from .profiles import Profile, profile
 from .record import record
 from .search import identify
@@ -21,10 +21,10 @@ __all__ = [
     "Descent",
     "Determinability",
     "Fit",
-    "Free",
     "Goodness",
     "Limits",
     "Objective",
+    "Parameter",
     "Problem",
     "Profile",
     "Sources",

@@ -109,7 +109,7 @@ def determinability(objective: Objective, z: FloatArray) -> Determinability:
     covariance = _covariance(jacobian)
     deviations = np.sqrt(np.diag(covariance))
     return Determinability(
-        paths=tuple(item.path for item in objective.problem.free),
+        paths=tuple(item.path for item in objective.problem.parameters),
         jacobian=jacobian,
         singular_values=values,
         directions=rows,

@@ -17,7 +17,7 @@ FORCE_SIGMA_N = 1.0
 OPENING_SIGMA_DEG = 0.2
 """The same for the opening of the jaw [deg]."""
 
-LIMITS = ("closing_index", "opening_index", "least_opening_deg", "least_stop_force_N")
+LIMITS = ("closing_index", "opening_index", "jaw_opening_deg", "stop_force_N")
 """Limits of the working cycle."""
 
 
@@ -58,11 +58,11 @@ def limit_rows(limits: Limits, cycle: WorkingCycle) -> FloatArray:
     ):
         if bounds is not None:
             rows[row] = _outside(value, *bounds) / INDEX_SIGMA
-    if limits.least_opening_deg is not None:
+    if limits.jaw_opening_deg is not None:
         widest = math.degrees(cycle.waiting.gap.max())
-        rows[2] = min(0.0, widest - limits.least_opening_deg) / OPENING_SIGMA_DEG
-    if limits.least_stop_force_N is not None:
-        short = np.minimum(0.0, cycle.waiting.force - limits.least_stop_force_N)
+        rows[2] = min(0.0, widest - limits.jaw_opening_deg) / OPENING_SIGMA_DEG
+    if limits.stop_force_N is not None:
+        short = np.minimum(0.0, cycle.waiting.force - limits.stop_force_N)
         rows[3:] = short / FORCE_SIGMA_N
     return rows
 

@@ -14,13 +14,14 @@ from ...errors import InputError, UnknownNameError
 from ...hybrid.quantities import refuse_unknown
 from .targets import QUANTITIES, Condition, Target
 
-_COLUMNS = ("speed_rpm", "restitution", "stiffness", "quantity", "value", "sigma")
+_STIFFNESS = ("stiffness_N_per_m", "stiffness_N_m_per_rad")
+_COLUMNS = ("speed_rpm", "restitution", *_STIFFNESS, "quantity", "value", "sigma")
 _NEEDED = ("speed_rpm", "quantity", "value", "sigma")
 _NUMBERS = tuple(name for name in _COLUMNS if name != "quantity")
 _RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
     "speed_rpm": (lambda x: x > 0.0, "finite and above zero"),
     "sigma": (lambda x: x > 0.0, "finite and above zero"),
-    "stiffness": (lambda x: x > 0.0, "finite and above zero"),
+    **dict.fromkeys(_STIFFNESS, (lambda x: x > 0.0, "finite and above zero")),
     "restitution": (lambda x: 0.0 <= x <= 1.0, "between 0 and 1"),
     "value": (math.isfinite, "finite"),
 }
@@ -38,7 +39,7 @@ class _Line:
     where: str
 
 
-def read_measured(path: str | Path) -> tuple[Target, ...]:
+def read_measured(path: str | Path, stiffness: str = _STIFFNESS[0]) -> tuple[Target, ...]:
     """Read measured rebounds, for example from a high-speed camera.
 
     Fields are separated by commas, or, as spreadsheets do where the comma is decimal, by
@@ -47,7 +48,8 @@ def read_measured(path: str | Path) -> tuple[Target, ...]:
     Args:
         path: CSV file with the columns speed_rpm, quantity, value, sigma and, if they differ from
             those of the model, restitution and stiffness; rebound amplitudes in rad (or m), times
-            in s, stiffness in N/m.
+            in s.
+        stiffness: Name of the column of stiffness, which says the unit.
 
     Raises:
         UnknownNameError: A column or quantity does not exist.
@@ -67,7 +69,11 @@ def read_measured(path: str | Path) -> tuple[Target, ...]:
         raise InputError(message, file=str(file))
     if separator == ";":
         _check_marks(lines)
-    return tuple(_target(line, separator) for line in lines)
+    for name in _STIFFNESS:
+        if name != stiffness and name in lines[0].fields:
+            message = f"{file.name}: the column {name}: with this model it is {stiffness}"
+            raise InputError(message, file=str(file), column=name)
+    return tuple(_target(line, separator, stiffness) for line in lines)
 
 
 def _lines(text: str, separator: str, file: str) -> Iterator[_Line]:
@@ -136,15 +142,15 @@ def _check_marks(lines: list[_Line]) -> None:
         raise InputError(message, places=list(seen.values()))
 
 
-def _target(line: _Line, separator: str) -> Target:
+def _target(line: _Line, separator: str, stiffness: str) -> Target:
     quantity = line.fields["quantity"]
     refuse_unknown([quantity], QUANTITIES, f"{line.where}, column quantity")
     speed = _number(line, "speed_rpm", separator)
     optional = {
         name: _number(line, name, separator) if line.fields.get(name) else None
-        for name in ("restitution", "stiffness")
+        for name in ("restitution", stiffness)
     }
-    at = Condition(speed, optional["restitution"], optional["stiffness"])
+    at = Condition(speed, optional["restitution"], optional[stiffness])
     settings = [f"{speed:g} r/min"]
     settings += [f"e = {at.restitution:g}"] if at.restitution is not None else []
     settings += [f"k = {at.stiffness:g}"] if at.stiffness is not None else []

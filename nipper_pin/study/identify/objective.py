@@ -41,22 +41,24 @@ class Objective:
     @property
     def low(self) -> FloatArray:
         """Lower bounds, shape (free,)."""
-        return np.array([item.low for item in self.problem.free])
+        return np.array([item.low for item in self.problem.parameters])
 
     @property
     def width(self) -> FloatArray:
         """Widths of the ranges, shape (free,)."""
-        return np.array([item.width for item in self.problem.free])
+        return np.array([item.width for item in self.problem.parameters])
 
     @property
     def start(self) -> FloatArray:
         """Unit coordinates of the model's own values, shape (free,)."""
-        return (np.array([item.start for item in self.problem.free]) - self.low) / self.width
+        return (np.array([item.start for item in self.problem.parameters]) - self.low) / self.width
 
     def values(self, z: FloatArray) -> dict[str, float]:
         """Values of the free numbers by path."""
         numbers = self.low + self.width * z
-        return {item.path: float(x) for item, x in zip(self.problem.free, numbers, strict=True)}
+        return {
+            item.path: float(x) for item, x in zip(self.problem.parameters, numbers, strict=True)
+        }
 
     def mechanism(self, z: FloatArray) -> Mechanism:
         """Return the mechanism with these values.

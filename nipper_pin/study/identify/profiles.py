@@ -51,7 +51,7 @@ def profile(
         workers: Processes; by default as many as there are processors.
     """
     objective, z = fit.objective, fit.best.z
-    place = [item.path for item in objective.problem.free].index(path)
+    place = [item.path for item in objective.problem.parameters].index(path)
     jacobian = objective.jacobian(z)
     # Numbers on a bound cannot move both ways: the linear model leaves them where they are.
     free = [i for i in range(len(z)) if i == place or 1e-3 < z[i] < 1.0 - 1e-3]

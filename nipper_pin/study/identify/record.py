@@ -21,12 +21,12 @@ WORD = (
     "An estimate, never the maker's data."
 )
 
-_KEYS = {"title", "model", "caution", "seed", "targets", "free", "within_4_percent", "goodness",
-         "singular_values", "identifiable_directions", "profiles"}  # fmt: skip
+_KEYS = {"title", "model", "caution", "seed", "targets", "parameters", "within_4_percent",
+         "goodness", "singular_values", "identifiable_directions", "profiles"}  # fmt: skip
 _GOODNESS_KEYS = {"verdict", "sentence"}
 _TARGET_KEYS = {"name", "wanted", "sigma", "found", "relative_deviation", "residual_sigmas",
                 "outlier"}  # fmt: skip
-_FREE_KEYS = {"path", "low", "high", "before", "identified", "standard_deviation",
+_PARAMETER_KEYS = {"path", "low", "high", "before", "identified", "standard_deviation",
               "standard_deviation_scaled", "range_left", "determined"}  # fmt: skip
 
 
@@ -63,7 +63,7 @@ def record(
         "within_10_percent": fit.within(0.10),
         "targets": _targets(fit, judged),
         "limits": dict(zip(LIMITS, map(float, fit.broken), strict=False)),
-        "free": _numbers(fit, judged, known),
+        "parameters": _numbers(fit, judged, known),
         "correlations": known.correlations.tolist(),
         "singular_values": known.singular_values.tolist(),
         "directions": [
@@ -129,7 +129,7 @@ def _numbers(fit: Fit, judged: Goodness, known: Determinability) -> list[dict[st
             "determined": left[item.path] < DETERMINED,
             "why": item.why,
         }
-        for item in fit.objective.problem.free
+        for item in fit.objective.problem.parameters
     ]
 
 
@@ -157,7 +157,7 @@ def read_identification(path: str | Path) -> dict[str, Any]:
     right = isinstance(document, dict) and document.keys() >= _KEYS
     right = right and isinstance(document["goodness"], dict)
     right = right and document["goodness"].keys() >= _GOODNESS_KEYS
-    for key, needed in (("targets", _TARGET_KEYS), ("free", _FREE_KEYS)):
+    for key, needed in (("targets", _TARGET_KEYS), ("parameters", _PARAMETER_KEYS)):
         rows = document[key] if right else None
         right = isinstance(rows, list) and all(
             isinstance(row, dict) and row.keys() >= needed for row in rows

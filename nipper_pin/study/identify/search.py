@@ -110,7 +110,7 @@ def _starts(objective: Objective, count: int, seed: int) -> Iterator[FloatArray]
     yield objective.start
     if count == 1:
         return
-    size = len(objective.problem.free)
+    size = len(objective.problem.parameters)
     draws = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed))
     needed = (count - 1) * _DRAWS
     points = draws.random_base2(int(np.ceil(np.log2(needed))))[:needed]

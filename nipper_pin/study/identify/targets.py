@@ -45,6 +45,17 @@ class Condition(NamedTuple):
     stiffness: float | None = None
 
 
+def stiffness_name(mechanism: Mechanism) -> str:
+    """Name of the stiffness of the only spring in a setting, with its unit.
+
+    Args:
+        mechanism: The mechanism; without just one spring it is the name for a slide.
+    """
+    springs, kinds = mechanism.springs, {item.index: item.kind for item in mechanism.joints}
+    on_a_hinge = len(springs) == 1 and kinds[springs[0].index] == "revolute"
+    return "stiffness_N_m_per_rad" if on_a_hinge else "stiffness_N_per_m"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Target:
     """One number to come out.

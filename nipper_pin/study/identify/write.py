@@ -65,7 +65,7 @@ def _provenance(fit: Fit, old: object) -> dict[str, str]:
     """Where every number comes from; identified ones first."""
     problem = fit.objective.problem
     found: dict[str, str] = {}
-    for item in problem.free:
+    for item in problem.parameters:
         value = fit.values[item.path]
         found[item.path] = (
             f"identified: {value:.9g} between {item.low:g} and {item.high:g} (before: "
@@ -80,7 +80,7 @@ def _provenance(fit: Fit, old: object) -> dict[str, str]:
 
 
 def _moves_pins(fit: Fit) -> bool:
-    return any(item.path.startswith("points.") for item in fit.objective.problem.free)
+    return any(item.path.startswith("points.") for item in fit.objective.problem.parameters)
 
 
 def _renamed(text: str, name: str, heading: list[str]) -> ElementTree.Element:

@@ -25,7 +25,7 @@ class Binding:
     """A limit or a bound at an optimum.
 
     Attributes:
-        name: The limit in words, or "parameter at its lower (upper) bound".
+        name: The limit, or the bound of a parameter, in words.
         kind: "limit" or "bound".
         value: Value of the limited quantity or of the parameter.
         slack: Room that is left, in its unit; near zero if it is active.
@@ -107,7 +107,7 @@ def _bounds(
         found.append(
             Binding(
                 name=f"{item.name} {'>=' if sense > 0.0 else '<='} "
-                f"{item.lower if sense > 0.0 else item.upper:.6g}",
+                f"{item.low if sense > 0.0 else item.high:.6g}",
                 kind="bound",
                 value=problem.numbers(z)[item.name],
                 slack=float(width * (z[k] if sense > 0.0 else 1.0 - z[k])),

@@ -73,7 +73,7 @@ def _held(
     problem: Problem, one: Aim, two: Aim, held: float, by: tuple[Scales, ...]
 ) -> tuple[bytes, Scales]:
     """The problem by its first aim with the second held to a value, and its scales."""
-    side: Literal["lower", "upper"] = "upper" if two.sense > 0.0 else "lower"
+    side: Literal["low", "high"] = "high" if two.sense > 0.0 else "low"
     limit = Limit(quantity=two.quantity, side=side, value=two.sense * held)
     scales = Scales(by[0].aim, (*by[0].limits, by[1].aim))
     return problem.asking(one, limit).text(), scales

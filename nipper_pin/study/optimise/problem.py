@@ -22,15 +22,15 @@ class Parameter:
     Attributes:
         name: Its name in the file: a path, a shortcut of the model, or ``speed_rpm``.
         target: What it changes.
-        lower: Lower bound, in the unit of the model's file.
-        upper: Upper bound.
+        low: Lower bound, in the unit of the model's file.
+        high: Upper bound.
         start: Value in the model; it may lie outside the bounds.
     """
 
     name: str
     target: Target
-    lower: float
-    upper: float
+    low: float
+    high: float
     start: float
 
 
@@ -40,17 +40,17 @@ class Limit:
 
     Attributes:
         quantity: Name of the quantity.
-        side: "lower" or "upper".
+        side: "low" or "high".
         value: The limit, in the unit of the quantity.
     """
 
     quantity: str
-    side: Literal["lower", "upper"]
+    side: Literal["low", "high"]
     value: float
 
     def __str__(self) -> str:
         """The limit in words."""
-        return f"{self.quantity} {'>=' if self.side == 'lower' else '<='} {self.value:.6g}"
+        return f"{self.quantity} {'>=' if self.side == 'low' else '<='} {self.value:.6g}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,19 +103,19 @@ class Problem:
     versions: Mapping[str, str]
 
     @property
-    def lower(self) -> FloatArray:
+    def low(self) -> FloatArray:
         """Lower bounds, shape (parameters,)."""
-        return np.array([item.lower for item in self.parameters])
+        return np.array([item.low for item in self.parameters])
 
     @property
     def width(self) -> FloatArray:
         """Widths of the ranges, shape (parameters,)."""
-        return np.array([item.upper - item.lower for item in self.parameters])
+        return np.array([item.high - item.low for item in self.parameters])
 
     @property
     def start(self) -> FloatArray:
         """Unit coordinates of the model's own values, shape (parameters,)."""
-        return (np.array([item.start for item in self.parameters]) - self.lower) / self.width
+        return (np.array([item.start for item in self.parameters]) - self.low) / self.width
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -129,7 +129,7 @@ class Problem:
         Args:
             z: Unit coordinates, 0 at the lower bounds and 1 at the upper ones, shape (parameters,).
         """
-        values = self.lower + self.width * z
+        values = self.low + self.width * z
         return {item.name: float(x) for item, x in zip(self.parameters, values, strict=True)}
 
     def overrides(self, z: FloatArray) -> dict[str, object]:

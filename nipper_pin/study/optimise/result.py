@@ -131,8 +131,8 @@ class Optimum:
                 {
                     "name": item.name,
                     "path": item.target.path,
-                    "lower": item.lower,
-                    "upper": item.upper,
+                    "low": item.low,
+                    "high": item.high,
                     "before": item.start,
                     "optimum": self.best.numbers[item.name],
                 }

@@ -34,7 +34,7 @@ def identification_plate(document: Mapping[str, Any], mark: str) -> Plate:
         values.semilogy(place[part], singular[part], "o", color=colour, markersize=4.0, label=words)
     values.legend(fontsize=SMALL, frameon=False)
     tidy(values, "direction", "singular value\n[sigmas over the range]")
-    best = {item["path"]: item["identified"] for item in document["free"]}
+    best = {item["path"]: item["identified"] for item in document["parameters"]}
     for i, item in enumerate(document["profiles"]):
         away = (np.array(item["values"]) - best[item["path"]]) / item["sigma"]
         style = {"color": LINES[i % len(LINES)], "linewidth": 1.1}
@@ -104,7 +104,7 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
                 (item["path"], item["before"], item["identified"], item["standard_deviation"],
                  item["standard_deviation_scaled"], item["low"], item["high"], item["range_left"],
                  item["determined"])
-                for item in document["free"]
+                for item in document["parameters"]
             ),
         ),
     ]  # fmt: skip

@@ -151,7 +151,7 @@ def _row(problem: Problem, turn: ControlTurn, name: str, reported: float, error:
 def _outside(limit: Limit, value: float) -> float:
     """By how much a value is outside a limit; negative inside."""
     over = _apart(limit.quantity, value, limit.value)
-    return over if limit.side == "upper" else -over
+    return over if limit.side == "high" else -over
 
 
 def _apart(quantity: str, one: float, other: float) -> float:

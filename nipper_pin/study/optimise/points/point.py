@@ -71,7 +71,7 @@ def slack_rows(
 
 def _slacks(limit: Limit, values: Mapping[str, float], waiting: FloatArray) -> list[float]:
     """Slacks of one limit, in the unit of its quantity."""
-    sign = 1.0 if limit.side == "lower" else -1.0
+    sign = 1.0 if limit.side == "low" else -1.0
     if limit.quantity == "stop_force_N" and sign > 0.0:
         return [float(force) - limit.value for force in waiting]
     value = values[limit.quantity]
