@@ -233,7 +233,8 @@ SWEEP = {
     "--dry-run": Entry("--dry-run", {
         "run_sweep called": GONE, "document.done": GONE, "document.scenarios": 3,
         "document.mechanisms": 1, "document.chunks": 2, "document.estimate.done": "well",
-        "estimate called": True, "estimate.workers": None}, f"{{sweep}} {_JSON}",
+        "estimate called": True, "estimate.workers": None, "estimate.chunks": None},
+        f"{{sweep}} {_JSON}",
         ("run_sweep.", "estimate.plan.", "document.hash")),
     "--json": Entry("--json -", DOCUMENT, "{sweep}"),
 }  # fmt: skip

@@ -141,6 +141,10 @@ def test_options_without_anything_to_act_on_are_refused(
         (["optimise", str(design), "--points", "3"], "--points changes nothing beside one aim"),
         (["optimise", str(design), "--format", "png"], "--format changes nothing beside one aim"),
         (["identify", "--profiles", "-1"], "--profiles -1: at least 0"),
+        (["identify", "--starts", "1", "--seed", "2"], "--seed changes nothing beside --starts 1"),
+        (["sweep", "x.toml", "--dry-run", "--out", "y"], "--out changes nothing beside --dry-run"),
+        (["sweep", "x.toml", "--dry-run", "--scheduler", "tcp://host:1"],
+         "--scheduler changes nothing beside --dry-run"),
     ):
         assert main(words) == 2
         out, err = capsys.readouterr()

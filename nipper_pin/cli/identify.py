@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ..errors import InputError
-from .arguments import check_outputs, write_json
+from .arguments import check_outputs, refuse_beside, write_json
+
+_SEED = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PROBLEM.toml",
         help="free numbers, targets and limits (default: the published ratios, model e62)",
     )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the starts")
+    parser.add_argument(
+        "--seed", type=int, metavar="N", help=f"seed of the starts (default {_SEED})"
+    )
     parser.add_argument(
         "--starts", type=int, default=4, metavar="N", help="number of starts (default 4)"
     )
@@ -51,6 +55,8 @@ def _run(options: argparse.Namespace) -> None:
     if options.profiles < 0:
         message = f"--profiles {options.profiles}: at least 0"
         raise InputError(message, argument=options.profiles)
+    if options.starts == 1:
+        refuse_beside(options, "--starts 1, the model's own numbers", {"seed": "--seed"})
     problem = read_problem(options.problem)
     check_outputs(options.out, options.json)
     if options.out is not None:
@@ -59,7 +65,7 @@ def _run(options: argparse.Namespace) -> None:
         fit = identify(
             problem,
             starts=options.starts,
-            seed=options.seed,
+            seed=_SEED if options.seed is None else options.seed,
             workers=options.workers,
             progress=advance,
         )

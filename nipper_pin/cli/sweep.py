@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
-from .arguments import write_json
+from .arguments import refuse_beside, write_json
 
 # Time between two lines of progress where there is no terminal [s].
 _EVERY_S = 30.0
@@ -39,7 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dry-run",
         action="store_true",
-        help="check the study, and say what it would compute and how long that takes here",
+        help="check the study, and say what it, or --chunks of it, would compute and how long that "
+        "takes here",
     )
     parser.add_argument("--json", metavar="FILE", help="write a report as JSON; - for stdout")
     parser.set_defaults(run=_run)
@@ -47,20 +48,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> None:
     from ..study.sweep import estimate, read_plan, run_sweep
+    from ..study.sweep.plan import chosen
 
-    plan = read_plan(options.study)
+    if options.dry_run:
+        what = "--dry-run, which writes nothing and times scenarios here"
+        refuse_beside(options, what, {"out": "--out", "scheduler": "--scheduler"})
+    plan, bounds = read_plan(options.study), _bounds(options.chunks)
     kinds = plan.mechanisms
     size = f"{plan.scenarios:,} scenarios of {kinds:,} mechanism{'s' if kinds > 1 else ''}"
     if options.dry_run:
+        whole = plan.chunks()
+        asked = chosen(whole, bounds)
+        scenarios = sum(chunk.stop - chunk.start for chunk in asked)
         document: dict[str, object] = {
-            "scenarios": plan.scenarios,
+            "scenarios": scenarios,
             "mechanisms": plan.mechanisms,
-            "chunks": len(plan.chunks()),
+            "chunks": len(asked),
             "hash": plan.hash,
         }
-        expected = estimate.estimate(plan, options.workers)
+        expected = estimate.estimate(plan, options.workers, bounds)
         document["estimate"] = expected.record()
-        text = f"{size} in {document['chunks']:,} chunks\n{expected.sentence()}"
+        if bounds is None:
+            text = f"{size} in {len(asked):,} chunks\n{expected.sentence()}"
+        else:
+            text = f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks\n"
+            text += expected.sentence()
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
         with _progress(folder) as advance:
@@ -69,7 +81,7 @@ def _run(options: argparse.Namespace) -> None:
                 folder,
                 workers=options.workers,
                 scheduler=options.scheduler,
-                chunks=_bounds(options.chunks),
+                chunks=bounds,
                 progress=advance,
             )
         document = report.record()

@@ -42,6 +42,7 @@ def sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
+    chunks: tuple[int, int] | None = None,
     progress: Callable[[int, int, int], None] | None = None,
 ) -> SweepReport:
     """Compute what is missing of a sweep; :func:`nipper_pin.read_sweep` gives its rows.
@@ -51,6 +52,7 @@ def sweep(
         folder: Folder of the results; one that holds a part of them is completed.
         workers: Local processes; by default as many as there are processors.
         scheduler: Address of a Dask scheduler to use instead.
+        chunks: Numbers of the first and the last chunk to compute; by default all.
         progress: Called with (scenarios stored, of these found on disk, scenarios in all).
 
     Returns:
@@ -63,7 +65,9 @@ def sweep(
     from .sweep import Plan, read_plan, run_sweep
 
     plan = study if isinstance(study, Plan) else read_plan(str(study))
-    return run_sweep(plan, folder, workers=workers, scheduler=scheduler, progress=progress)
+    return run_sweep(
+        plan, folder, workers=workers, scheduler=scheduler, chunks=chunks, progress=progress
+    )
 
 
 def optimise(

@@ -75,7 +75,7 @@ def _instead(text: str, place: str) -> str:
     known = _EARLIER if place else {**_EARLIER, **_EARLIER_AT_TOP}
     if word in known:
         return f"; write {known[word]}"
-    if text == "Expected `object`, got `array`":
+    if text.startswith("Expected `object") and text.endswith("got `array`"):
         whole = place.strip("`.") == "parameters"
         return f"; write {'[parameters.NAME] with' if whole else 'a table with'} low and high"
     return ""

@@ -67,13 +67,14 @@ def test_dry_run_says_how_long(
 ) -> None:
     """Nothing is written; the sentence has the numbers of the JSON, in their units."""
     path = study(tmp_path, GEOMETRY)
-    arguments = ["sweep", path, "--dry-run", "--workers", "1", "--out", str(tmp_path / "out")]
+    arguments = ["sweep", path, "--dry-run", "--workers", "1"]
+    monkeypatch.chdir(tmp_path)
     assert main([*arguments, "--json", "-"]) == 0
     found = json.loads(capsys.readouterr().out)["estimate"]
     assert found["engines"] == {"direct": 6}
     assert found["scenario_s"] > 0.0
     assert found["workers"] == 1
-    assert not (tmp_path / "out").exists()
+    assert [item.name for item in tmp_path.iterdir()] == [Path(path).name]
     fixed = Estimate(seconds=7200.0, workers=2, mechanism_s=0.04, scenario_s=2.5e-5,
                      engines={"reduced": 92, "direct": 8})  # fmt: skip
     monkeypatch.setattr(module, "estimate", lambda *_: fixed)
@@ -85,23 +86,54 @@ def test_dry_run_says_how_long(
     )
 
 
+def test_a_dry_run_of_some_chunks_is_about_those(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """15 mechanisms at 2 speeds in 8 chunks: six of the last two chunks, all but the start."""
+    costs = module.Timed(blocks=15, block_s=40.0, scenario_s=1.0, engines={"direct": 6})
+    monkeypatch.setattr(module, "fresh_processes", lambda *_: Pool(costs))
+    arguments = ["sweep", study(tmp_path, GEOMETRY), "--dry-run", "--workers", "1"]
+    found = {}
+    for words in ((), ("--chunks", "6-7")):
+        assert main([*arguments, *words, "--json", "-"]) == 0
+        found[words] = json.loads(capsys.readouterr().out)
+    whole, part = found.values()
+    assert (whole["scenarios"], whole["chunks"]) == (30, 8)
+    assert (part["scenarios"], part["chunks"]) == (6, 2)
+    assert whole["estimate"]["seconds"] == pytest.approx(1.5 + 15 * 40.0 + 30.0)
+    assert part["estimate"]["seconds"] == pytest.approx(1.5 + 3 * 40.0 + 6.0)
+    assert main([*arguments, "--chunks", "6-7"]) == 0
+    assert capsys.readouterr().out.startswith("6 of 30 scenarios of 15 mechanisms in 2 of 8 chunks")
+    for words, sentence in (
+        (["--chunks", "8"], "there are 8 chunks, 0 to 7"),
+        (["--workers", "0"], "workers = 0: at least 1"),
+    ):
+        assert main([*arguments, *words]) == 2
+        assert sentence in capsys.readouterr().err
+
+
+class Pool:
+    """A process that has timed what it is told."""
+
+    def __init__(self, costs: module.Timed) -> None:
+        self.costs = costs
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def submit(self, *_: object) -> Pool:
+        return self
+
+    def result(self) -> module.Timed:
+        return self.costs
+
+
 def test_the_estimate_adds_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Work divided among the processes, after their start."""
     costs = module.Timed(blocks=15, block_s=0.04, scenario_s=1e-3, engines={})
-
-    class Pool:
-        def __enter__(self) -> Pool:
-            return self
-
-        def __exit__(self, *_: object) -> None: ...
-
-        def submit(self, *_: object) -> Pool:
-            return self
-
-        def result(self) -> module.Timed:
-            return costs
-
-    monkeypatch.setattr(module, "fresh_processes", lambda *_: Pool())
+    monkeypatch.setattr(module, "fresh_processes", lambda *_: Pool(costs))
     found = module.estimate(plan(tmp_path, SPEEDS), 4)
     chunks = len(plan(tmp_path, SPEEDS).chunks())
     workers = min(4, chunks)

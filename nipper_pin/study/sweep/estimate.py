@@ -15,8 +15,8 @@ from ...arrays import FloatArray
 from ..processes import fresh_processes
 from ..transitions import REDUCED_PAYS_FROM
 from .chunks import run_chunk
-from .local import wake
-from .plan import Plan
+from .local import check_workers, wake
+from .plan import Plan, chosen
 from .results import Tally, need_pyarrow
 from .results.chunk_file import read
 from .results.tally import SUMMARY
@@ -31,10 +31,10 @@ _START_S, _SLOW_S = 1.5, 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """What a sweep will take, from scenarios that were timed.
+    """What a sweep, or a range of its chunks, will take, from scenarios that were timed.
 
     Attributes:
-        seconds: Time of the whole sweep on so many processes [s].
+        seconds: Time on so many processes [s].
         workers: Processes.
         mechanism_s: Time that a mechanism takes before its first scenario [s].
         scenario_s: Time of a scenario [s].
@@ -69,23 +69,28 @@ def _words(seconds: float) -> str:
     return f"{seconds:,.0f} s"
 
 
-def estimate(plan: Plan, workers: int | None = None) -> Estimate:
+def estimate(
+    plan: Plan, workers: int | None = None, chunks: tuple[int, int] | None = None
+) -> Estimate:
     """Time a few scenarios of a plan, in a process like those of a sweep.
 
     Args:
         plan: The plan.
         workers: Processes; by default as many as there are processors.
+        chunks: Numbers of the first and the last chunk to compute; by default all.
 
     Raises:
-        InputError: A package is missing.
+        InputError: A package is missing, or an argument cannot be used.
         DefectError: A scenario meets a fault of the program.
     """
+    check_workers(workers)
     need_pyarrow()
-    sizes = [chunk.stop - chunk.start for chunk in plan.chunks()]
+    sizes = [chunk.stop - chunk.start for chunk in chosen(plan.chunks(), chunks)]
     count = min(workers or os.cpu_count() or 1, len(sizes))
     with fresh_processes(1, wake) as pool:
         found = pool.submit(timed, plan, max(sizes)).result()
-    work = found.blocks * found.block_s + plan.scenarios * found.scenario_s
+    share = sum(sizes) / plan.scenarios
+    work = share * (found.blocks * found.block_s + plan.scenarios * found.scenario_s)
     return Estimate(
         seconds=_START_S + work / count,
         workers=count,

@@ -7,13 +7,27 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 
 from ...arrays import FloatArray
-from ...errors import SimulationError
+from ...errors import InputError, SimulationError
 from ..processes import fresh_processes
 from .chunks import DefectError, run_chunk
 from .plan import Chunk
 
 # Chunks that wait for each worker beside the one that it computes.
 _AHEAD = 1
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of processes that is none.
+
+    Args:
+        workers: Number of processes; None: one a processor.
+
+    Raises:
+        InputError: It is below 1.
+    """
+    if workers is not None and workers < 1:
+        message = f"workers = {workers}: at least 1"
+        raise InputError(message, workers=workers)
 
 
 def on_this_machine(

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ...arrays import FloatArray
+from ...errors import InputError
 from ..transitions import REDUCED_PAYS_FROM
 from .axes import Axis
 from .job import Job
@@ -137,3 +138,22 @@ def _mechanisms_together(mechanisms: int, inner: int) -> int:
     cost = _MECHANISM_S + (inner * _DIRECT_S if direct else _TABLES_S + inner * _REDUCED_S)
     least, most = math.ceil(_SHORTEST_S / cost), math.ceil(_LONGEST_S / cost)
     return min(max(least, math.ceil(mechanisms / _CHUNKS)), most)
+
+
+def chosen(chunks: list[Chunk], bounds: tuple[int, int] | None) -> list[Chunk]:
+    """Chunks of a range; one that ends behind the last chunk ends with it.
+
+    Args:
+        chunks: All chunks.
+        bounds: Numbers of the first and the last one of the range; None: all.
+
+    Raises:
+        InputError: There is no such chunk.
+    """
+    if bounds is None:
+        return chunks
+    first, last = bounds
+    if not 0 <= first <= last or first >= len(chunks):
+        message = f"--chunks {first}-{last}: there are {len(chunks)} chunks, 0 to {len(chunks) - 1}"
+        raise InputError(message, chunks=[first, last])
+    return chunks[first : last + 1]

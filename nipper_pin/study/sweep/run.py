@@ -11,8 +11,8 @@ from pathlib import Path
 
 from ...errors import InputError, SimulationError
 from .chunks import DefectError
-from .local import on_this_machine
-from .plan import Chunk, Plan
+from .local import check_workers, on_this_machine
+from .plan import Chunk, Plan, chosen
 from .report import SweepReport
 from .results import Store, Tally
 from .results.chunk_file import DamageError, read
@@ -52,16 +52,14 @@ def run_sweep(
         SimulationError: Workers were lost, or scenarios met a fault of the program; what is
             finished is kept. Or no scenario at all has a result.
     """
-    if workers is not None and workers < 1:
-        message = f"workers = {workers}: at least 1"
-        raise InputError(message, workers=workers)
+    check_workers(workers)
     if workers is not None and scheduler is not None:
         message = "--workers counts local processes, and --scheduler has its own; leave one out"
         raise InputError(message, workers=workers, scheduler=scheduler)
     began = time.perf_counter()
     # A range of its own is as good as a lock, where a file system has none.
     with Store(folder, plan, locks=chunks is None) as store:
-        run = _Run(store, workers, scheduler, _chosen(store.plan.chunks(), chunks), progress)
+        run = _Run(store, workers, scheduler, chosen(store.plan.chunks(), chunks), progress)
         run.complete()
     report = SweepReport(
         folder=Path(folder),
@@ -76,17 +74,6 @@ def run_sweep(
     )
     report.check()
     return report
-
-
-def _chosen(chunks: list[Chunk], bounds: tuple[int, int] | None) -> list[Chunk]:
-    """Chunks of a range; one that ends behind the last chunk ends with it."""
-    if bounds is None:
-        return chunks
-    first, last = bounds
-    if not 0 <= first <= last or first >= len(chunks):
-        message = f"--chunks {first}-{last}: there are {len(chunks)} chunks, 0 to {len(chunks) - 1}"
-        raise InputError(message, chunks=[first, last])
-    return chunks[first : last + 1]
 
 
 class _Run:
