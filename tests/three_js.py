@@ -34,6 +34,7 @@ class Scene:
             if item["type"] == "set_transform"
         }
         (animation,) = (item for item in sent if item["type"] == "set_animation")
+        self.options = animation["options"]
         self.tracks: dict[str, dict[str, tuple[Array, Array]]] = {}
         for item in animation["animations"]:
             for track in item["clip"]["tracks"]:

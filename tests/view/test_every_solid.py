@@ -23,7 +23,7 @@ import trimesh
 from judge import Judge, press
 from shapely import MultiPoint, Polygon
 from shapely.ops import unary_union
-from small_machines import SLED, hinge, link, machine, slide
+from small_machines import SHAFT, SLED, hinge, link, machine, slide
 from three_js import Scene, ball, box, ring
 
 from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
@@ -42,7 +42,11 @@ DIRECTIONS = np.random.default_rng(5).normal(size=(40, 3))
 DIRECTIONS /= np.linalg.norm(DIRECTIONS, axis=1)[:, None]
 
 SHAPES = {
-    "frame": [("wall", '<box size="0.5 0.02 0.3"/>', "0.1 0.2 -0.3", "0 0.3 0", "0.2 0.4 0.8")],
+    "frame": [
+        ("wall", '<box size="0.5 0.02 0.3"/>', "0.1 0.2 -0.3", "0 0.3 0", "0.2 0.4 0.8"),
+        ("cylinder_drum", '<box size="0.1 0.2 0.05"/>', "0.05 0 -0.4", "0 0.1 0", "0.4 0.4 0"),
+    ],
+    "arm": [("bar", '<box size="0.2 0.02 0.03"/>', "-0.1 0 0", "0 0 0", "0.3 0.3 0.6")],
     "sled": [
         ("bed", '<box size="0.3 0.1 0.04"/>', "0.05 0.01 -0.02", "0 0.2 0", "0.9 0.5 0.1"),
         ("horn", '<mesh filename="horn.stl" scale="-1 2 0.5"/>', ".02 0 .05", "0 -0.4 0", "1 0 0"),
@@ -60,7 +64,17 @@ def shaped(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
     faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
     trimesh.Trimesh(corners, faces).export(folder / "horn.stl")
     plain = press()
-    robot = ElementTree.fromstring(plain.urdf)
+    guide = {
+        "joint": "arm_pin", "law": "oscillating_guide", "crank_radius_mm": 30.0,
+        "crank_axis_mm": [40.0, -350.0], "guide_axis_mm": [300.0, -300.0], **SHAFT,
+    }  # fmt: skip
+    document: Any = {
+        **plain.description,
+        "degrees_of_freedom": 4,
+        "drives": {**plain.description["drives"], "arm": guide},  # type: ignore[dict-item]
+    }
+    arm = link("arm") + hinge("arm_pin", "frame", "arm", (0.3, -0.3))
+    robot = ElementTree.fromstring(plain.urdf.replace("</robot>", f"{arm}</robot>"))
     for item in robot.findall("link"):
         for name, shape, xyz, rpy, rgb in SHAPES[str(item.get("name"))]:
             text = (
@@ -69,7 +83,7 @@ def shaped(tmp_path_factory: pytest.TempPathFactory) -> Mechanism:
             )
             item.append(ElementTree.fromstring(text))
     urdf = ElementTree.tostring(robot, encoding="unicode")
-    return from_sources("small", urdf, plain.description, str(folder))
+    return from_sources("small", urdf, document, str(folder))
 
 
 def turn(mechanism: Mechanism, speed: float = 60.0, start: float = 0.0) -> Solution:
@@ -262,6 +276,56 @@ def test_solids_in_side_view(judge: Judge, shown: Film) -> None:
                 assert area == pytest.approx(MultiPoint(wanted).convex_hull.area, rel=0.03)
 
 
+def test_faces_of_a_mirrored_mesh(shaped: Mechanism) -> None:
+    """Of a tetrahedron those faces are seen whose outside looks at the eye."""
+    judge = Judge(turn(shaped))
+    shown = film(judge.run, Look())
+    drawn = solids(shaped)
+    seen = flat(shown, drawn)
+    place = [item.name for item in drawn].index("horn")
+    (item,) = (item for item in shapes(judge) if item.path.endswith("/horn"))
+    _, _, q, psi = moments(judge, shown, 2)[0]
+    corners = item.points(q, psi)
+    wanted = set()
+    for left in range(4):
+        three = [k for k in range(4) if k != left]
+        a, b, c = corners[three]
+        normal = np.cross(b - a, c - a)
+        normal *= -np.sign(normal @ (corners[left] - a)) / np.linalg.norm(normal)
+        if normal[1] < -0.02:
+            wanted.add(frozenset(three))
+    here = moved(seen, shown, 0)
+    found = set()
+    for face, owner in zip(seen.items, seen.solid, strict=True):
+        if owner == place and len(face) == 3:
+            apart = np.linalg.norm(here[list(face)][:, None] - corners[None][..., [0, 2]], axis=-1)
+            found.add(frozenset(apart.argmin(axis=1).tolist()))
+    assert found == wanted
+    assert 0 < len(wanted) < 4
+
+
+def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None:
+    """The link that opens the transition stop has one colour for each set of closed stops."""
+    opening = judge.document["stops"][judge.document["transition_stop"]]["joint"]
+    jaw = next(j.child for j in judge.run.mechanism.joints if j.name == opening)
+    coloured = {path for path, tracks in scene.tracks.items() if ".material.color" in tracks}
+    assert coloured == {
+        f"{item.path}/<object>" for item in shapes(judge) if item.path.startswith(f"/nipper/{jaw}/")
+    }
+    colours: dict[frozenset[str], tuple[float, ...]] = {}
+    for closed, begin, end in judge.phases:
+        edges = np.interp([begin, end], shown.pace.machine, shown.pace.playback)
+        # A change takes a thousandth of a second.
+        if edges[1] - edges[0] > 0.1:
+            for path in coloured:
+                t, values = scene.tracks[path][".material.color"]
+                for at in (edges[0] + 0.01, edges.mean(), edges[1] - 0.01):
+                    now = tuple(round(float(np.interp(at, t, column)), 4) for column in values.T)
+                    assert colours.setdefault(closed, now) == now
+    assert len(set(colours.values())) == len(colours) > 1
+    assert scene.options == {"play": True, "repetitions": math.inf}
+
+
 def test_bars_of_links_without_shapes() -> None:
     """From each joint of a four-bar to the pins that hang on its link, with a ball at the joint."""
     mechanism = load(MODELS / "four_bar")
@@ -406,10 +470,12 @@ def test_arrows_of_the_page(struck: Judge) -> None:
             until = min(at + 0.5, after - 2e-3)
             still = [np.interp(x, size[0], size[1][:, 1]) for x in (now, until)]
             assert still[0] == pytest.approx(still[1], rel=1e-6)
-            width = [
-                np.linalg.norm(part - start - np.outer((part - start) @ along, along), axis=1).max()
-                for part in (shaft, head)
-            ]
+            width = []
+            for part in (shaft, head):
+                across = part - start - np.outer((part - start) @ along, along)
+                width.append(float(np.linalg.norm(across, axis=1).max()))
+                assert width[-1] == pytest.approx(np.abs(across[:, 1]).max(), rel=1e-3)
+                assert width[-1] == pytest.approx(np.abs(across[:, 0] / along[2]).max(), rel=1e-3)
             # Narrower than long, and the head wider than the shaft.
             assert width[0] < width[1]
             assert width[1] < 0.5 * math.sqrt(length * unit * largest)

@@ -1,0 +1,282 @@
+"""Every number of the benchmark's costs, imports, tables and figure, with a clock that is made up.
+
+Times are what the made-up clock says, counts are those of the machines in closed form, and sizes
+of memory are those of blocks that the tests themselves take.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.hybrid.case import Resolution
+from nipper_pin.study import cost, imports
+from nipper_pin.study.benchmark import Benchmark
+from nipper_pin.study.certified import certified_cycle
+from nipper_pin.study.imports import ImportCost
+from nipper_pin.study.scenes import bouncing_mass
+from nipper_pin.study.skips import Skip
+from nipper_pin.study.timing import Timing
+from nipper_pin.study.work_precision import Row
+from nipper_pin.view import benchmark_report
+from nipper_pin.view.benchmark_files import work_precision_figure
+
+MEDIAN, FASTEST = 12.0, 7.0
+MIB = 2.0**20
+
+
+@pytest.fixture(name="clock")
+def made_up_clock(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Every run takes 12 ms by the median and 7 ms at best; what is run is kept."""
+    kept: list[Any] = []
+
+    def timed(function: Callable[[], object], repeats: int, _budget_s: float = 1.0) -> Timing:
+        kept.append(function())
+        return Timing(90.0, MEDIAN, FASTEST, 3.0, repeats)
+
+    monkeypatch.setattr(cost, "timed", timed)
+    return kept
+
+
+@pytest.mark.usefixtures("clock")
+def test_collisions_of_the_bouncing_mass(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Counts are those of runs, and a time that is off by a millisecond is so by its share."""
+    true = cost.bouncing_mass_times
+    late = 1e-3
+    monkeypatch.setattr(
+        cost, "bouncing_mass_times", lambda e, count: np.array(true(e, count)) + late
+    )
+    monkeypatch.setattr(cost, "RESTITUTIONS", (0.2, 0.5))
+    rows = cost.collision_cost(3, 0.1)
+    assert [row["restitution"] for row in rows] == [0.2, 0.5]
+    for row in rows:
+        e = row["restitution"]
+        run = simulate(bouncing_mass(tmp_path / str(e), e), Case(speed_rpm=60.0))
+        count = sum(event.kind.value == "collision" for event in run.events)
+        assert row["collisions"] == count
+        assert (row["wall_ms"], row["fastest_ms"]) == (MEDIAN, FASTEST)
+        assert row["ms_per_collision"] == pytest.approx(MEDIAN / count)
+        assert row["evaluations"] == run.evaluations
+        # Bounces of a mass that meets a table at 0.06 m/s, under 9.81 m/s2.
+        rest = 2.0 * e * 0.06 / (9.81 * (1.0 - e))
+        assert row["error_times"] == pytest.approx(late / rest, rel=1e-6)
+        assert row["error_transition_time"] < 1e-9
+
+
+def test_turns_with_and_without_reuse(clock: list[Any], e62: Mechanism) -> None:
+    """Each count of turns once in each way; both times are told by their name."""
+    rows = cost.turn_cost(e62, (1, 2), 3, 0.1)
+    assert [row["turns"] for row in rows] == [1, 2]
+    assert set(rows[0]) == {"turns", "reuse_ms", "no_reuse_ms"}
+    cases = [(run.case.cycles, run.case.reuse_cycles, run.case.window) for run in clock]
+    assert cases == [
+        (1, True, Window.CYCLE), (1, False, Window.CYCLE),
+        (2, True, Window.CYCLE), (2, False, Window.CYCLE),
+    ]  # fmt: skip
+
+
+def test_chains_of_four_bars(clock: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """N four-bars have 2 N + 1 links and N cut pins; evaluations in microseconds."""
+    monkeypatch.setattr(cost, "_evaluation_ms", lambda mechanism: 0.25 * len(mechanism.closures))
+    rows = cost.link_cost((1, 2), 3, 0.1)
+    for row, count, runs in zip(rows, (1, 2), (clock[:2], clock[2:]), strict=True):
+        assert (row["four_bars"], row["links"], row["cut_pins"]) == (count, 2 * count + 1, count)
+        assert len(runs[0].mechanism.joints) == 2 * count + 1
+        assert row["evaluation_us"] == 250.0 * count
+        for run, drive in zip(runs, ("held", "inertial"), strict=True):
+            assert run.case.drive.value == drive
+            assert row[f"{drive}_ms"] == MEDIAN
+            assert row[f"{drive}_evaluations"] == run.evaluations
+            assert row[f"{drive}_energy_balance"] == run.checks.energy_balance
+
+
+def test_one_evaluation(clock: list[Any], tmp_path: Path) -> None:
+    """The time of a batch by the number of its states."""
+    chain = cost.four_bar_chain(tmp_path / "chain", 1)
+    assert cost._evaluation_ms(chain, states=20) == MEDIAN / 20.0
+    assert len(clock[-1][0]) == 20 or len(clock[-1]) == 20
+
+
+@pytest.mark.usefixtures("clock")
+def test_a_turn_against_the_certified_one() -> None:
+    """Counts and times of the run, and its worst collision by the certified table."""
+    mechanism = cost.certified_model()
+    row = cost.cycle_cost(mechanism, "650", 3, 0.1, tolerance=1e-4)
+    case = Case(speed_rpm=650.0, window=Window.CYCLE, resolution=Resolution(tolerance=1e-4))
+    run = simulate(mechanism, case)
+    hits = [event for event in run.events if event.kind.value == "collision"]
+    assert (row["wall_ms"], row["fastest_ms"], row["tolerance"]) == (MEDIAN, FASTEST, 1e-4)
+    assert (row["collisions"], row["evaluations"]) == (len(hits), run.evaluations)
+    worst, last = 0.0, (0, "")
+    rows = list(certified_cycle("650"))
+    place = 0
+    for event in hits:
+        if event.stops[0] != last[1]:
+            last, place = (last[0] + 1, event.stops[0]), 0
+        of_series = [r for r in rows if (int(r["series"]), r["stop"]) == last]
+        if place < len(of_series):
+            worst = max(worst, abs(event.t / float(of_series[place]["time_s"]) - 1.0))
+        place += 1
+    assert row["error_times"] == pytest.approx(worst, rel=1e-9)
+    assert worst > 0.0
+
+
+def test_memory_is_in_units_of_1024(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A block of 64 and of 160 MiB, in a process of its own and in this one."""
+    work = "kept = bytearray({0} * 2**20)"
+    small, large = (
+        float(cost.run_python(cost._MEMORY.format(work=work.format(size)))) for size in (64, 160)
+    )
+    assert large - small == pytest.approx(96.0, abs=1.0)
+    monkeypatch.setattr(cost, "certified_model", lambda: None)
+    monkeypatch.setattr(cost, "simulate", lambda *_: bytearray(int(50 * MIB)))
+    assert cost._traced(Case(speed_rpm=650.0)) == pytest.approx(50.0, rel=1e-2)
+    told: list[str] = []
+
+    def run_python(code: str) -> str:
+        told.append(code)
+        return f"{100.0 + len(told)}\n"
+
+    monkeypatch.setattr(cost, "run_python", run_python)
+    rows = cost.memory(7)
+    peaks = {row["what"]: row["peak_MB"] for row in rows}
+    assert list(peaks)[:6] == [
+        "interpreter", "import pinocchio", "import nipper_pin", "one transition", "one turn",
+        "7 turns, each computed",
+    ]  # fmt: skip
+    assert list(peaks.values())[:6] == [101.0, 102.0, 103.0, 104.0, 105.0, 106.0]
+    assert "cycles=7" in told[5]
+    assert "reuse_cycles=False" in told[5]
+
+
+def test_imports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fastest of several logs, in milliseconds, and what is left out with and without."""
+    logs = iter([
+        "import time: 700 | 90000 | pinocchio\nimport time: 500 | 4000 | nipper_pin\n"
+        "import time: 2500 | 9000 | nipper_pin.hybrid\n",
+        "import time: 700 | 80000 | pinocchio\nimport time: 900 | 5000 | nipper_pin\n"
+        "import time: 1500 | 9000 | nipper_pin.hybrid\n",
+    ])  # fmt: skip
+    monkeypatch.setattr(imports, "run_python", lambda *_: next(logs))
+    found = imports.import_cost(2)
+    assert found.pinocchio_ms == pytest.approx(80.0)
+    assert found.added_ms == pytest.approx(4.0)
+    # 500 and 2500 us in the first log, 900 and 1500 us in the second.
+    assert found.used_ms == pytest.approx(2.4)
+    assert found.ratio == pytest.approx(2.4 / 80.0)
+
+    answers: dict[str, list[str]] = {
+        "rich": ["0.05 0.9", "0.04 0.7"], "matplotlib": ["0.5 0.6", "0.4 0.8"],
+    }  # fmt: skip
+
+    def run_python(code: str) -> str:
+        of = next((name for name in answers if f"import {name}" in code), None)
+        return "missing" if of is None else answers[of].pop(0)
+
+    monkeypatch.setattr(imports, "run_python", run_python)
+    rows = dict((name, times) for name, *times in imports.left_out(2))
+    assert set(rows) == {"matplotlib", "rich"}
+    assert rows["rich"] == pytest.approx([40.0, 700.0])
+    assert rows["matplotlib"] == pytest.approx([400.0, 600.0])
+
+
+# Tables and figure.
+
+
+def made_up() -> Benchmark:
+    """A benchmark whose numbers all differ."""
+    row = Row("direct", "1e-12", 3.25, 9.0, 2.5, 0.1, 30, 2e-13, 7e-13, evaluations=212)
+    rows = (
+        row,
+        Row("direct", "1e-8", 1.25, 8.0, 1.0, 0.2, 30, 3e-9, 5e-9, evaluations=112),
+        Row("direct", "none", 1.0, 8.0, 0.5, 0.2, 30, None, None, evaluations=9),
+    )
+    peers = (
+        Row("a peer (by hand)", "1e-6", 50.0, 99.0, 40.0, 5.0, 30, 2e-5, 4e-5, evaluations=999),
+        Row("a peer (by hand)", "0", 60.0, 99.0, 45.0, 5.0, 30, 0.0, 0.0, evaluations=999),
+    )
+    names = ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
+    return Benchmark(
+        quick=True,
+        environment={
+            "date": "2026-01-02T03:04:05", "platform": "here", "processor": "chip", "cores": 6,
+            "cores_allowed": 5, "load_average": [1.25, 2.5, 3.5], "python": "3.11.9",
+            "threads": {"OMP_NUM_THREADS": None, "MKL_NUM_THREADS": "3"},
+            "versions": {"numpy": "2.1", "pin": "3.2"},
+        },
+        engines=rows, accuracy=(row,), stated=(), peers=peers,
+        unavailable=("a peer: no bounce",),
+        reduced={"build_ms": 812.5, "error": 4.5e-13},
+        skips=(Skip("plots", 4.0, 610.0), Skip("checks", 2.0, 5.0)),
+        imports=ImportCost(81.0, 2.25, 40.5, 0.5),
+        cost={name: [{"what": f"{name} {row}", "wall_ms": 10.0 * place + row, "small": 1e-7 * row,
+                      "none": None, "count": 1000 * row}
+                     for row in (1, 2)]
+              for place, name in enumerate(names)},
+    )  # fmt: skip
+
+
+def test_sheets_of_costs() -> None:
+    """Rows of each part under its own title; ratios and savings by hand; the machine above."""
+    result = made_up()
+    found = {sheet.title: sheet for sheet in benchmark_report.sheets(result)}
+    titles = {
+        "cycle": "A whole turn, against the certified one",
+        "phases": "Cost of the phases of a turn at 450 r/min",
+        "parts": "Parts of one transition at 650 r/min, tolerance 1e-9",
+        "collisions": "Growth with the number of collisions: bouncing mass",
+        "turns": "Growth with the number of turns at 650 r/min",
+        "links": "Growth with the number of links: chain of N four-bars, one turn",
+        "memory": "Peak memory",
+    }
+    for place, (name, title) in enumerate(titles.items()):
+        sheet = found[title]
+        assert sheet.headings == ("what", "wall ms", "small", "none", "count")
+        for row, cells in zip((1, 2), sheet.rows, strict=True):
+            assert cells[0] == f"{name} {row}"
+            assert float(cells[1]) == 10.0 * place + row
+            assert float(cells[2]) == 1e-7 * row
+            assert cells[3:] == ("-", str(1000 * row))
+    skips = found["What is skipped"]
+    assert skips.headings == ("what", "with the skip ms", "without ms", "saved ms", "ratio")
+    assert [(row[0], *map(float, row[1:])) for row in skips.rows] == [
+        ("plots", 4.0, 610.0, 606.0, pytest.approx(152.5, rel=4e-3)),
+        ("checks", 2.0, 5.0, 3.0, 2.5),
+    ]
+    imported = found["Imports (python -X importtime)"]
+    wanted = {"import pinocchio ms": 81.0, "import nipper_pin adds ms": 2.25,
+              "with load and simulate ms": 40.5, "ratio": 0.5}  # fmt: skip
+    assert dict(zip(imported.headings, map(float, imported.rows[0]), strict=True)) == wanted
+    assert found["Reduced engine"].rows == (("build_ms", "812"), ("error", "4.5e-13"))
+    head = benchmark_report.header(result)
+    assert head == [
+        "2026-01-02T03:04:05, quick run",
+        "here, chip, 6 cores (5 allowed), load 1.25",
+        "Python 3.11.9, numpy 2.1, pin 3.2",
+        "threads: OMP_NUM_THREADS not set, MKL_NUM_THREADS 3",
+    ]
+    text = benchmark_report.markdown(result)
+    for sheet in found.values():
+        for cells in (sheet.headings, *sheet.rows):
+            assert f"| {' | '.join(cells)} |" in text
+
+
+def test_figure_of_work_against_precision() -> None:
+    """The fastest time over the worst error, one line for each solver that has an answer."""
+    figure = work_precision_figure(made_up())
+    (axes,) = figure.axes
+    lines = [tuple(map(tuple, zip(*line.get_data(), strict=True))) for line in axes.lines]
+    assert lines == [((7e-13, 2.5), (5e-9, 1.0)), ((4e-5, 40.0), (1e-16, 45.0))]
+    assert "worst relative error" in axes.get_xlabel()
+    assert axes.get_ylabel().endswith("fastest of the repeats [ms]")
+    assert axes.get_xlim()[0] > axes.get_xlim()[1]
+    (legend,) = figure.legends
+    assert [item.get_text() for item in legend.get_texts()] == ["direct", "a peer"]
+    assert "2026-01-02" in axes.get_title()
+    assert math.isfinite(axes.get_ylim()[1])
