@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+
+# In several threads BLAS adds up in another order, so the last bits of a result would depend on the
+# environment. BLAS reads this once, when numpy is imported.
+if "numpy" not in sys.modules:
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
 from ..errors import InputError, NipperError
 from . import (

@@ -89,7 +89,8 @@ def optimise(
         seed: Seed of starts and of the global check.
         check: Whether differential evolution checks the best descent.
         points: Points of the Pareto front of a problem with two aims.
-        workers: Processes; by default as many as there are processors. 1: this process alone.
+        workers: Processes; by default as many as there are processors. 1: one, which is this one
+            if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
         folder: Where finished parts are kept and found again; by default nowhere.
         progress: Called with (parts finished, parts known so far).
 
@@ -131,7 +132,8 @@ def identify(
             ratios.
         starts: Number of descents.
         seed: Seed of the starts.
-        workers: Processes; by default as many as there are processors. 1: this process alone.
+        workers: Processes; by default as many as there are processors. 1: one, which is this one
+            if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
         progress: Called with (starts done, starts in all, least cost so far).
 
     Returns:

@@ -98,19 +98,22 @@ def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Itera
     Args:
         task: A function that another process can find, or a partial of one.
         items: What it is called with.
-        workers: Processes; 1: this process alone.
+        workers: Processes; 1: one, which is this one if its BLAS computes in one thread.
 
     Raises:
         SimulationError: A process died.
     """
-    if workers == 1:
+    if workers == 1 and in_one_thread():
         yield from map(task, items)
         return
     with fresh_processes(workers, _nothing) as pool:
         try:
             yield from pool.map(task, items)
         except BrokenProcessPool as error:
-            message = "a worker process died, perhaps for want of memory; use fewer processes"
+            message = (
+                "a worker process died, perhaps for want of memory: use fewer processes (a script "
+                "of your own has to call this below `if __name__ == '__main__':`)"
+            )
             raise SimulationError(message, workers=workers) from error
 
 

@@ -191,7 +191,8 @@ def sensitivities(
         speed_rpm: Cylinder speed [r/min].
         paths: Numbers to ask for; by default :func:`every_path`.
         progress: Called with (numbers done, numbers in all).
-        workers: Processes; 1: this process alone. Their number does not change a bit of the result.
+        workers: Processes; 1: one. Neither their number nor that of threads of BLAS changes a bit
+            of the result.
 
     Raises:
         UnknownNameError: A path leads nowhere.
@@ -203,9 +204,7 @@ def sensitivities(
     inner = [path for path in chosen if path != SPEED]
     values = dict(zip(inner, read_values(sources, inner), strict=True))
     values[SPEED] = speed_rpm
-    premise = simulate(mechanism, Case(speed_rpm=speed_rpm)).premise_holds
-    true = premise is False
-    here = _direct(mechanism, speed_rpm, true=true)
+    ((premise, here),) = mapped(partial(_baseline, sources), [speed_rpm], 1)
     if not (here > 0.0).all():
         none = [name for name, value in zip(QUANTITIES, here, strict=True) if not value > 0.0]
         message = (
@@ -213,7 +212,7 @@ def sensitivities(
             "exist, so that nothing changes it by a percentage; change the model or the speed"
         )
         raise SimulationError(message, quantities=none)
-    find = partial(_row, sources, speed_rpm, here, true)
+    find = partial(_row, sources, speed_rpm, here, premise is False)
     rows = []
     for row in mapped(find, [(path, values[path]) for path in chosen], workers):
         rows.append(row)
@@ -228,6 +227,13 @@ def sensitivities(
         clamping_force_N=float(here[2]),
         rows=tuple(rows),
     )
+
+
+def _baseline(sources: Sources, speed_rpm: float) -> tuple[bool | None, FloatArray]:
+    """Whether the premise of a transition holds, and the quantities."""
+    mechanism = sources.build()
+    premise = simulate(mechanism, Case(speed_rpm=speed_rpm)).premise_holds
+    return premise, _direct(mechanism, speed_rpm, true=premise is False)
 
 
 def _row(

@@ -47,7 +47,8 @@ def identify(
         problem: The problem.
         starts: Number of descents.
         seed: Seed of the starts.
-        workers: Processes; by default as many as there are processors. 1: this process alone.
+        workers: Processes; by default as many as there are processors. 1: one, which is this one
+            if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
         progress: Called after every descent.
 
     Raises:
@@ -77,7 +78,7 @@ def _best(
     progress: Progress | None,
 ) -> Fit:
     """The best of the descents from some starts."""
-    problem, starts = objective.problem, len(begins)
+    starts = len(begins)
     found: list[Descent] = []
     for descent in mapped(partial(descend, objective), begins, workers):
         found.append(descent)
@@ -90,7 +91,13 @@ def _best(
             f"{found[0].reason}); narrow the bounds around the model's own values"
         )
         raise SimulationError(message, starts=starts, seed=seed, reason=found[0].reason)
-    z = ranked[0].z
+    (fit,) = mapped(partial(_fitted, objective, seed), [ranked], 1)
+    return fit
+
+
+def _fitted(objective: Objective, seed: int, ranked: tuple[Descent, ...]) -> Fit:
+    """What the best of some descents came to."""
+    problem, z = objective.problem, ranked[0].z
     mechanism, broken = objective.mechanism(z), np.zeros(0)
     if problem.limits is not None:
         broken = excesses(problem.limits, objective.cycle(mechanism, problem.limits))
