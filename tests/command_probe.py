@@ -194,7 +194,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
     note("nipper_pin.view.optimise_report.print_optimum", lambda *_: None)
     known = SimpleNamespace(ranked=lambda: [("a", 1), ("b", 2), ("c", 3)])
-    fit = SimpleNamespace(known=known, goodness=SimpleNamespace(check=lambda: None))
+    fit = SimpleNamespace(known=known, goodness=SimpleNamespace(), check=lambda: None)
     note("nipper_pin.study.identify.identify", lambda *_, **__: fit)
     note("nipper_pin.study.identify.profile", lambda _fit, path, **_: path)
     note("nipper_pin.study.identify.write_model", lambda *_: None)

@@ -83,7 +83,7 @@ def _run(options: argparse.Namespace) -> None:
 
         print_fit(fit, judged, known, profiles, Console())
     # The result is written, and is no success.
-    judged.check()
+    fit.check()
 
 
 @contextmanager

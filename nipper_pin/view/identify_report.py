@@ -9,15 +9,12 @@ from rich.console import Console
 from ..study.identify.determine import DETERMINED, Determinability
 from ..study.identify.fit import Fit
 from ..study.identify.goodness import Goodness, Verdict
-from ..study.identify.limits import LIMITS
 from ..study.identify.profiles import Profile
 from ..study.identify.record import WORD
 from ..study.identify.targets import Condition
 from .console import plain_table, say
 
-_NEAR = 1e-3
 _SAME = 1e-3
-_BROKEN = 1.0
 # Two numbers whose errors go together this far are known as a combination alone.
 _STRONG = 0.9
 _PAIRS = 5
@@ -94,11 +91,10 @@ def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) 
     scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
     for item in fit.objective.problem.parameters:
         value = fit.values[item.path]
-        edge = min(value - item.low, item.high - value) < _NEAR * item.width
         table.add_row(
             item.path,
             f"{item.start:.5g}",
-            f"{value:.5g}{'*' if edge else ' '}",
+            f"{value:.5g}{'*' if item.path in fit.at_bounds else ' '}",
             f"{given[item.path] * item.width:.2g}",
             f"{scaled[item.path] * item.width:.2g}" if scaled else "-",
             f"{item.low:g}..{item.high:g}",
@@ -111,6 +107,12 @@ def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) 
         "meet. left: part of its range that the targets leave a number; ?: "
         f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
     )
+    if fit.at_bounds:
+        ends = ", ".join(f"{path} ({side})" for path, side in fit.at_bounds.items())
+        say(
+            console,
+            f"at a bound of their ranges, so that bounds and not targets decide them: {ends}",
+        )
 
 
 def _correlations(known: Determinability, console: Console) -> None:
@@ -137,10 +139,10 @@ def _setting(at: Condition) -> str:
 
 
 def _limits(fit: Fit, console: Console) -> None:
-    broken = [name for name, value in zip(LIMITS, fit.broken, strict=False) if abs(value) > _BROKEN]
-    if broken:
-        say(console, f"limits that are broken: {', '.join(broken)}")
-    elif fit.broken.size:
+    if fit.broken_limits:
+        words = ", ".join(f"{name} by {by:+.3g}" for name, by in fit.broken_limits.items())
+        say(console, f"LIMITS ARE BROKEN: {words}", style="bold red")
+    elif fit.excess.size:
         say(console, "all limits are kept")
 
 

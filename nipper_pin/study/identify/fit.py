@@ -10,14 +10,18 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...arrays import FloatArray
-from ...errors import NipperError
+from ...errors import MisfitError, NipperError
 from ...hybrid.premise import Premise
+from .limits import broken_limits
 from .objective import Objective
 from .targets import Condition, Target
 
 if TYPE_CHECKING:
     from .determine import Determinability
     from .goodness import Goodness
+
+AT_BOUND = 1e-3
+"""A number that is nearer to a bound than this part of its range is at it."""
 
 _MAX_STEPS = 60
 
@@ -53,8 +57,8 @@ class Fit:
         descents: All descents, the best first; equal ones in the order of their starts.
         values: Values of the free numbers by path.
         predicted: Values of the targets, shape (targets,).
-        broken: Limits that are broken, in sigmas, in the order of ``LIMITS``; zero inside, empty
-            without limits.
+        excess: How far the working cycle is outside its limits, in sigmas, in the order of
+            ``LIMITS``; zero inside, empty without limits.
         premises: For each setting of the targets whether the machine of the fit arrives as a
             transition assumes. Where it does not, the transition of the turn was taken.
     """
@@ -64,7 +68,7 @@ class Fit:
     descents: tuple[Descent, ...]
     values: dict[str, float]
     predicted: FloatArray
-    broken: FloatArray
+    excess: FloatArray
     premises: dict[Condition, Premise]
 
     @cached_property
@@ -80,6 +84,36 @@ class Fit:
         from .goodness import goodness
 
         return goodness(self, self.known)
+
+    def check(self) -> None:
+        """Refuse a fit that cannot be used.
+
+        Raises:
+            MisfitError: Its data contradict it, or it breaks a limit.
+        """
+        self.goodness.check()
+        if self.broken_limits:
+            words = ", ".join(f"{name} by {by:+.3g}" for name, by in self.broken_limits.items())
+            message = (
+                f"the fit breaks limits: {words}. No machine that was found meets them and the "
+                "targets: free more numbers, widen their ranges, or doubt targets and limits"
+            )
+            raise MisfitError(message, limits=self.broken_limits)
+
+    @property
+    def broken_limits(self) -> dict[str, float]:
+        """Limits that are broken, and by how much, each in its own unit."""
+        return broken_limits(self.excess)
+
+    @property
+    def at_bounds(self) -> dict[str, str]:
+        """Numbers that end at a bound of their range: "low" or "high", by path."""
+        ends = zip(self.objective.problem.parameters, self.best.z, strict=True)
+        return {
+            item.path: "low" if z < 0.5 else "high"
+            for item, z in ends
+            if min(z, 1.0 - z) < AT_BOUND
+        }
 
     @property
     def best(self) -> Descent:

@@ -19,6 +19,12 @@ OPENING_SIGMA_DEG = 0.2
 
 LIMITS = ("closing_index", "opening_index", "jaw_opening_deg", "stop_force_N")
 """Limits of the working cycle."""
+BROKEN = 1.0
+"""A limit that is missed by more sigmas than this is broken: they are weights in a sum of squares,
+so a fit that leans on one is always a little outside."""
+_SIGMAS = dict(
+    zip(LIMITS, (INDEX_SIGMA, INDEX_SIGMA, OPENING_SIGMA_DEG, FORCE_SIGMA_N), strict=True)
+)
 
 
 def excesses(limits: Limits, cycle: WorkingCycle) -> FloatArray:
@@ -33,6 +39,19 @@ def excesses(limits: Limits, cycle: WorkingCycle) -> FloatArray:
     """
     rows = limit_rows(limits, cycle)
     return np.array([*rows[:3], rows[3:].min()])
+
+
+def broken_limits(excess: FloatArray) -> dict[str, float]:
+    """Limits that are broken, and by how much, each in its own unit.
+
+    Args:
+        excess: What :func:`excesses` gave, shape (4,); empty without limits.
+    """
+    return {
+        name: float(value) * _SIGMAS[name]
+        for name, value in zip(LIMITS, excess, strict=False)
+        if abs(value) > BROKEN
+    }
 
 
 def limit_rows(limits: Limits, cycle: WorkingCycle) -> FloatArray:

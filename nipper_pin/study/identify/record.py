@@ -62,7 +62,8 @@ def record(
         "within_4_percent": fit.within(0.04),
         "within_10_percent": fit.within(0.10),
         "targets": _targets(fit, judged),
-        "limits": dict(zip(LIMITS, map(float, fit.broken), strict=False)),
+        "limits": dict(zip(LIMITS, map(float, fit.excess), strict=False)),
+        "broken_limits": fit.broken_limits,
         "parameters": _numbers(fit, judged, known),
         "correlations": known.correlations.tolist(),
         "singular_values": known.singular_values.tolist(),
@@ -127,6 +128,7 @@ def _numbers(fit: Fit, judged: Goodness, known: Determinability) -> list[dict[st
             "standard_deviation_scaled": scaled[item.path] * item.width if scaled else None,
             "range_left": left[item.path],
             "determined": left[item.path] < DETERMINED,
+            "at_bound": fit.at_bounds.get(item.path),
             "why": item.why,
         }
         for item in fit.objective.problem.parameters

@@ -98,16 +98,16 @@ def _best(
 def _fitted(objective: Objective, seed: int, ranked: tuple[Descent, ...]) -> Fit:
     """What the best of some descents came to."""
     problem, z = objective.problem, ranked[0].z
-    mechanism, broken = objective.mechanism(z), np.zeros(0)
+    mechanism, excess = objective.mechanism(z), np.zeros(0)
     if problem.limits is not None:
-        broken = excesses(problem.limits, objective.cycle(mechanism, problem.limits))
+        excess = excesses(problem.limits, objective.cycle(mechanism, problem.limits))
     return Fit(
         objective=objective,
         seed=seed,
         descents=ranked,
         values=objective.values(z),
         predicted=objective.predicted(z),
-        broken=broken,
+        excess=excess,
         premises=premises(mechanism, problem.targets, problem.tolerance),
     )
 
