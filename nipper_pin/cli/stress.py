@@ -117,13 +117,12 @@ def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], No
 
     bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
     task = bar.add_task("cases", total=cases)
-    judged = wrong = 0
+    words: dict[int, str] = {}
 
     def advance(verdict: Verdict) -> None:
-        nonlocal judged, wrong
-        judged += 1
-        wrong += verdict.word == "wrong"
-        bar.update(task, advance=1, description=f"cases, {wrong} wrong")
+        words[verdict.number] = verdict.word
+        wrong = list(words.values()).count("wrong")
+        bar.update(task, completed=len(words), description=f"cases, {wrong} wrong")
 
     try:
         with bar:
@@ -131,7 +130,7 @@ def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], No
     except KeyboardInterrupt:
         where = f"are in {folder}: run the same command again for the others"
         sys.stderr.write(
-            f"nipper-pin: interrupted; {judged:,} of {cases:,} verdicts "
+            f"nipper-pin: interrupted; {len(words):,} of {cases:,} verdicts "
             f"{where if folder is not None else 'are lost: --out keeps them'}\n"
         )
         raise

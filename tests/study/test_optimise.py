@@ -32,6 +32,7 @@ from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise, read_pr
 from nipper_pin.study.optimise import descend as descending
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.quantities import lowest
+from nipper_pin.study.optimise.store import Store
 from nipper_pin.study.optimise.trace import Trace
 
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
@@ -476,6 +477,25 @@ def test_an_interrupt_says_what_is_kept(
     assert main(["optimise", str(study(tmp_path, AT_LEAST)), "--out", str(out)]) == 130
     said = capsys.readouterr().err
     assert f"interrupted; 7 finished parts are in {out}: run the same command again" in said
+
+
+def test_an_interrupt_counts_what_is_stored(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It comes in the moment between a stored part and the note that it is stored."""
+    put, out = Store.put, tmp_path / "out"
+
+    def interrupted(store: Store, name: str, part: object) -> None:
+        put(store, name, part)
+        if name == "first_1":
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Store, "put", interrupted)
+    words = ["--out", str(out), "--workers", "1", "--starts", "3", "--no-check"]
+    assert main(["optimise", str(study(tmp_path, AT_LEAST)), *words]) == 130
+    # Nine shares of the screen, and two descents.
+    assert len(list((out / "parts").iterdir())) == 11
+    assert f"interrupted; 11 finished parts are in {out}" in capsys.readouterr().err
 
 
 def test_infeasible_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

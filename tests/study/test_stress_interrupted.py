@@ -15,6 +15,7 @@ import pytest
 from nipper_pin import InputError
 from nipper_pin.cli import main
 from nipper_pin.study.stress import Campaign, Verdict, run_campaign
+from nipper_pin.study.stress.store import Store
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 SEED, CASES = 7, 12
@@ -97,6 +98,23 @@ def test_a_folder_is_of_one_campaign(tmp_path: Path, capsys: pytest.CaptureFixtu
     campaign.write_text("{")
     with pytest.raises(InputError, match="damaged"):
         run_campaign(1, SEED, 1, folder=tmp_path)
+
+
+def test_an_interrupt_counts_what_is_stored(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It comes in the moment between a verdict that is kept and the note that it is."""
+    put = Store.put
+
+    def interrupted(store: Store, verdict: Verdict, elapsed_s: float) -> None:
+        put(store, verdict, elapsed_s)
+        if len(kept(tmp_path)) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Store, "put", interrupted)
+    words = ["--cases", "3", "--seed", str(SEED), "--workers", "1", "--out", str(tmp_path)]
+    assert main(["stress", *words]) == 130
+    assert f"interrupted; 2 of 3 verdicts are in {tmp_path}" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -5,10 +5,10 @@ SciPy's SLSQP takes another way, from the last bits on, where its BLAS has sever
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
@@ -39,7 +39,8 @@ class Work:
         self._progress = progress
         self._stack = ExitStack()
         self._pool: ProcessPoolExecutor | None = None
-        self._done = self._known = 0
+        self._done: set[str] = set()
+        self._known = 0
 
     def __enter__(self) -> Self:
         """Nothing starts yet."""
@@ -69,11 +70,12 @@ class Work:
         found = {name: self._store.get(name, kind) for name in tasks}
         missing = {name: task for name, task in tasks.items() if found[name] is None}
         self._known += len(tasks)
-        self._advance(len(tasks) - len(missing))
-        for name, part in self._results(missing):
-            self._store.put(name, part)
-            found[name] = part
-            self._advance(1)
+        self._advance(*(name for name in tasks if name not in missing))
+        with self._counted(kind, missing):
+            for name, part in self._results(missing):
+                self._store.put(name, part)
+                found[name] = part
+                self._advance(name)
         return [part for part in found.values() if part is not None]
 
     def one(self, kind: type[PartT], name: str, task: Callable[[], PartT]) -> PartT:
@@ -86,10 +88,11 @@ class Work:
         """
         self._known += 1
         found = self._store.get(name, kind)
-        if found is None:
-            found = task()
-            self._store.put(name, found)
-        self._advance(1)
+        with self._counted(kind, [name]):
+            if found is None:
+                found = task()
+                self._store.put(name, found)
+            self._advance(name)
         return found
 
     def mapper(self, function: Callable[[PlaceT], PartT], places: Iterable[PlaceT]) -> list[PartT]:
@@ -130,10 +133,19 @@ class Work:
             )
             raise SimulationError(message, workers=self._workers) from error
 
-    def _advance(self, count: int) -> None:
-        self._done += count
+    @contextmanager
+    def _counted(self, kind: type[PartT], names: Iterable[str]) -> Iterator[None]:
+        """An interrupt counts the part, too, that was stored in that moment."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            self._advance(*(name for name in names if self._store.get(name, kind) is not None))
+            raise
+
+    def _advance(self, *names: str) -> None:
+        self._done.update(names)
         if self._progress is not None:
-            self._progress(self._done, self._known)
+            self._progress(len(self._done), self._known)
 
 
 def _wake() -> None:

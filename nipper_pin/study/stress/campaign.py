@@ -83,7 +83,8 @@ def run_campaign(
         cases: Number of trials.
         seed: Seed; a trial depends on it and on its number alone.
         workers: Processes; by default one a processor.
-        progress: Called with each verdict as it comes, those that are kept first.
+        progress: Called with each verdict as it comes, those that are kept first; after an
+            interrupt with all that are kept once more.
         time_limit_s: Time of the processor after which a trial is a hang [s].
         folder: Where verdicts and the case files of what is wrong are kept as they come; what is
             there already is not judged again.
@@ -107,6 +108,13 @@ def run_campaign(
             verdicts[verdict.number] = verdict
             if progress is not None:
                 progress(verdict)
+    except KeyboardInterrupt:
+        # One that was kept in this moment is told, too.
+        if progress is not None:
+            for kept in store.look():
+                if kept.number < cases:
+                    progress(kept)
+        raise
     except BrokenProcessPool as error:
         message = (
             f"a worker process died; {len(verdicts)} of {cases} trials are judged; run fewer "

@@ -58,11 +58,20 @@ class Store:
         here = {"format": _FORMAT, "seed": seed, "time_limit_s": time_limit_s,
                 "versions": versions(), "code": _code()}  # fmt: skip
         claim(Path(folder), _CAMPAIGN, here, "campaign", {"time_limit_s": "time limit"})
-        self._take_up(Path(folder) / _VERDICTS)
+        lines = self._lines()
+        self.verdicts = tuple(line.verdict for line in lines.values())
+        self.elapsed_s = max((line.elapsed_s for line in lines.values()), default=0.0)
 
-    def _take_up(self, file: Path) -> None:
+    def look(self) -> tuple[Verdict, ...]:
+        """What is kept by now."""
+        return tuple(line.verdict for line in self._lines().values())
+
+    def _lines(self) -> dict[int, _Line]:
         """Read what is whole, and leave out what an interrupt has cut."""
+        if self._folder is None:
+            return {}
         lines: dict[int, _Line] = {}
+        file = Path(self._folder) / _VERDICTS
         text = file.read_bytes() if file.exists() else b""
         for line in text.splitlines():
             try:
@@ -70,10 +79,9 @@ class Store:
             except msgspec.MsgspecError:
                 continue
             lines[found.verdict.number] = found
-        self.verdicts = tuple(line.verdict for line in lines.values())
-        self.elapsed_s = max((line.elapsed_s for line in lines.values()), default=0.0)
         if text and not text.endswith(b"\n"):
             self._append(b"\n")
+        return lines
 
     def put(self, verdict: Verdict, elapsed_s: float) -> None:
         """Keep a verdict, and the case file of a wrong one.
