@@ -281,6 +281,14 @@ def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, floa
             q = judge.state(start + 1e-3 * t[i], left=True)[0]
             wanted = math.degrees(judge.gap(STOP, q))
             assert angle[i] == pytest.approx(wanted, rel=1e-5, abs=1e-9)
+        # The inset: from the second collision on, in thousandths of a degree.
+        (inset,) = axes.child_axes
+        small, strokes = inset.lines
+        assert inset.get_ylabel() == "[mdeg]"
+        later = t >= times[1] - 1e-12
+        np.testing.assert_allclose(small.get_xdata(), t[later])
+        np.testing.assert_allclose(small.get_ydata(), 1e3 * angle[later], atol=1e-12)
+        np.testing.assert_allclose(strokes.get_xdata(), times[1:], atol=1e-9)
     for axes in impulses.axes:
         assert axes.get_ylabel() == "impulse [N s]"
         for line, case in zip(axes.lines, CASES["table_3"], strict=True):
@@ -499,6 +507,12 @@ def test_bands_of_main_effects() -> None:
         # Of 41 sorted values the 5th and the 37th lie at a tenth and at nine tenths.
         for edge in (part[4], part[36]):
             assert (round(value, 9), round(float(edge), 9)) in corners
+    # Beside a name of one's own stands what it is; a name that says so is enough.
+    for name, path, label in (
+        ("k", "springs.steeve.rate", "k (rate)"), ("k", "springs.k", "k"), ("k", "k", "k"),
+    ):  # fmt: skip
+        named = replace(table, axes=({**axis, "name": name, "path": path},))
+        assert sweep_plots._Parameter.of(named, 0).label == label
     texts = sweep_plots.parallel_coordinates(table, [parameter], "y", y).axes[0].texts
     ends = [float(text.get_text()) for text in texts]
     assert ends == pytest.approx([1.0, 4.0, float(y.min()), float(y.max())], rel=6e-4)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -26,11 +26,12 @@ from shapely.ops import unary_union
 from small_machines import SHAFT, SLED, hinge, link, machine, slide
 from three_js import Scene, ball, box, ring
 
-from nipper_pin import Case, Mechanism, Solution, Window, load, simulate
+from nipper_pin import Case, InputError, Mechanism, Solution, Window, load, simulate
 from nipper_pin.mechanism import from_sources
 from nipper_pin.view.scene import Film, Look, film, scene_page
 from nipper_pin.view.scene.flat import flat, moved
 from nipper_pin.view.scene.gif import _Painter
+from nipper_pin.view.scene.objects import solid_commands
 from nipper_pin.view.scene.solids import solids
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"
@@ -302,6 +303,16 @@ def test_faces_of_a_mirrored_mesh(shaped: Mechanism) -> None:
             found.add(frozenset(apart.argmin(axis=1).tolist()))
     assert found == wanted
     assert 0 < len(wanted) < 4
+
+
+def test_a_mesh_that_no_viewer_reads_is_refused(shaped: Mechanism, tmp_path: Path) -> None:
+    """The formats that can be read are named."""
+    (tmp_path / "horn.ply").write_text("ply")
+    urdf = shaped.urdf.replace("horn.stl", "horn.ply")
+    odd = replace(shaped, urdf=urdf, mesh_folder=str(tmp_path))
+    (horn,) = (item for item in solids(odd) if item.name == "horn")
+    with pytest.raises(InputError, match=r"horn.ply: .*\.stl, \.obj, \.dae; convert"):
+        list(solid_commands(odd, horn))
 
 
 def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None:
