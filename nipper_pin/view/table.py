@@ -232,7 +232,8 @@ def _release_text(solution: Solution, event: Event) -> str:
         units = units_of(mechanism, mechanism.stop(event.stops[0]).index)
         gap, duration = digits(units.amplitude_factor * lifted[0]), f"{1e3 * lifted[1]:.3f}"
         text += f", opens by up to {gap} {units.amplitude} and collides {duration} ms later"
-    if phase is None or phase.number != mechanism.initial_phase:
+    waits = mechanism.transition_stop not in event.closed_before
+    if phase is None or phase.number != mechanism.initial_phase or not waits:
         return text + "."
     return (
         f"{text}. This is before the {mechanism.transition_stop} collides: to hold the {who} "

@@ -20,7 +20,9 @@ from rich.console import Console
 import nipper_pin.study.stress as stress
 import nipper_pin.study.sweep as sweep
 from nipper_pin.cli import main
+from nipper_pin.study.identify.fit import Fit
 from nipper_pin.study.identify.goodness import Verdict as Fitted
+from nipper_pin.study.identify.limits import FORCE_SIGMA_N, INDEX_SIGMA
 from nipper_pin.study.identify.targets import Condition
 from nipper_pin.study.stress import Campaign
 from nipper_pin.study.stress.judging import Verdict
@@ -67,16 +69,15 @@ def fit(**others: Any) -> Any:
         parameters=[free(PATHS[0], 11.0, 4.0, 20.0), free(PATHS[1], 0.25, 0.125, 0.5),
               free(PATHS[2], 3.5, 3.0, 8.0)],
     )  # fmt: skip
+    ends = np.array([0.515625, 0.0, 0.75])
     found = {
         "objective": SimpleNamespace(problem=problem), "seed": 17,
-        "descents": [SimpleNamespace(cost=cost) for cost in (1.5, 1.5001, 2.5, 9.0)],
-        "best": SimpleNamespace(cost=1.5),
-        "within": lambda share: {0.04: 1, 0.10: 2}[share],
-        "predicted": np.array([5.5, 76.0]), "deviations": np.array([0.0476, -0.05]),
+        "descents": tuple(SimpleNamespace(cost=cost, z=ends) for cost in (1.5, 1.5001, 2.5, 9.0)),
+        "predicted": np.array([5.375, 76.0]),
         "values": {PATHS[0]: 12.25, PATHS[1]: 0.125, PATHS[2]: 6.75},
-        "premises": {}, "broken": np.zeros(4), **others,
+        "premises": {}, "excess": np.zeros(4), **others,
     }  # fmt: skip
-    return SimpleNamespace(**found)
+    return Fit(**found)
 
 
 KNOWN: dict[str, Any] = {
@@ -125,7 +126,7 @@ def test_identify_in_words() -> None:
 def test_tables_of_identify() -> None:
     """Target, wanted, sigma, found, deviation, sigmas; number, before, found, errors, bounds."""
     text = told()
-    assert cells(text, "one") == ["5.25", "0.12", "5.5", "+4.76", "%", "+2.00"]
+    assert cells(text, "one") == ["5.25", "0.12", "5.375", "+2.38", "%", "+2.00"]
     assert cells(text, "two") == ["80", "2.5", "76", "-5.00", "%", "-120!"]
     # Errors are shares of the range: of 16, 0.375 and 5.
     assert cells(text, PATHS[0]) == ["11", "12.25", "0.24", "0.48", "4..20", "6%"]
@@ -137,8 +138,11 @@ def test_tables_of_identify() -> None:
 def test_limits_and_premises_of_identify() -> None:
     """A limit that is broken by more than a sigma, and the settings whose turn is another one."""
     assert "all limits are kept" in told()
-    broken = told(fit(broken=np.array([0.5, -1.5, 0.0, 2.0])))
-    assert "limits that are broken: opening_index, stop_force_N\n" in broken
+    text = told(fit(excess=np.array([0.0, -1.5, 0.0, 2.0])))
+    words = (
+        f"opening_index by {-1.5 * INDEX_SIGMA:+.3g}, stop_force_N by {2.0 * FORCE_SIGMA_N:+.3g}"
+    )
+    assert f"LIMITS ARE BROKEN: {words}\n" in text
     premises = {
         Condition(650.0, 0.25, 9500.0): SimpleNamespace(holds=False, why="late"),
         Condition(450.0): SimpleNamespace(holds=None, why="not asked"),
