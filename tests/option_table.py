@@ -157,10 +157,18 @@ CHECK = {
     "--json": Entry("--json -", DOCUMENT | {"next_steps called": GONE, "next_steps.model": GONE,
                                             "print_report called": GONE}),
 }  # fmt: skip
-NEW = {"MODEL": Entry("press", {
-    **files("press/press.toml", "press/press.urdf", "press/model.schema.json"),
-    "file other/other.toml": GONE, "file other/other.urdf": GONE,
-    "file other/model.schema.json": GONE}, moves=("in press/", "in other/"))}  # fmt: skip
+_OTHER_GONE = {"file other/other.toml": GONE, "file other/other.urdf": GONE,
+               "file other/model.schema.json": GONE}  # fmt: skip
+_SKELETON_GONE = {"write_skeleton called": GONE, "write_skeleton.folder": GONE}
+NEW = {
+    "MODEL": Entry("press", {
+        **files("press/press.toml", "press/press.urdf", "press/model.schema.json"), **_OTHER_GONE,
+        "write_skeleton.folder": "press"}, moves=("in press/", "in other/")),
+    "--from": Entry("--from toggle_press", {
+        **_SKELETON_GONE, "write_drawing called": True, "write_drawing.folder": "press",
+        "write_drawing.drawing.name": "toggle_press"}, "press", ("write_drawing.drawing.",)),
+    "--list": Entry("--list", {**_OTHER_GONE, **_SKELETON_GONE}, moves=("in other/",)),
+}  # fmt: skip
 PAPER = {
     "MODEL": Entry("e62_identified", {
         "paper_study.mechanism.name": "e62_identified",

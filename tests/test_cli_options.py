@@ -36,6 +36,7 @@ ASKED_FOR = {
     "sweep STUDY.toml": "{sweep}",
     "plot DIR": "folder",
     "new MODEL": "other",
+    "new --list": "other",
 }
 FIT = """format = 1
 title = "fit"

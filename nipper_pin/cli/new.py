@@ -6,22 +6,53 @@ import argparse
 import sys
 from pathlib import Path
 
+from ..errors import InputError
+from .arguments import refuse_beside
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument(
         "folder",
         metavar="MODEL",
+        nargs="?",
         help="folder to write; its name becomes the model's",
     )
+    parser.add_argument(
+        "--from",
+        dest="start",
+        metavar="NAME",
+        help="start from this machine of the gallery, not from the commented press",
+    )
+    parser.add_argument("--list", action="store_true", help="name the machines of the gallery")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
+    if options.list:
+        refuse_beside(options, "--list", {"folder": "MODEL", "start": "--from"})
+        _list()
+    elif options.folder is None:
+        message = "name the folder to write, as in nipper-pin new my_press"
+        raise InputError(message)
+    elif options.start is None:
+        _skeleton(options.folder)
+    else:
+        _from_gallery(options.start, options.folder)
+
+
+def _list() -> None:
+    from ..mechanism.gallery import GALLERY
+
+    width = max(map(len, GALLERY))
+    for name, draw in GALLERY.items():
+        sys.stdout.write(f"{name:<{width}}  {draw().title}\n")
+
+
+def _skeleton(model: str) -> None:
     from ..mechanism.skeleton import write_skeleton
 
-    folder = write_skeleton(Path(options.folder))
-    model = options.folder
+    folder = write_skeleton(Path(model))
     sys.stdout.write(
         f"{folder}: a press with one stop to strike and one to come back to, every line explained\n"
         f"  {folder.name}.urdf        links, joints, masses, shapes\n"
@@ -31,4 +62,20 @@ def _run(options: argparse.Namespace) -> None:
         f"  nipper-pin check {model}\n"
         f"  nipper-pin simulate {model} --window cycle\n"
         "Then replace its parts by yours, and check after each.\n"
+    )
+
+
+def _from_gallery(name: str, model: str) -> None:
+    from ..mechanism.drawing import write_drawing
+    from ..mechanism.gallery import drawn
+
+    drawing = drawn(name)
+    write_drawing(drawing, model)
+    sys.stdout.write(
+        f"{model}: {drawing.title}\n"
+        f"  {drawing.known or drawing.invented}\n"
+        "It runs as it stands:\n"
+        f"  nipper-pin check {model}\n"
+        f"  nipper-pin simulate {model} --window cycle\n"
+        f"  nipper-pin view {model} --window cycle --html {model}.html\n"
     )

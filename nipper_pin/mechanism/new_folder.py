@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
+from .load import known_models
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+
+
+def check_model_folder(folder: str | Path) -> Path:
+    """Refuse a folder whose name cannot be that of a new model.
+
+    Args:
+        folder: Folder that a model is to be written into; its name becomes the model's.
+
+    Returns:
+        The folder, resolved.
+
+    Raises:
+        InputError: The name cannot be a model's, or belongs to one that comes with the package.
+    """
+    target = Path(folder).resolve()
+    name = target.name
+    if not _NAME.fullmatch(name):
+        message = f"{name!r} cannot name a model: a letter, then letters, digits, _ and -"
+        raise InputError(message, folder=str(folder))
+    if name in known_models():
+        message = f"{name} is a model that comes with the package; give yours another name"
+        raise InputError(message, folder=str(folder))
+    return target
 
 
 def check_new_folder(folder: str | Path) -> Path:

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
-from ...errors import InputError
-from ..load import known_models
-from ..new_folder import new_folder
+from ..new_folder import check_model_folder, new_folder
 from ..schema import SCHEMA_FILE, schema_text
-
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
 def write_skeleton(folder: Path) -> Path:
@@ -25,16 +20,9 @@ def write_skeleton(folder: Path) -> Path:
     Raises:
         InputError: The name cannot be a model's, or the folder cannot be written or is not empty.
     """
-    target = folder.resolve()
-    name = target.name
-    if not _NAME.fullmatch(name):
-        message = f"{name!r} cannot name a model: a letter, then letters, digits, _ and -"
-        raise InputError(message, folder=str(folder))
-    if name in known_models():
-        message = f"{name} is a model that comes with the package; give yours another name"
-        raise InputError(message, folder=str(folder))
+    target = check_model_folder(folder)
     with new_folder(target) as partial:
-        for file, text in skeleton(name).items():
+        for file, text in skeleton(target.name).items():
             (partial / file).write_text(text, encoding="utf-8")
     return target
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,12 +11,11 @@ from xml.etree import ElementTree
 
 from ...mechanism import Mechanism, load
 from ...mechanism.new_folder import new_folder
+from ...mechanism.toml_writing import toml
 from ...mechanism.urdf import parse_xml
 from .fit import Fit
 from .goodness import Goodness
 from .parameters import with_values
-
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
@@ -121,49 +119,3 @@ def _copy_meshes(root: ElementTree.Element, old: Path, new: Path) -> None:
             continue
         (new / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(old / file, new / file)
-
-
-def toml(document: Mapping[str, Any]) -> str:
-    """Write plain data as TOML; it reads back equal.
-
-    Args:
-        document: Tables, lists of tables, and values.
-    """
-    lines: list[str] = []
-    _table(document, (), lines)
-    return "\n".join(lines) + "\n"
-
-
-def _table(table: Mapping[str, Any], path: tuple[str, ...], lines: list[str]) -> None:
-    """Values first: what follows a heading in TOML belongs to it."""
-    inner: list[tuple[str, str, Mapping[str, Any]]] = []
-    for key, value in table.items():
-        heading = ".".join(map(_key, (*path, key)))
-        if isinstance(value, Mapping):
-            inner.append((key, f"[{heading}]", value))
-        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-            inner.extend((key, f"[[{heading}]]", item) for item in value)
-        else:
-            lines.append(f"{_key(key)} = {_value(value)}")
-    for key, heading, item in inner:
-        lines.extend(("", heading))
-        _table(item, (*path, key), lines)
-
-
-def _key(key: str) -> str:
-    return key if _BARE.fullmatch(key) else _quoted(key)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return _quoted(value)
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    return repr(value)
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'

@@ -1,0 +1,47 @@
+"""Machines drawn as points, bodies and joints, which become model folders."""
+
+from .compound import flap, telescope
+from .parts import (
+    FRAME,
+    Body,
+    Damper,
+    Drawing,
+    Drive,
+    Part,
+    Pin,
+    Place,
+    Slide,
+    Slot,
+    Spring,
+    Stop,
+    Tie,
+)
+from .places import between, direction, distance, meet, on_line, polar
+from .write import drawn_mechanism, drawn_texts, write_drawing
+
+__all__ = [
+    "FRAME",
+    "Body",
+    "Damper",
+    "Drawing",
+    "Drive",
+    "Part",
+    "Pin",
+    "Place",
+    "Slide",
+    "Slot",
+    "Spring",
+    "Stop",
+    "Tie",
+    "between",
+    "direction",
+    "distance",
+    "drawn_mechanism",
+    "drawn_texts",
+    "flap",
+    "meet",
+    "on_line",
+    "polar",
+    "telescope",
+    "write_drawing",
+]

@@ -1,0 +1,150 @@
+"""The TOML document of a drawing: shaft, drives, springs, stops, closures and phases."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...errors import InputError
+from .parts import Damper, Drive, Slot, Spring, Stop, Tie
+from .tree import Tree
+from .urdf_text import LINE, frame_name
+
+
+def document(tree: Tree) -> dict[str, Any]:
+    """The TOML document of a drawing as plain data.
+
+    Args:
+        tree: The drawing's tree.
+
+    Raises:
+        InputError: A drive, spring, damper or stop is on a joint without a coordinate.
+    """
+    drawing = tree.drawing
+    stops = {part.name or part.joint: part for part in drawing.parts if isinstance(part, Stop)}
+    struck = drawing.struck or next(iter(stops), "")
+    if missing := [name for name in (*drawing.closed, struck) if name and name not in stops]:
+        message = f"{drawing.name}: {', '.join(missing)} are no stops; stops: {', '.join(stops)}"
+        raise InputError(message, stops=missing)
+    slots = sum(isinstance(cut, Slot) for cut in tree.cut.values())
+    springs = _springs(tree)
+    found: dict[str, Any] = {
+        "format": 1,
+        "title": drawing.title,
+        "degrees_of_freedom": len(tree.carried) + slots - 2 * len(tree.cut),
+        "gravity_m_s2": drawing.gravity_m_s2,
+        "transition_stop": struck,
+        "initial_phase": 1,
+        "cylinder": {
+            "rated_speed_rpm": drawing.speed_rpm,
+            "direction": "clockwise" if drawing.clockwise else "counter-clockwise",
+            "angle_at_touch_deg": drawing.touch_deg,
+            "reference_index": 24.0,
+            "reference_angle_deg": drawing.start_deg,
+        },
+        "drives": _drives(tree),
+        "springs": springs,
+        "dampers": {
+            part.joint: {
+                "joint": part.joint,
+                _unit(tree, part.joint, "damping_N_s_per_m", "damping_N_m_s_per_rad"): part.damping,
+            }
+            for part in drawing.parts
+            if isinstance(part, Damper)
+        },
+        "stops": {name: _stop(tree, part) for name, part in stops.items()},
+        "closures": _closures(tree),
+        "phases": _phases(drawing.closed, struck),
+        "shortcuts": _shortcuts(struck, springs),
+        "provenance": {
+            "urdf.points": drawing.known or drawing.invented,
+            "urdf.links": "invention: bars of an even mass by their length, blocks as given",
+            **{table: drawing.invented for table in ("drives", "springs", "stops")},
+        },
+    }
+    return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
+
+
+def _drives(tree: Tree) -> dict[str, Any]:
+    return {
+        part.joint: {
+            "joint": part.joint,
+            "law": part.law,
+            **part.keys,
+            _unit(tree, part.joint, "reflected_mass_kg", "reflected_inertia_kg_m2"): part.inertia,
+            "shaft_frequency_hz": part.frequency_hz,
+            "shaft_damping_ratio": part.damping_ratio,
+        }
+        for part in tree.drawing.parts
+        if isinstance(part, Drive)
+    }
+
+
+def _springs(tree: Tree) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for part in tree.drawing.parts:
+        if isinstance(part, Spring):
+            stiff = _unit(tree, part.joint, "stiffness_N_per_m", "stiffness_N_m_per_rad")
+            preload = _unit(tree, part.joint, "preload_length_mm", "preload_deg")
+            found[part.joint] = {"joint": part.joint, stiff: part.stiffness, preload: part.preload}
+        elif isinstance(part, Tie):
+            ends = [end.split() for end in part.ends]
+            found[part.name] = {
+                "frame_a": frame_name(*ends[0]),
+                "frame_b": frame_name(*ends[1]),
+                "stiffness_N_per_m": part.stiffness,
+                "free_length_mm": part.free_mm,
+            }
+    return found
+
+
+def _stop(tree: Tree, part: Stop) -> dict[str, Any]:
+    found: dict[str, Any] = {"joint": part.joint, "restitution": part.restitution}
+    key = _unit(tree, part.joint, "at_mm", "at_deg")
+    if part.side != "lower":
+        found["side"] = part.side
+    if part.at:
+        found[key] = part.at
+    return found
+
+
+def _closures(tree: Tree) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, cut in tree.cut.items():
+        if isinstance(cut, Slot):
+            found[name] = {
+                "frame_a": LINE.format(name),
+                "frame_b": frame_name(cut.pinned, cut.at),
+                "slot_axis": "x",
+                "block_mass_kg": cut.block_kg,
+            }
+        else:
+            found[name] = {
+                "frame_a": frame_name(cut.parent, cut.point),
+                "frame_b": frame_name(cut.child, cut.point),
+            }
+    return found
+
+
+def _phases(closed: tuple[str, ...], struck: str) -> list[dict[str, Any]]:
+    """The start, the stop that is struck by itself, and nothing closed."""
+    found: dict[tuple[str, ...], str] = {closed: "running"}
+    if struck:
+        found.setdefault((struck,), f"on the {struck}")
+    found.setdefault((), "free")
+    return [
+        {"number": number, "name": name, "closed": list(stops)}
+        for number, (stops, name) in enumerate(found.items(), start=1)
+    ]
+
+
+def _shortcuts(struck: str, springs: dict[str, Any]) -> dict[str, str]:
+    found = {"restitution": f"stops.{struck}.restitution"} if struck else {}
+    for name, table in springs.items():
+        stiffness = next(key for key in table if key.startswith("stiffness"))
+        found["stiffness"] = f"springs.{name}.{stiffness}"
+        break
+    return found
+
+
+def _unit(tree: Tree, joint: str, of_slide: str, of_hinge: str) -> str:
+    return of_slide if tree.slides(joint) else of_hinge

@@ -1,0 +1,106 @@
+"""The URDF of a drawing: links with mass, joints, named frames of cut joints, and what is seen."""
+
+from __future__ import annotations
+
+from math import atan2
+from xml.sax.saxutils import escape
+
+from .masses import mass_of
+from .parts import FRAME, Body, Pin, Place, Slide, Slot, Tie
+from .places import place, vector
+from .tree import Tree
+from .visuals import body_visuals, frame_visuals
+
+LINE = "{}_line"
+"""Name of the frame of a slot, by the slot's name."""
+
+
+def frame_name(link: str, point: str) -> str:
+    """Name of the frame at a point of a link."""
+    return f"{link}_{point.replace('/', '_')}"
+
+
+def urdf_text(tree: Tree, name: str) -> str:
+    """The URDF of a drawing.
+
+    Args:
+        tree: The drawing's tree.
+        name: Name of the model.
+
+    Raises:
+        InputError: A point or a mass is missing.
+    """
+    drawing = tree.drawing
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<robot name="{name}">',
+        f"  <!-- {escape(drawing.title)}, drawn in its touch configuration; m, kg, rad.",
+        "       Points (x, z) in mm:",
+        *(f"         {key}  {x:.6g}  {z:.6g}" for key, (x, z) in drawing.points.items()),
+        "  -->",
+        f'  <link name="{FRAME}">',
+        *frame_visuals(tree),
+        "  </link>",
+    ]
+    for number, (key, joint) in enumerate(tree.carried.items()):
+        lines += _link(tree, tree.bodies[joint.child], number)
+        lines += _joint(tree, key, joint)
+    frames: dict[str, str] = {}
+    for key, cut in tree.cut.items():
+        if isinstance(cut, Slot):
+            x, z = vector(drawing.points, cut.along)
+            frames[LINE.format(key)] = _frame(tree, LINE.format(key), cut.slotted, cut.at,
+                                              atan2(z, x))  # fmt: skip
+        ends = (cut.parent, cut.child) if isinstance(cut, Pin) else (cut.pinned,)
+        point = cut.point if isinstance(cut, Pin) else cut.at
+        for link in ends:
+            frames[frame_name(link, point)] = _frame(tree, frame_name(link, point), link, point)
+    for tie in (part for part in drawing.parts if isinstance(part, Tie)):
+        for end in tie.ends:
+            link, point = end.split()
+            frames[frame_name(link, point)] = _frame(tree, frame_name(link, point), link, point)
+    return "\n".join([*lines, *frames.values(), "</robot>", ""])
+
+
+def _link(tree: Tree, body: Body, number: int) -> list[str]:
+    found = mass_of(body, tree.drawing.points)
+    moments = " ".join(f'{axis}="{found.inertia!r}"' for axis in ("ixx", "iyy", "izz"))
+    return [
+        f'  <link name="{body.name}">',
+        f'    <inertial><origin xyz="{_offset(tree, body.name, found.centre)}"/>'
+        f'<mass value="{found.mass!r}"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial>',
+        *body_visuals(tree, body, number),
+        "  </link>",
+    ]
+
+
+def _joint(tree: Tree, name: str, joint: Pin | Slide) -> list[str]:
+    points = tree.drawing.points
+    if isinstance(joint, Pin):
+        kind, at, axis, limit = "continuous", joint.point, "0 -1 0", ""
+    else:
+        x, z = vector(points, joint.along)
+        kind, at, axis = "prismatic", joint.at, f"{x!r} 0 {z!r}"
+        limit = '<limit lower="-10" upper="10" effort="1e6" velocity="1e3"/>'
+    return [
+        f'  <joint name="{name}" type="{kind}">',
+        f'    <parent link="{joint.parent}"/><child link="{joint.child}"/>',
+        f'    <origin xyz="{_offset(tree, joint.parent, place(points, at))}"/>'
+        f'<axis xyz="{axis}"/>{limit}',
+        "  </joint>",
+    ]
+
+
+def _frame(tree: Tree, name: str, link: str, point: str, turned: float = 0.0) -> str:
+    at = _offset(tree, link, place(tree.drawing.points, point))
+    # A rotation about +y is clockwise in the side view.
+    rpy = f' rpy="0 {-turned!r} 0"' if turned else ""
+    return (
+        f'  <link name="{name}"/>\n  <joint name="{name}_fixed" type="fixed">'
+        f'<parent link="{link}"/><child link="{name}"/><origin xyz="{at}"{rpy}/></joint>'
+    )
+
+
+def _offset(tree: Tree, link: str, at: Place) -> str:
+    x, z = tree.origins[link]
+    return f"{1e-3 * (at[0] - x)!r} 0 {1e-3 * (at[1] - z)!r}"
