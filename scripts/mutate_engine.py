@@ -149,7 +149,7 @@ MUTATIONS = (
     ),
     Mutation(
         "series-slope", "the limit of a series of bounces with the slope of one flight",
-        "hybrid/series.py", "2.0 / (alpha * (1.0 - e_N))", "2.0 / alpha",
+        "hybrid/series.py", "0.5 * (1.0 - e_N))", "0.5)",
     ),
     Mutation(
         "half-left-out", "what bounces that are left out do to rates, without its second order",

@@ -27,7 +27,7 @@ from .unresolved import round_off
 _EPS = float(np.finfo(float).eps)
 # Round-off of the clock, relative.
 _CLOCK = 2.0 * _EPS
-# The limit of a series of bounces was off by up to 2.9 times what its points tell.
+# The limit of a series of bounces was off by up to 1.8 times what its points tell.
 _LIMIT = 2.0
 
 

@@ -4,9 +4,9 @@ Two stops at rest can throw each other open: a collision at one opens the other,
 comes to rest at the limit of its own series, and the first one, falling back, throws it open again.
 Each such collision finds all the other stops at rest, so the rate w at which it comes is all there
 is to say about the state, and a smaller one only makes what follows slower and shorter: the time of
-such a collision is a smooth function of its rate, t = t_rest + c_1 w + c_2 w^2 + ..., as in a
-single series (:mod:`.series`). t_rest is the value of the polynomial through the last collisions at
-w = 0. The slope is not known beforehand here, as it holds the inner series.
+such a collision is a smooth function of its rate, t = t_rest + c_1 w + c_2 w^2 + ... t_rest is the
+value of the polynomial through the last collisions at w = 0. The slope is not known beforehand
+here, unlike that of a single series (:mod:`.series`), as it holds the inner series.
 
 The rates fall by a factor of their own, not by a restitution, and slowly where the stops hardly
 yield to one another. That the rests of the inner series are themselves limits costs nothing but
@@ -22,10 +22,8 @@ from math import inf
 
 import numpy as np
 
-from .series import extrapolated
-
 _MOST_POINTS = 8
-# As for a single series: the difference of two orders shows the error of the higher one up to a
+# The difference of two orders shows the error of the higher one up to a
 # factor, unless it changes its sign just there.
 _SAFETY, _PART = 4.0, 0.015
 _EPS = float(np.finfo(float).eps)
@@ -67,7 +65,7 @@ class NestedSeries:
         if len(self.rates) < 4:
             return inf, inf
         last = self.times[-1]
-        values = [value for value, _ in extrapolated(self.rates, [t - last for t in self.times])]
+        values = _extrapolated(self.rates, [t - last for t in self.times])
         best = (inf, inf)
         change = inf
         for count, (lower, higher) in enumerate(pairwise(values), start=2):
@@ -81,6 +79,20 @@ class NestedSeries:
         if not abs(best[0] - geometric) <= _GEOMETRIC * geometric:
             return inf, inf
         return last + best[0], best[1]
+
+
+def _extrapolated(w: Sequence[float], y: Sequence[float]) -> list[float]:
+    """Values at w = 0 of the polynomials through the last 1, 2, ... points: Neville's scheme."""
+    values = list(y)
+    found = [values[-1]]
+    for order in range(1, len(w)):
+        pairs = zip(w, w[order:], strict=False)
+        values = [
+            (far * values[i + 1] - near * values[i]) / (far - near)
+            for i, (far, near) in enumerate(pairs)
+        ]
+        found.append(values[-1])
+    return found
 
 
 def _amplified(rates: Sequence[float]) -> float:

@@ -2,15 +2,16 @@
 
 At a stop with restitution e < 1 that is pressed on, rebound rates w_0, w_1, ... fall like e^n and
 the collision times t_0, t_1, ... converge. Near the limit the motion is smooth in time, gap and
-rate, so the time of a collision is a smooth function of its rebound rate,
-t = t_rest + c_1 w + c_2 w^2 + ...; each collision is a point on it, t_rest its value at w = 0.
-Its slope there is known, too: a flight lasts 2 w / alpha in the limit, alpha being the
-deceleration at rest, and the next rate is e w, so c_1 = -2 / (alpha (1 - e)); alpha(w) is another
-smooth function with a known value at every collision.
+rate, so that all collisions lie on one smooth curve w(t), which ends in w(t_rest) = 0. Its slope
+is known there, too: a flight lasts 2 w / alpha in the limit, alpha being the deceleration at rest,
+and the next rate is e w, so w'(t_rest) = -(1 - e) alpha / 2; alpha(t) is another smooth function
+with a known value at every collision.
 
-Neville's scheme extrapolates alpha and t; the polynomial through the points is then turned to the
-known slope. The error of m points shrinks like the product of their rates, e^(m (m - 1) / 2), and
-the slope is worth one or two more, so a few bounces are enough.
+Newton's polynomials through the last collisions give w and alpha; that of w is turned to the known
+slope where it vanishes, which is t_rest. The error of m points shrinks like the product of their
+distances from t_rest, e^(m (m - 1) / 2), and the slope is worth one or two more, so a few bounces
+are enough. The inverse, t as a function of w, is smooth only up to where alpha vanishes: of a stop
+that is pressed on little its polynomials agree with each other and not with the limit.
 """
 
 from __future__ import annotations
@@ -22,16 +23,16 @@ from math import inf
 
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a factor, unless it changes
-# its sign just there: then a part of the difference before stands for it.
-_SAFETY, _PART = 4.0, 0.015
-# More of it where the deceleration was another one: by this times its relative change.
-_CHANGED = 0.12
+# its sign just there: then a part of the difference before stands for it, and of the one before.
+_SAFETY, _PART, _EARLIER = 3.0, 0.06, 0.1
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
 # Nor do collisions where the deceleration was another one altogether: a polynomial through them
 # seems to converge, to the wrong limit.
 _SETTLED = 0.75
+# A root is found when a step is this part of what the order changes; it takes two or three.
+_FOUND, _MOST_STEPS, _ROUND_OFF = 1e-4, 12, 1e-15
 
 
 @dataclass(frozen=True)
@@ -82,43 +83,87 @@ class BounceSeries:
         w = self.rates
         if e_N >= 1.0 or len(w) < 3 or any(near >= far for far, near in pairwise(w)):
             return inf, inf
-        last = self.times[-1]
+        if self.decelerations[-1] <= 0.0:
+            return inf, inf
         # Times are taken from the last collision, where the digits matter.
-        lines = extrapolated(w, [t - last for t in self.times])
-        pressing = extrapolated(w, self.decelerations)
-        best = (inf, inf)
-        previous, change, inverse_rates = inf, 0.0, 0.0
-        points = zip(reversed(w), reversed(self.decelerations), lines, pressing, strict=True)
-        for rate, own, (value, slope), (alpha, _) in points:
-            inverse_rates += 1.0 / rate
-            if alpha <= 0.0 or (rate > _FAR * self.fastest and best[1] < inf):
-                break
-            unlike = abs(own / self.decelerations[-1] - 1.0)
-            if unlike > _SETTLED:
-                break
-            # Adding a multiple of the product of (w - w_k) changes the slope, not the points.
-            found = value + (slope + 2.0 / (alpha * (1.0 - e_N))) / inverse_rates
-            before, change = change, abs(found - previous)
-            previous = found
-            error = _SAFETY * max(change, max(_PART, _CHANGED * unlike) * before)
-            if error < best[1]:
-                best = (last + found, error)
+        last = self.times[-1]
+        ends = self._ends([t - last for t in reversed(self.times)], 0.5 * (1.0 - e_N))
+        changes = [abs(end - before) for before, end in pairwise(ends)]
+        best, least = (inf, inf), inf
+        for order in range(2, len(ends)):
+            shown = max(_SAFETY * changes[order - 1], _PART * changes[order - 2])
+            if shown < least:
+                least = shown
+                # Nor is an order better than what the next one changes.
+                more = [_EARLIER * change for change in changes[: order - 2][-1:]]
+                best = (last + ends[order], max([shown, *more, *changes[order : order + 1]]))
         return best
 
+    def _ends(self, times: list[float], half: float) -> list[float]:
+        """Limits by the last 1, 2, ... collisions, as many as belong to one smooth curve.
 
-def extrapolated(w: Sequence[float], y: Sequence[float]) -> list[tuple[float, float]]:
-    """Value and slope at w = 0 of the polynomials through the last 1, 2, ... points."""
-    values, slopes = list(y), [0.0] * len(y)
-    found = [(values[-1], 0.0)]
-    for order in range(1, len(w)):
-        pairs = list(zip(w, w[order:], strict=False))
-        slopes = [
-            (values[i] - values[i + 1] + far * slopes[i + 1] - near * slopes[i]) / (far - near)
-            for i, (far, near) in enumerate(pairs)
-        ]
-        values = [
-            (far * values[i + 1] - near * values[i]) / (far - near)
-            for i, (far, near) in enumerate(pairs)
-        ]
-        found.append((values[-1], slopes[-1]))
+        Args:
+            times: Times of the collisions, the last one first.
+            half: (1 - e) / 2.
+        """
+        rates = divided(times, self.rates[::-1])
+        pressing = divided(times, self.decelerations[::-1])
+        nearest = self.decelerations[-1]
+        end = self.rates[-1] / (half * nearest)
+        ends = [end]
+        far = zip(self.rates[-2::-1], self.decelerations[-2::-1], strict=True)
+        for count, (rate, deceleration) in enumerate(far, start=2):
+            if rate > _FAR * self.fastest and count > 3:
+                break
+            if abs(deceleration / nearest - 1.0) > _SETTLED:
+                break
+            end = _root(times[:count], rates, pressing, half, end)
+            if not end > 0.0:
+                break
+            ends.append(end)
+        return ends
+
+
+def divided(x: Sequence[float], y: Sequence[float]) -> list[float]:
+    """Divided differences y[x_0], y[x_0, x_1], ...: the coefficients of Newton's polynomials."""
+    found = list(y)
+    for order in range(1, len(x)):
+        for i in range(len(x) - 1, order - 1, -1):
+            found[i] = (found[i] - found[i - 1]) / (x[i] - x[i - order])
     return found
+
+
+def _root(
+    x: Sequence[float], rates: Sequence[float], pressing: Sequence[float], half: float, near: float
+) -> float:
+    """Where the polynomial of rates vanishes with the slope that the deceleration gives it.
+
+    Args:
+        x: Times of the collisions, the last one first.
+        rates: Divided differences of the rates.
+        pressing: Divided differences of the decelerations.
+        half: (1 - e) / 2.
+        near: A time to start with.
+
+    Returns:
+        The time; -1 if nothing presses the stop shut there, or none was found.
+    """
+    t = near
+    for _ in range(_MOST_STEPS):
+        value = slope = alpha = inverse = 0.0
+        for place in range(len(x) - 1, -1, -1):
+            past = t - x[place]
+            slope = slope * past + value
+            value = value * past + rates[place]
+            alpha = alpha * past + pressing[place]
+            inverse += 1.0 / past
+        if alpha <= 0.0:
+            break
+        # Adding a multiple of the product of (t - t_k) changes the slope, not the points.
+        step = (value - (slope + half * alpha) / inverse) / (half * alpha)
+        t += step
+        if not t > 0.0:
+            break
+        if abs(step) <= _FOUND * abs(t - near) + _ROUND_OFF * t:
+            return t
+    return -1.0

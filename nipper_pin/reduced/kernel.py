@@ -54,7 +54,7 @@ _FINER = 1e-2
 
 @compiled
 def _limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
-    """Extrapolate times to zero rate by Neville's scheme; see hybrid/series.py."""
+    """Extrapolate times to zero rate by Neville's scheme."""
     first = max(0, count - _POINTS)
     size = count - first
     if size < 2:
