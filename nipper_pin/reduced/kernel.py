@@ -37,6 +37,7 @@ from .layout import (
     TIME_ERROR,
     TOO_MANY,
     UNKNOWN,
+    UNTOLD,
     Start,
     Tables,
     Turn,
@@ -207,6 +208,8 @@ def _solved(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work
                 grids, tables, y, turn, work, waiting, speed, u, w, rest_rate, tolerance
             )
             premise = FAILS if found else UNKNOWN
+    if premise == UNKNOWN and not assumed:
+        return UNTOLD, 0, np.nan, np.nan, premise
     status, count, rest, error = _transition(
         grids, tables, work, speed, restitution, rest_rate, tolerance, start, table
     )
@@ -214,6 +217,9 @@ def _solved(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work
         turn, waiting, speed, gravity, stiffness, preload, status, start.travel + speed * rest
     ):
         premise = UNKNOWN
+        if status == AT_REST and not assumed:
+            table[:] = np.nan
+            return UNTOLD, 0, np.nan, np.nan, premise
     return status, count, rest, error, premise
 
 

@@ -32,6 +32,8 @@ class Status(IntEnum):
     """More collisions than asked for."""
     UNRESOLVED = 6
     """A flight could not be resolved."""
+    UNTOLD = 7
+    """The transition of the turn was asked for, and the tables cannot tell how that arrives."""
 
 
 REASONS = {
@@ -50,6 +52,11 @@ REASONS = {
         "by a rate (rest_rate)"
     ),
     Status.UNRESOLVED: "a flight cannot be resolved; use the direct engine",
+    Status.UNTOLD: (
+        "the tables cannot tell how the machine arrives ({why}); simulate whole turns with the "
+        "direct engine, build the model with turn=True and a larger gap_max, or take the "
+        "transition as assumed (assumed=True)"
+    ),
 }
 
 

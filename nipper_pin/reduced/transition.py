@@ -53,7 +53,8 @@ def transition(
 
     Raises:
         InputError: A parameter is out of range, or the case leaves the domain of the model.
-        SimulationError: The stop does not come to rest, or another stop takes part.
+        SimulationError: The stop does not come to rest, or another stop takes part; or the
+            transition of the turn is asked for and the tables cannot tell how the machine arrives.
     """
     run, grids = _compiled()
     check_run(rest_rate, tolerance, max_collisions)
@@ -108,7 +109,8 @@ def transitions(
         tolerance: Relative accuracy of flights and of the limit.
         max_collisions: Largest number of collisions of a case, and columns of the tables.
         assumed: Whether transitions start in the initial phase even if the machine does not arrive
-            so; else they are then those of the turn.
+            so; else they are then those of the turn, and cases whose arrival the tables cannot
+            tell are marked ``UNTOLD``.
 
     Returns:
         The batch; cases that did not come to rest are marked by their status.
@@ -180,7 +182,12 @@ def _refusal(
     model: ReducedModel, status: Status, count: int, speed_rpm: float, most: int
 ) -> NipperError:
     """The error of a transition that did not come to rest."""
-    reason = REASONS[status].format(travel=model.travel_rad, gap=model.gap_max, most=most)
+    reason = REASONS[status].format(
+        travel=model.travel_rad,
+        gap=model.gap_max,
+        most=most,
+        why=model.arrival.why or "its flight before the touch leaves them",
+    )
     outside = status in (Status.LEFT_TRAVEL, Status.LEFT_GAP)
     kind = InputError if outside else SimulationError
     message = f"{model.name} at {speed_rpm:g} r/min, after {count} collisions: {reason}"

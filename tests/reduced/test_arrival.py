@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Resolution, load
+from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.reduced import ReducedModel, build, transition, transitions
+from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
 from nipper_pin.reduced.arriving import released
 from nipper_pin.study.transitions import retuned, transition_table
 from nipper_pin.study.true_transition import true_transition
@@ -139,6 +140,45 @@ def test_without_tables_nothing_is_told(e62: Mechanism, model: ReducedModel) -> 
     assert transitions(blind, speed_rpm=[450.0, 650.0]).premise.tolist() == [-1, -1]
     table = transition_table(e62, speed_rpm=[450.0, 650.0], engine="reduced")
     assert table.premise_holds.tolist() == [True, True]
+
+
+def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
+    e62: Mechanism, model: ReducedModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tables narrower than a turn, or than its flights: no transition as assumed in its place.
+
+    Of eight cases that arrive in flight each leaves tables that end just above the stop. What does
+    not ask for the turn is answered as ever.
+    """
+    cases = risky(8, 5)
+    told = transitions(model, assumed=False, **cases)
+    flying = told.premise == 0
+    assert flying.any()
+    low = replace(
+        model, arrival=replace(model.arrival, tables=model.arrival.tables._replace(high=1e-6))
+    )
+    for narrow, why in (
+        (build(e62, turn=False), "was not sampled"),
+        (low, "leaves them"),
+    ):
+        lost = flying if narrow is low else np.full(8, True)
+        assert transition(narrow, speed_rpm=450.0).premise_holds is not False
+        found = transitions(narrow, assumed=False, **cases)
+        assert (found.status[lost] == Status.UNTOLD).all()
+        assert (found.premise[lost] == -1).all()
+        assert (found.collisions[lost] == 0).all()
+        assert np.isnan(found.duration[lost]).all()
+        assert np.isnan(found.table[lost]).all()
+        place = int(np.flatnonzero(flying)[0])
+        one = {key: float(value[place]) for key, value in cases.items()}
+        with pytest.raises(SimulationError, match=why):
+            transition(narrow, assumed=False, **one)
+    # A table of many cases asks the direct engine for them.
+    monkeypatch.setattr("nipper_pin.study.transitions.asking.REDUCED_PAYS_FROM", 2)
+    monkeypatch.setattr("nipper_pin.study.transitions.asking.reduced_model", lambda _one: low)
+    table = transition_table(e62, **{key: value[flying][:2] for key, value in named(cases).items()})
+    assert table.engine.tolist() == ["turn"] * len(table)
+    assert f"{len(table)} that its tables do not cover: direct" in table.why
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,23 @@
+"""Transitions of many cases of one mechanism, each by the engine that suits it.
+
+The reduced engine solves a transition a hundred times faster than the direct one, but has to sample
+its tables first and knows only what they cover. What it cannot do the direct engine does, case by
+case, and the result says which engine computed what.
+"""
+
+from __future__ import annotations
+
+from .asking import REDUCED_PAYS_FROM, Engine, table_of, transition_table
+from .retuned import retuned
+from .table import FAILED, TURN, TransitionTable
+
+__all__ = [
+    "FAILED",
+    "REDUCED_PAYS_FROM",
+    "TURN",
+    "Engine",
+    "TransitionTable",
+    "retuned",
+    "table_of",
+    "transition_table",
+]

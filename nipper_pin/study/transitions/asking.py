@@ -1,0 +1,141 @@
+"""Ask for the transitions of many cases, and choose the engine that computes them."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from ...dynamics.system import DriveMode
+from ...errors import InputError, NipperError
+from ...mechanism import Mechanism, need_mechanism
+from ...reduced import ReducedModel, reduced_model, unfit
+from ...reduced.inputs import check_run
+from ..cases import Cases, cases_of, spring_values
+from .run import Run, Settings
+from .table import TransitionTable
+
+Engine = Literal["auto", "direct", "reduced"]
+
+# Cases from which the reduced engine is worth its start. That costs 50 ms for the tables and, once
+# a process, 310 ms for loading compiled code: 60 to 140 direct runs of 2.5 to 6 ms each. A fixed
+# number, so that the engine of a case does not depend on what a process did before.
+REDUCED_PAYS_FROM = 64
+
+
+def transition_table(
+    mechanism: Mechanism,
+    *,
+    speed_rpm: ArrayLike,
+    restitution: ArrayLike | None = None,
+    stiffness_N_per_m: ArrayLike | None = None,
+    preload_length_mm: ArrayLike | None = None,
+    stiffness_N_m_per_rad: ArrayLike | None = None,
+    preload_deg: ArrayLike | None = None,
+    rest_rate: float | None = None,
+    tolerance: float = 1e-10,
+    max_collisions: int = 256,
+    drive: DriveMode = DriveMode.HELD,
+    engine: Engine = "auto",
+) -> TransitionTable:
+    """Compute the transitions of many cases of one mechanism.
+
+    Args:
+        mechanism: The mechanism.
+        speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so is the restitution.
+        restitution: e_N of the transition stop; by default that of the mechanism.
+        stiffness_N_per_m: Rates of the springs on slides [N/m], shape (n,) with one such spring or
+            (n, such springs), in the order of the mechanism; by default those of the mechanism.
+        preload_length_mm: Deflections in these springs at zero [mm], likewise.
+        stiffness_N_m_per_rad: Rates of the springs on hinges [N m/rad], likewise.
+        preload_deg: Deflections in these springs at zero [deg], likewise.
+        rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a case.
+        drive: Behaviour of the driven shafts.
+        engine: "auto": the reduced engine for :data:`REDUCED_PAYS_FROM` cases or more of a
+            mechanism that it can represent, the direct one for all others; and whole turns of the
+            direct one where the premise of a transition does not hold. "direct" or "reduced": that
+            one alone, the transition as it is assumed.
+
+    Returns:
+        The table. A case that cannot be simulated is marked in it.
+
+    Raises:
+        InputError: A parameter is out of range or has another unit, by its size; or the reduced
+            engine is asked for and cannot represent the mechanism.
+    """
+    need_mechanism(mechanism, "transition_table")
+    springs = spring_values(
+        mechanism,
+        {
+            "stiffness_N_per_m": stiffness_N_per_m,
+            "preload_length_mm": preload_length_mm,
+            "stiffness_N_m_per_rad": stiffness_N_m_per_rad,
+            "preload_deg": preload_deg,
+        },
+    )
+    return table_of(
+        mechanism,
+        cases_of(mechanism, speed_rpm, restitution, *springs),
+        rest_rate=rest_rate,
+        tolerance=tolerance,
+        max_collisions=max_collisions,
+        drive=drive,
+        engine=engine,
+    )
+
+
+def table_of(
+    mechanism: Mechanism,
+    cases: Cases,
+    *,
+    rest_rate: float | None = None,
+    tolerance: float = 1e-10,
+    max_collisions: int = 256,
+    drive: DriveMode = DriveMode.HELD,
+    engine: Engine = "auto",
+) -> TransitionTable:
+    """Compute the transitions of cases; arguments and errors as for :func:`transition_table`."""
+    if engine not in ("auto", "direct", "reduced"):
+        message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
+        raise InputError(message, engine=engine)
+    if drive not in set(DriveMode):
+        message = f"drive = {drive!r} cannot be used: held or inertial"
+        raise InputError(message, drive=drive)
+    check_run(rest_rate, tolerance, max_collisions)
+    settings = Settings(
+        DriveMode(drive), rest_rate, tolerance, max_collisions, true=engine == "auto"
+    )
+    run = Run(mechanism, cases, settings)
+    model, why = _chosen(mechanism, settings.drive, len(cases.speed_rpm), engine)
+    left = list(range(len(cases.speed_rpm)))
+    if model is not None:
+        left = run.reduced(model, keep_all=engine == "reduced")
+        if left:
+            why += f"; {len(left)} that its tables do not cover: direct"
+    for number in left:
+        run.direct(number)
+    return run.table(why)
+
+
+def _chosen(
+    mechanism: Mechanism, drive: DriveMode, count: int, engine: Engine
+) -> tuple[ReducedModel | None, str]:
+    """The reduced model, or None for the direct engine, and the reason."""
+    if engine == "direct":
+        return None, "direct: asked for"
+    if engine == "reduced":
+        return reduced_model(mechanism, drive), "reduced: asked for"
+    reason = unfit(mechanism, drive)
+    if reason is not None:
+        return None, f"direct: {reason}"
+    if count < REDUCED_PAYS_FROM:
+        return None, f"direct: the reduced engine pays from {REDUCED_PAYS_FROM} cases on"
+    if find_spec("numba") is None:
+        return None, "direct: the reduced engine needs numba, which is not installed"
+    try:
+        return reduced_model(mechanism), f"reduced: {count} cases of one mechanism"
+    except NipperError as error:
+        return None, f"direct: {error.message}"

@@ -1,0 +1,172 @@
+"""Transitions of many cases as they come in, from both engines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from ...dynamics.system import DriveMode
+from ...errors import NipperError
+from ...hybrid.case import Case, Resolution
+from ...mechanism import Mechanism
+from ...reduced import ReducedModel, Status, transitions
+from ...reduced import layout as rows
+from ...reduced.layout import FAILS, HOLDS, UNKNOWN
+from ..cases import Cases
+from ..true_transition import assumed_transition, transition_of_turns
+from .retuned import retuned
+from .rows import collision_rows, rest_numbers
+from .table import FAILED, TURN, TransitionTable
+
+# Cases of one batch, and columns of its table; few cases have more collisions.
+_BATCH, _COLUMNS = 4096, 32
+_STATUS = {int(status): status.name.lower() for status in Status}
+_PREMISE = {HOLDS: True, FAILS: False, UNKNOWN: None}
+_AT_REST, _TOO_MANY, _UNTOLD = (
+    _STATUS[status] for status in (Status.AT_REST, Status.TOO_MANY_COLLISIONS, Status.UNTOLD)
+)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is the same for all cases.
+
+    Attributes:
+        drive: Behaviour of the driven shafts.
+        rest_rate: None: the limit of the series. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a case.
+        true: Whether the transition is that of the turn where its premise does not hold.
+    """
+
+    drive: DriveMode
+    rest_rate: float | None
+    tolerance: float
+    max_collisions: int
+    true: bool
+
+
+class Run:
+    """Results of all cases as they come in."""
+
+    def __init__(self, mechanism: Mechanism, cases: Cases, settings: Settings) -> None:
+        """Begin with none."""
+        n = len(cases.speed_rpm)
+        self._mechanism, self._cases, self._settings = mechanism, cases, settings
+        self._premise = np.full(n, None, dtype=object)
+        self._engine = np.full(n, "direct", dtype="U7")
+        self._outcome = np.full(n, FAILED, dtype="U24")
+        self._message = [""] * n
+        self._collisions = np.zeros(n, dtype=np.int64)
+        # Duration, its error, share.
+        self._rest = np.full((n, 3), np.nan)
+        # Numbers of cases and their rows, which are trimmed to their longest series.
+        self._rows: list[tuple[NDArray[np.int64], FloatArray]] = []
+
+    def reduced(self, model: ReducedModel, *, keep_all: bool) -> list[int]:
+        """Solve all cases by the reduced engine; returns those that it leaves to the other."""
+        chosen = np.arange(len(self._outcome))
+        most = self._settings.max_collisions
+        for columns in sorted({min(_COLUMNS, most), most}):
+            for start in range(0, len(chosen), _BATCH):
+                self._batch(model, chosen[start : start + _BATCH], columns)
+            chosen = np.flatnonzero(self._outcome == _TOO_MANY)
+        if keep_all:
+            return []
+        left = np.flatnonzero(self._outcome != _AT_REST)
+        for number in left:
+            reason = str(self._outcome[number])
+            if reason == _UNTOLD:
+                reason = model.arrival.why or "cannot tell how the machine arrives"
+            self._message[number] = f"the reduced engine: {reason}"
+        return [int(number) for number in left]
+
+    def _batch(self, model: ReducedModel, chosen: NDArray[np.int64], columns: int) -> None:
+        batch = transitions(
+            model,
+            speed_rpm=self._cases.speed_rpm[chosen],
+            restitution=self._cases.restitution[chosen],
+            stiffness=self._cases.stiffness[chosen],
+            preload=self._cases.preload[chosen],
+            rest_rate=self._settings.rest_rate,
+            tolerance=self._settings.tolerance,
+            max_collisions=columns,
+            # Of drives that do not come back nothing can be asked, and no turn is another one's.
+            assumed=not (self._settings.true and model.arrival.asked),
+        )
+        self._engine[chosen] = "reduced"
+        self._outcome[chosen] = [_STATUS[status] for status in batch.status]
+        self._collisions[chosen] = batch.collisions
+        self._rest[chosen] = np.stack([batch.duration, batch.duration_error, batch.share], axis=1)
+        self._premise[chosen] = [_PREMISE[told] for told in batch.premise]
+        most = int(batch.collisions.max(initial=0))
+        self._rows.append((chosen, batch.table[:, :, :most].copy()))
+
+    def direct(self, number: int) -> None:
+        """Simulate one case by the direct engine."""
+        cases, settings = self._cases, self._settings
+        self._engine[number] = "direct"
+        self._outcome[number], self._collisions[number] = FAILED, 0
+        self._rest[number] = np.nan
+        block = np.empty((rows.COLUMNS, 0))
+        self._premise[number] = None
+        try:
+            mechanism = retuned(
+                self._mechanism,
+                float(cases.restitution[number]),
+                cases.stiffness[number],
+                cases.preload[number],
+            )
+            case = Case(
+                speed_rpm=float(cases.speed_rpm[number]),
+                drive=settings.drive,
+                rest_rate=settings.rest_rate,
+                resolution=Resolution(tolerance=settings.tolerance),
+                max_collisions=settings.max_collisions,
+            )
+            found = assumed_transition(mechanism, case)
+            if settings.true and found.premise_holds is False:
+                found = transition_of_turns(mechanism, case, found.solution.premise.why)
+                self._engine[number] = TURN
+            block = collision_rows(found)
+        except NipperError as error:
+            self._message[number] = error.message
+        else:
+            self._rest[number] = rest_numbers(found)
+            self._outcome[number] = found.outcome.name.lower()
+            self._collisions[number] = block.shape[1]
+            self._message[number] = found.message or self._message[number]
+            self._premise[number] = found.premise_holds
+        self._rows.append((np.array([number]), block[None]))
+
+    def table(self, why: str) -> TransitionTable:
+        """The table of all cases."""
+        most = int(self._collisions.max(initial=0))
+        table = np.full((len(self._outcome), rows.COLUMNS, most), np.nan)
+        for chosen, block in self._rows:
+            # A case that was done again has fewer or more collisions than at first.
+            width = min(most, block.shape[2])
+            table[chosen] = np.nan
+            table[chosen, :, :width] = block[:, :, :width]
+        duration, error, share = self._rest.T.copy()
+        return TransitionTable(
+            model=self._mechanism.name,
+            why=why,
+            engine=self._engine,
+            outcome=self._outcome,
+            message=tuple(self._message),
+            speed_rpm=self._cases.speed_rpm,
+            restitution=self._cases.restitution,
+            stiffness=self._cases.stiffness,
+            preload=self._cases.preload,
+            collisions=self._collisions,
+            duration=duration,
+            duration_error=error,
+            first_two_share=share,
+            premise_holds=self._premise,
+            table=table,
+            mechanism=self._mechanism,
+        )

@@ -1,0 +1,94 @@
+"""What a table of transitions holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from ...mechanism import Mechanism
+from ...reduced.results import CollisionRows
+
+FAILED = "failed"
+TURN = "turn"
+"""Engine of a case for which whole turns were simulated, since the premise does not hold."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class TransitionTable(CollisionRows):
+    """Transitions of n cases; the rows have shape (n, most), NaN beyond the last collision.
+
+    Attributes:
+        model: Name of the model.
+        why: Why the engine was chosen, and how many cases it left to the other one.
+        engine: Engine of each case, "reduced", "direct", or "turn": the direct one on whole turns,
+            because the premise of a transition does not hold, shape (n,).
+        outcome: How each case ended: "at_rest"; "no_rest" or "too_many_collisions"; "failed"; and,
+            if the reduced engine was forced, its :class:`~nipper_pin.reduced.Status` in lower case.
+        message: For each case why it failed, or why the reduced engine left it to the direct one;
+            empty for all others.
+        speed_rpm: Cylinder speed of each case [r/min], shape (n,).
+        restitution: e_N of the transition stop, shape (n,).
+        stiffness: Spring rates, shape (n, springs) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, shape (n, springs) [m or rad].
+        collisions: Collisions of the transition stop that were computed, shape (n,).
+        duration: Time from the first collision to rest [s], NaN without rest, shape (n,).
+        duration_error: Stated error of it [s], shape (n,).
+        first_two_share: Share of the first two rebounds in the duration, NaN with fewer,
+            shape (n,).
+        premise_holds: True or False: whether the machine arrives in its initial phase, as a
+            transition assumes; None where it was not asked, shape (n,).
+        table: All rows, shape (n, rows, most). The errors are bounds where the reduced engine
+            computed and estimates where the direct one did; see ``docs/accuracy.md``.
+        mechanism: The mechanism, with the values that no column changes.
+    """
+
+    model: str
+    why: str
+    engine: NDArray[np.str_]
+    outcome: NDArray[np.str_]
+    message: tuple[str, ...]
+    speed_rpm: FloatArray
+    restitution: FloatArray
+    stiffness: FloatArray
+    preload: FloatArray
+    collisions: NDArray[np.int64]
+    duration: FloatArray
+    duration_error: FloatArray
+    first_two_share: FloatArray
+    premise_holds: NDArray[np.object_]
+    table: FloatArray
+    mechanism: Mechanism
+
+    def __len__(self) -> int:
+        """Number of cases."""
+        return len(self.duration)
+
+    def __repr__(self) -> str:
+        """One line."""
+        from ..table_summary import line
+
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        from ..table_summary import page
+
+        return page(self)
+
+    def to_frame(self, library: str | None = None, *, collisions: int = 2) -> Any:
+        """All cases as a data frame: names and units of the JSON document and of study files.
+
+        Args:
+            library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+            collisions: Number of collisions that have columns, ``approach_rate_1`` and so on.
+
+        Raises:
+            InputError: It is not installed, or a number is out of range.
+        """
+        from ...frames import data_frame
+        from ..table_summary import columns
+
+        return data_frame(columns(self, collisions), library)
