@@ -23,8 +23,9 @@ from math import inf
 
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a factor, unless it changes
-# its sign just there: then a part of the difference before stands for it, and of the one before.
-_SAFETY, _PART, _EARLIER = 3.0, 0.06, 0.1
+# its sign just there: then a part of the difference before stands for it, and of the one before
+# that, but no more than some times what the pace of the differences promises.
+_SAFETY, _PART, _EARLIER, _PACE = 3.0, 0.06, 0.1, 10.0
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
@@ -94,9 +95,7 @@ class BounceSeries:
             shown = max(_SAFETY * changes[order - 1], _PART * changes[order - 2])
             if shown < least:
                 least = shown
-                # Nor is an order better than what the next one changes.
-                more = [_EARLIER * change for change in changes[: order - 2][-1:]]
-                best = (last + ends[order], max([shown, *more, *changes[order : order + 1]]))
+                best = (last + ends[order], max(shown, _later(changes, order)))
         return best
 
     def _ends(self, times: list[float], half: float) -> list[float]:
@@ -122,6 +121,16 @@ class BounceSeries:
                 break
             ends.append(end)
         return ends
+
+
+def _later(changes: Sequence[float], order: int) -> float:
+    """What the differences before and after an order say of its error."""
+    # No order is better than what the next one changes.
+    found = max(changes[order : order + 1], default=0.0)
+    if order > 2 and changes[order - 3] > 0.0:
+        earlier, before, last = changes[order - 3 : order]
+        found = max(found, min(_EARLIER * earlier, _PACE * max(before * before / earlier, last)))
+    return found
 
 
 def divided(x: Sequence[float], y: Sequence[float]) -> list[float]:

@@ -16,8 +16,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.system import System
-from ..errors import NipperError, SimulationError
-from ..hybrid.cycles import comes_back
+from ..errors import SimulationError
 from ..hybrid.linear_maps import of_rates
 from ..mechanism import Mechanism, Stop
 from . import series2d
@@ -115,27 +114,10 @@ def arrival(
         gap_max: Largest y.
         tolerance: Relative accuracy of the tables.
 
-    Returns:
-        The arrival; without tables where the turn is not one of those that they describe.
+    Raises:
+        SimulationError: The turn is not one of those that the tables describe.
+        ConvergenceError: Its functions are not smooth enough.
     """
-    if not comes_back(system):
-        return unknown("the drives do not come back with the cylinder", asked=False)
-    try:
-        return _sampled(system, sampler, waiting, opening, stop, weights, gap_max, tolerance)
-    except NipperError as error:
-        return unknown(error.message)
-
-
-def _sampled(
-    system: System,
-    sampler: Sampler,
-    waiting: Sampler,
-    opening: Opening,
-    stop: Stop,
-    weights: FloatArray,
-    gap_max: float,
-    tolerance: float,
-) -> Arrival:
     mechanism = system.mechanism
     n, m = sampler.rates(np.array([opening.travel]), opening.q)
     throw, approach = float(n[0, stop.index]), float(m[0, stop.index])

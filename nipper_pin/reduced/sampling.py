@@ -10,7 +10,8 @@ from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, assemble, partition
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import DriveMode, System
-from ..errors import InputError
+from ..errors import InputError, NipperError
+from ..hybrid.cycles import comes_back
 from ..hybrid.linear_maps import of_rates
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
@@ -215,6 +216,8 @@ def _arrival(
 ) -> Arrival:
     """What a turn does between its opening and the touch; flights as high as those after it."""
     mechanism = system.mechanism
+    if not comes_back(system):
+        return unknown("the drives do not come back with the cylinder", asked=False)
     (name,) = mechanism.phase(mechanism.initial_phase).closed
     stop, transition = mechanism.stop(name), mechanism.stop(mechanism.transition_stop)
     if opening is None:
@@ -224,16 +227,15 @@ def _arrival(
     others = tuple(item.index for item in mechanism.stops if item.name not in between)
     n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
     throw = float(n[0, stop.index])
-    try:
-        split = _split(system, stop.index, name)
-    except InputError as error:
-        return unknown(error.message)
-    waiting = Sampler(system, split, stop.index, others)
-    closed = frozenset({name})
-    rate, _ = _approach_rate(system, closed, transition.index, transition.name)
-    weights, _ = _nominal(mechanism, waiting, throw * rate)
     tolerance = max(tolerance, _ARRIVING)
-    return arrival(system, sampler, waiting, opening, stop, weights, throw * gap_max, tolerance)
+    try:
+        waiting = Sampler(system, _split(system, stop.index, name), stop.index, others)
+        closed = frozenset({name})
+        rate, _ = _approach_rate(system, closed, transition.index, transition.name)
+        weights, _ = _nominal(mechanism, waiting, throw * rate)
+        return arrival(system, sampler, waiting, opening, stop, weights, throw * gap_max, tolerance)
+    except NipperError as error:
+        return unknown(error.message)
 
 
 def _check(right: bool, key: str, value: float, allowed: str) -> None:

@@ -101,7 +101,8 @@ def resolved(
         floor_x = refined[1] and by_x > _GAIN * before[1]
         refine = (by_u > tolerance and not floor_u, by_x > tolerance and not floor_x)
         if not any(refine):
-            if max(by_u, by_x) > max(math.sqrt(tolerance), 1e3 * tolerance):
+            # Half of the digits at least, where round-off of the samples keeps the others.
+            if max(by_u, by_x) > math.sqrt(tolerance):
                 break
             return tables, sampled
         before, refined = (by_u, by_x), refine
