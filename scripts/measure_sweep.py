@@ -9,7 +9,11 @@ import resource
 import tempfile
 import time
 from pathlib import Path
+from typing import Literal
 
+import numpy as np
+
+from nipper_pin import load, transition_table
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
 
@@ -40,8 +44,31 @@ def cost(plan: Plan, chunks: int) -> tuple[float, float, int]:
     return len(rows) * min(times[1:]), len(content) / len(rows), len(rows)
 
 
+def pays() -> None:
+    """Print from how many cases on the reduced engine pays; the first thing in a process."""
+
+    def seconds(engine: Literal["direct", "reduced"], cases: int, ratio: float) -> float:
+        mechanism = load("e62", {"drives.tension.ratio": ratio})
+        speeds = np.linspace(450.0, 640.0, cases)
+        begin = time.process_time()
+        transition_table(mechanism, speed_rpm=speeds, engine=engine)
+        return time.process_time() - begin
+
+    # What both engines load; then what the reduced one alone does.
+    seconds("direct", 2, 2.0)
+    first = seconds("reduced", 2, 2.0)
+    direct = min(seconds("direct", 16, 2.01 + 0.01 * k) for k in range(5)) / 16.0
+    tables = min(seconds("reduced", 2, 2.01 + 0.01 * k) for k in range(5))
+    print(
+        f"a direct case {1e3 * direct:.3g} ms; tables of a machine {tables / direct:.3g} and "
+        f"compiled code {(first - tables) / direct:.3g} times that: the reduced engine pays from "
+        f"{first / direct:.0f} cases on, and from {tables / direct:.0f} where the code is loaded"
+    )
+
+
 def main() -> None:
     """Print the table."""
+    pays()
     for name in ("sweep_spring", "sweep_billion"):
         seconds, size, rows = cost(read_plan(str(HERE / f"{name}.toml")), 4)
         print(

@@ -45,7 +45,7 @@ def test_rows_without_a_result_are_counted(
     assert main(arguments) == 0
     said = capsys.readouterr().out
     assert "3 without a result, 2 because: " in said
-    assert "2 by the direct engine: the reduced engine pays from 64 cases on" in said
+    assert "2 by the direct engine: the reduced engine pays from 32 cases on" in said
     assert main([*arguments, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     rows = read_sweep(tmp_path / "out").table.to_pylist()

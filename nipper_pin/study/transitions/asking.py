@@ -18,10 +18,10 @@ from .table import TransitionTable
 
 Engine = Literal["auto", "direct", "reduced"]
 
-# Cases from which the reduced engine is worth its start. That costs 50 ms for the tables and, once
-# a process, 310 ms for loading compiled code: 60 to 140 direct runs of 2.5 to 6 ms each. A fixed
-# number, so that the engine of a case does not depend on what a process did before.
-REDUCED_PAYS_FROM = 64
+# Cases from which the reduced engine is worth its start, by scripts/measure_sweep.py: tables cost
+# what 7 direct cases do and, once a process, loading compiled code what 21 do. A fixed number, so
+# that the engine of a case does not depend on what a process did before.
+REDUCED_PAYS_FROM = 32
 
 
 def transition_table(
