@@ -112,7 +112,7 @@ def collision_cost(repeats: int, budget_s: float) -> Rows:
                     "fastest_ms": timing.fastest_ms,
                     "ms_per_collision": timing.median_ms / len(times),
                     "evaluations": solution.evaluations,
-                    "error_transition_time": abs(solution.transitions[0].duration / rest - 1.0),
+                    "error_duration": abs(solution.transitions[0].duration / rest - 1.0),
                     "error_times": float(shift / rest),
                 }
             )

@@ -106,7 +106,7 @@ def graded_peer(
         fastest_ms=timing.fastest_ms,
         spread_ms=timing.spread_ms,
         runs=timing.runs,
-        error_transition_time=abs(errors[3]) if math.isfinite(errors[3]) else None,
+        error_duration=abs(errors[3]) if math.isfinite(errors[3]) else None,
         error_worst=max(abs(item) for item in errors) if known else None,
         evaluations=evaluations,
         version=version,

@@ -72,7 +72,7 @@ class Row:
         fastest_ms: Fastest run [ms].
         spread_ms: Distance of the quartiles [ms].
         runs: Runs after the first.
-        error_transition_time: Relative error of the transition time.
+        error_duration: Relative error of the transition time.
         error_worst: Worst of first and second rebound time, first amplitude, transition time.
         error_times: Worst of the collision times.
         error_impulses: Worst of the impulses.
@@ -89,7 +89,7 @@ class Row:
     fastest_ms: float
     spread_ms: float
     runs: int
-    error_transition_time: float | None
+    error_duration: float | None
     error_worst: float | None
     error_times: float | None = None
     error_impulses: float | None = None
@@ -171,7 +171,7 @@ def graded(
         fastest_ms=timing.fastest_ms,
         spread_ms=timing.spread_ms,
         runs=timing.runs,
-        error_transition_time=relative(four[3:], true[3:]),
+        error_duration=relative(four[3:], true[3:]),
         error_worst=relative(four, true),
         error_times=relative(times[1:], late),
         error_impulses=relative(observed.impulses, certified.impulses),

@@ -200,7 +200,7 @@ def _errors(title: str, rows: Iterable[Row]) -> Sheet:
         tuple(
             (
                 row.engine, row.setting, *_times(row), _error(row.error_worst),
-                _error(row.error_transition_time), _error(row.error_times),
+                _error(row.error_duration), _error(row.error_times),
                 _error(row.error_impulses), _error(row.error_amplitudes),
                 _error(row.error_trajectory), _any(row.evaluations),
             )
@@ -237,7 +237,7 @@ def _peers(rows: Sequence[Row]) -> Sheet:
         tuple(
             (
                 row.engine, row.version or _NONE, row.setting, *_times(row),
-                _error(row.error_worst), _error(row.error_transition_time), _any(row.evaluations),
+                _error(row.error_worst), _error(row.error_duration), _any(row.evaluations),
             )
             for row in rows
         ),

@@ -167,7 +167,7 @@ def test_worst_of_four_is_the_worst(reference: Certified, place: int, error: flo
     peer = graded_peer("peer", "setting", "1.0", TIMING, four, 7, reference)
     assert peer.error_worst == pytest.approx(abs(error), abs=1e-13)
     expected = abs(error) if place == 3 else 0.0
-    assert row.error_transition_time == pytest.approx(expected, abs=1e-15)
+    assert row.error_duration == pytest.approx(expected, abs=1e-15)
 
 
 def test_an_answer_that_is_missing_is_no_answer(reference: Certified) -> None:

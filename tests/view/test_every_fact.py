@@ -521,7 +521,7 @@ def test_map_of_designs(study: PaperStudy) -> None:
     assert found["speed_rpm"] == [400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700.0]
     assert found["restitution"] == pytest.approx([0.02, 0.07, 0.12, 0.17, 0.22, 0.27, 0.32])
     assert found["stiffness"] == [7e3, 9e3, 11e3]
-    for base, panel in zip((2.0, 3.0, 4.0), found["transition_time_s"], strict=True):
+    for base, panel in zip((2.0, 3.0, 4.0), found["duration_s"], strict=True):
         for e, row in zip(found["restitution"], panel, strict=True):
             wanted = [1e-3 * (base + 10.0 * e + 0.01 * (n - 400.0)) for n in found["speed_rpm"]]
             assert row == pytest.approx(wanted, rel=1e-12)

@@ -524,7 +524,7 @@ def made_up_row(start: int) -> Row:
     errors = [float(f"{start % 10 + 0.1 * k:.1f}e-{5 + k}") for k in range(6)]
     return Row(
         engine=f"engine {start}", setting="1e-9", wall_ms=ms[0], first_ms=ms[1], fastest_ms=ms[2],
-        spread_ms=ms[3], runs=30, error_transition_time=errors[0], error_worst=errors[1],
+        spread_ms=ms[3], runs=30, error_duration=errors[0], error_worst=errors[1],
         error_times=errors[2], error_impulses=errors[3], error_amplitudes=errors[4],
         error_trajectory=errors[5], evaluations=1000 + start, version=f"4.{start}",
     )  # fmt: skip
@@ -535,7 +535,7 @@ def test_tables_of_the_benchmark() -> None:
     fields = {
         "engine": "engine", "peer": "engine", "version": "version", "setting": "setting",
         "ms": "wall_ms", "fastest": "fastest_ms", "spread": "spread_ms", "first": "first_ms",
-        "worst of four": "error_worst", "transition": "error_transition_time",
+        "worst of four": "error_worst", "transition": "error_duration",
         "times": "error_times", "impulses": "error_impulses", "amplitudes": "error_amplitudes",
         "trajectory": "error_trajectory", "evaluations": "evaluations",
     }  # fmt: skip

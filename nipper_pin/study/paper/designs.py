@@ -48,7 +48,7 @@ class DesignMap:
             "speed_rpm": self.speeds_rpm[::10].tolist(),
             "restitution": RESTITUTIONS[::10].tolist(),
             "stiffness": self.stiffnesses.tolist(),
-            "transition_time_s": [
+            "duration_s": [
                 [[None if np.isnan(t) else float(t) for t in row] for row in panel]
                 for panel in self.durations[:, ::10, ::10]
             ],

@@ -17,12 +17,13 @@ from .published import Published
 
 STEPS_S = (1e-6, 3e-7, 1e-7, 3e-8, 1e-8)
 RULES = ("forward", "semi-implicit")
-QUANTITIES = (
-    "first_rebound_time_s",
-    "second_rebound_time_s",
-    "first_amplitude",
-    "transition_time_s",
-)
+# What is compared, and where a run of the scheme has it.
+_READ = {
+    "rebound_time_s_1": "first_rebound_time_s",
+    "rebound_time_s_2": "second_rebound_time_s",
+    "rebound_amplitude_1": "first_amplitude",
+    "duration_s": "transition_time_s",
+}
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class FixedStep:
         """Return the errors as plain data."""
         return {
             **{key: value for key, value in asdict(self).items() if key != "rules"},
-            "quantities": list(QUANTITIES),
+            "quantities": list(_READ),
             "rules": [
                 {
                     "name": rule.name,
@@ -108,7 +109,7 @@ def fixed_step(mechanism: Mechanism, conditions: Published) -> FixedStep:
     for name in RULES:
         runs = [run(Setting(name, step, method=name)) for step in STEPS_S]
         taken = runs[-1].evaluations
-        values = np.array([[getattr(item, key) for key in QUANTITIES] for item in runs])
+        values = np.array([[getattr(item, key) for key in _READ.values()] for item in runs])
         rules.append(_rule(name, np.array(STEPS_S), values, exact))
     return FixedStep(
         speed, taken, solution.evaluations, float(solution.errors[-1].time), tuple(rules)

@@ -91,7 +91,7 @@ class PaperStudy:
             "phase_1": self.phase_one.record(),
             "fixed_step": None if self.fixed_step is None else self.fixed_step.record(),
             "shares": self.shares.record(),
-            "transition_time_map": self.designs.record(),
+            "duration_map": self.designs.record(),
         }
 
 
