@@ -487,6 +487,12 @@ def test_arrows_of_the_page(struck: Judge) -> None:
         joint, foot, way = carrier(struck, name)
         starts = np.interp([t for t, _, _ in items], shown.pace.machine, shown.pace.playback)
         path = next(p for p in scene.objects if f"/impulse_{name}/" in p).rpartition("/")[0]
+        t, size = scene.tracks[path][".scale"]
+        for event in struck.hits:
+            at = float(np.interp(event.t, shown.pace.machine, shown.pace.playback))
+            # A second after its own collisions there is no arrow, whatever else is struck.
+            if not any(-0.1 < at - start < 1.1 for start in starts):
+                assert np.interp(at, t, size[:, 1]) < 1e-4
         for (_, impulse, q), at, after in zip(items, starts, [*starts[1:], 1e9], strict=True):
             if after - at < 2e-3 or impulse < 1e-3 * largest:
                 continue
