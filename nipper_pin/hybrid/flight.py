@@ -12,8 +12,8 @@ from ..dynamics.system import ConstraintSet, System
 from ..errors import SimulationError
 from .case import Resolution
 from .collocation import decayed, nodes, prolonged
-from .panel import SMALLEST, Attempt, Panel, forces_at, judged
-from .roughness import roughness
+from .panel import NEARBY, SMALLEST, Attempt, Panel, forces_at, judged
+from .roughness import of_closures, roughness
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
@@ -34,8 +34,9 @@ _LONGER = 2.0
 _RUN_AWAY = 1e9
 # One way out of many in which round-off may fall.
 _SAFETY = 8.0
+_EPS = float(np.finfo(float).eps)
 # Below this relative change only round-off is left in the iteration.
-_ITERATION_FLOOR = 1e3 * float(np.finfo(float).eps)
+_ITERATION_FLOOR = 1e3 * _EPS
 
 
 def flight_panel(
@@ -81,11 +82,9 @@ def flight_panel(
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
             if stride > 1:
                 continue
-            if not iteration.is_round_off(np.abs(iteration.moved).max(axis=0)):
+            if not iteration.allows_round_off() or not iteration.converges(a, stride, _MAX_SWEEPS):
                 return Attempt(None, none, 0.5)
-        # Two integrations divide the coefficient of degree k by about (2 k)^2.
-        missing = decayed(a) * iteration.weight
-        left_over = float(missing.max()) / (2.0 * len(a)) ** 2
+        left_over = iteration.left_over(a)
         if left_over <= tolerance:
             break
     q_nodes, v_nodes = iteration.motion(a)
@@ -94,9 +93,11 @@ def flight_panel(
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
     hard = iteration.sweeps > _EASY_SWEEPS
-    if left_over > tolerance and iteration.is_round_off(missing):
-        # No shorter panel would resolve it either.
-        return Attempt(panel, forces, 1.0 if hard else _LONGER)
+    if left_over > tolerance and iteration.allows_round_off():
+        left_over = iteration.left_over(a)
+        if left_over <= tolerance:
+            # No shorter panel would resolve it either.
+            return Attempt(panel, forces, 1.0 if hard else _LONGER)
     if len(a) < finest and not hard:
         # A coarse grid was enough, and a panel that only just suits it would stay short for ever.
         return Attempt(panel, forces, _LONGER)
@@ -165,17 +166,17 @@ class _Picard:
         self._lines[1] = v
         if system.held:
             self._lines[:, :, system.driven_columns] = motion[:2]
-        self._reach = np.abs(h * v) + SMALLEST
+        # Way on the panel beside which changes of positions count, shape (nv,).
+        self._way = np.abs(h * v) + SMALLEST
         # Relative change of positions by change of acceleration, shape (nv,); the same for every
         # node: arrays of one shape are multiplied three times as fast as a row is repeated.
-        self.weight = np.empty(0)
+        self._weight = np.empty(0)
         self._weights = np.empty((finest, len(q)))
         self._free = np.empty((finest, len(q)))
         self._free[:] = system.free
-        # Relative changes of positions in the latest sweep, shape (N - 1, nv).
-        self.moved = np.empty((0, len(q)))
         self._start = t, q, v
-        self._rough = np.empty(0)
+        self._still = _SAFETY * NEARBY * _EPS * system.shaft.rate**2
+        self._allowed = False
         self._change = np.inf
         self._contraction = 1.0
         # What turns integrals over the unit interval into positions and velocities.
@@ -202,12 +203,13 @@ class _Picard:
         for sweep in range(1, most + 1):
             q, v = product(operator, a * free).reshape(shape) + lines
             new = system.respond(forcing, q, v, self._rows)
-            if not self.weight.size:
-                # What is prescribed does not move: its accelerations are round-off of the armature.
-                size = self._reach + h**2 * np.maximum.reduce(np.abs(new))
-                self.weight = self._weights[:] = h**2 * self._rows.moving / size
+            if not self._weight.size:
+                self._way += h**2 * np.maximum.reduce(np.abs(new))
+                self._weigh()
+                if np.maximum.reduce(self._weight) * self._still > self._tolerance:
+                    # A link stands nearly still: all that it has may be round-off of the others.
+                    self._allow(of_closures(system, v[0], new[0]))
             guess, moved = moved, (new - unknown) * weights
-            self.moved = moved
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
@@ -227,16 +229,40 @@ class _Picard:
                 return change <= _ITERATION_FLOOR
         return False
 
-    def is_round_off(self, weighted: FloatArray) -> bool:
-        """True if differences of accelerations are no more than round-off of forces makes of them.
+    def _weigh(self) -> None:
+        # What is prescribed does not move: its accelerations are round-off of the armature.
+        self._weight = self._weights[:] = self._h**2 * self._rows.moving / self._way
+
+    def left_over(self, a: FloatArray) -> float:
+        """Relative change of positions by what follows the last coefficients of accelerations.
+
+        Two integrations divide the coefficient of degree k by about (2 k)^2.
 
         Args:
-            weighted: Differences, as relative changes of positions, shape (nv,).
+            a: Accelerations at the nodes, shape (N, nv).
         """
-        if not self._rough.size:
-            rough = roughness(self._system, self._rows, *self._start)
-            self._rough = _SAFETY * rough * self.weight
-        return bool((weighted <= self._rough).all())
+        return float((decayed(a) * self._weight).max()) / (2.0 * len(a)) ** 2
+
+    def allows_round_off(self) -> bool:
+        """Weigh anew, so that round-off of accelerations is within the tolerance.
+
+        Returns:
+            Whether there is any coordinate to which this makes a difference.
+        """
+        if self._allowed or not self._weight.size:
+            return False
+        self._allowed = True
+        # Changes that are weighed anew say nothing of the contraction before.
+        self._change, self._contraction = np.inf, 1.0
+        return self._allow(roughness(self._system, self._rows, *self._start))
+
+    def _allow(self, rough: FloatArray) -> bool:
+        """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
+        allowance = _SAFETY * self._h**2 * rough / self._tolerance
+        matters = bool((self._rows.moving * (allowance > self._way)).any())
+        self._way += allowance
+        self._weigh()
+        return matters
 
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""

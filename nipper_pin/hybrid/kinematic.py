@@ -18,10 +18,13 @@ from ..errors import SingularConfigurationError
 from .case import Resolution
 from .collocation import nodes, tail
 from .panel import SMALLEST, Attempt, Panel, judged
+from .roughness import of_closures
 
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
 _AMPLIFIED = 1e3
+# One way out of many in which round-off may fall.
+_SAFETY = 8.0
 # Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
@@ -88,10 +91,9 @@ def kinematic_panel(
     rough_a = np.maximum(h**2 * tail(a_nodes), apart) / (np.sqrt(resolution.tolerance) * changed)
     # What is prescribed follows its law; that it is held with less than infinite inertia shows.
     rough_a *= rows.moving
-    if not moving.any():
-        # Stops may lock a machine altogether while its drive trains wind up: what it has of
-        # accelerations is round-off.
-        rough_a = np.zeros_like(moving)
+    # Stops may lock links through closures, or all of them while drive trains wind up: what these
+    # have of accelerations is round-off.
+    rough_a[changed <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
     if system.mechanism.struts:
         # Where points of a strut pass one another closely, its force is rougher than all motion.

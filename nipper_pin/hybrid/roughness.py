@@ -38,7 +38,26 @@ def roughness(
     signs = (-1.0) ** np.arange(len(q))
     pushed = forcing + np.stack([np.zeros_like(q), unsure, signs * unsure])
     a = system.respond(pushed, np.tile(q, (3, 1)), np.tile(v, (3, 1)), rows)
-    return np.asarray(np.abs(a[1:] - a[0]).max(axis=0))
+    of_forces = np.abs(a[1:] - a[0]).max(axis=0)
+    return np.asarray(np.maximum(of_forces, of_closures(system, v, a[0])))
+
+
+def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
+    """Round-off that the closures leave in accelerations, shape (nv,).
+
+    They add up accelerations a and centripetal ones v^2 of all links. A link that they hold still,
+    or nearly so, has the round-off of the others.
+
+    Args:
+        system: The system.
+        v: Velocities, shape (..., nv).
+        a: Accelerations, shape (..., nv).
+    """
+    if not system.body.closure_rows:
+        return np.zeros(system.body.nv)
+    turning = system.turns(np.ones(system.body.nv))
+    largest = (system.turns(a) + system.turns(v) ** 2).max()
+    return np.asarray(NEARBY * _EPS * largest / turning)
 
 
 def _of_lengths(system: System, q: FloatArray, v: FloatArray) -> FloatArray:
