@@ -10,6 +10,8 @@ from ..mechanism import Mechanism
 
 PLANAR_ROWS_OF_A_POINT = (0, 2)
 _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
+# A joint may have the name of a link.
+_LINK = pin.FrameType.BODY
 _NO_FORCES = np.empty((0, 2))
 
 
@@ -40,7 +42,7 @@ class OpenTree:
         self._link_ids = [model.getJointId(joint.name) for joint in mechanism.joints]
         self.closure_rows = 2 * len(mechanism.closures)
         self._frames_of_cuts = [
-            [model.getFrameId(name) for name in (closure.frame_a, closure.frame_b)]
+            [model.getFrameId(name, _LINK) for name in (closure.frame_a, closure.frame_b)]
             for closure in mechanism.closures
         ]
         self.cuts = [[model.frames[number] for number in pair] for pair in self._frames_of_cuts]
@@ -49,7 +51,7 @@ class OpenTree:
         names = list(dict.fromkeys(name for pair in ends for name in pair))
         numbers = [[names.index(name) for name in pair] for pair in ends]
         self._ends = np.array(numbers, dtype=np.intp).reshape(-1, 2)
-        frames = [model.frames[model.getFrameId(name, pin.FrameType.BODY)] for name in names]
+        frames = [model.frames[model.getFrameId(name, _LINK)] for name in names]
         self._points = [(frame.parentJoint, frame.placement) for frame in frames]
         # 1 where a joint moves a point, shape (points, 1, nv); nothing moves the machine's frame.
         self._moving = np.zeros((len(frames), 1, self.nv))

@@ -369,3 +369,36 @@ class System:
             rows: The phase.
         """
         return self.respond(self.forcing(motion, rows), q, v, rows)
+
+    def determined_accelerations(
+        self,
+        motion: Driven,
+        q: FloatArray,
+        v: FloatArray,
+        jacobian: FloatArray,
+        rows: ConstraintSet,
+        split: Partition,
+    ) -> FloatArray:
+        """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
+
+        Args:
+            motion: Driven coordinates, rates and accelerations of these states.
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+            jacobian: Closure Jacobian G, shape (N, m, nv).
+            rows: The phase; every independent coordinate is a held drive or a closed stop.
+            split: Dependent and independent coordinates.
+
+        Returns:
+            a, shape (N, nv).
+        """
+        a = np.zeros_like(q)
+        if self.held:
+            a[:, self.driven_columns] = motion[2]
+        if rows.stops:
+            a[:, rows.stops] = 0.0
+        if split.dependent:
+            opening = self.body.closure_accelerations(q, v, a)[:, :, None]
+            block = jacobian[:, :, split.columns]
+            a[:, split.columns] = -np.linalg.solve(block, opening)[:, :, 0]
+        return a

@@ -35,6 +35,8 @@ _RUN_AWAY = 1e9
 # One way out of many in which round-off may fall.
 _SAFETY = 8.0
 _EPS = float(np.finfo(float).eps)
+# Share of the motion from which on an allowance for round-off may decide on a panel.
+_NOTICED = 0.1
 # Below this relative change only round-off is left in the iteration.
 _ITERATION_FLOOR = 1e3 * _EPS
 
@@ -226,7 +228,10 @@ class _Picard:
             ):
                 return True
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-                return change <= _ITERATION_FLOOR
+                return change <= _ITERATION_FLOOR or (
+                    # Of round-off every sweep has its own.
+                    self._allowed and float(np.abs(moved).max()) <= self._tolerance
+                )
         return False
 
     def _weigh(self) -> None:
@@ -259,7 +264,7 @@ class _Picard:
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
         allowance = _SAFETY * self._h**2 * rough / self._tolerance
-        matters = bool((self._rows.moving * (allowance > self._way)).any())
+        matters = bool((self._rows.moving * (allowance > _NOTICED * self._way)).any())
         self._way += allowance
         self._weigh()
         return matters

@@ -68,32 +68,27 @@ def kinematic_panel(
     _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
     a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
+    moving = np.abs(h * v_nodes).max(axis=0)
+    # What no shorter panel would resolve either must not advise one.
+    round_off = _round_off(system, q_nodes, jacobian, split)
+    rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+    if resolution.adaptive and rough_a.max() > 1.0:
+        # Stops may lock links through closures, or all of them while drive trains wind up: what
+        # these have of accelerations is round-off of the forces on them.
+        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, rows, split)
+        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+        still = moving + h**2 * np.abs(a_nodes).max(axis=0)
+        rough_a[still <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    moving = np.abs(h * v_nodes).max(axis=0)
-    # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, q_nodes, jacobian, split)
     left_over = np.maximum(tail(q_nodes) - round_off, 0.0)
     rough = left_over / (resolution.tolerance * moving + SMALLEST)
     # Stop forces are second derivatives: they are resolved less far than positions, and their
     # roots are polished on the exact motion.
     size = np.abs(forces).max(axis=0) + SMALLEST
     rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
-    # So are accelerations, by what they change: near a dead centre they rise within the round-off
-    # of the positions.
-    changed = moving + h**2 * np.abs(a_nodes).max(axis=0) + SMALLEST
-    # The last coefficients of round-off may be small by chance, but rates, found without them, are
-    # then not the integral of accelerations.
-    apart = np.abs(v_nodes - v_nodes[0] - h * (grid.once @ a_nodes)).max(axis=0)
-    apart = np.maximum(h * apart - round_off, 0.0)
-    rough_a = np.maximum(h**2 * tail(a_nodes), apart) / (np.sqrt(resolution.tolerance) * changed)
-    # What is prescribed follows its law; that it is held with less than infinite inertia shows.
-    rough_a *= rows.moving
-    # Stops may lock links through closures, or all of them while drive trains wind up: what these
-    # have of accelerations is round-off.
-    rough_a[changed <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
     excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
     if system.mechanism.struts:
         # Where points of a strut pass one another closely, its force is rougher than all motion.
@@ -101,6 +96,30 @@ def kinematic_panel(
         rough_pull = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
         excess = max(excess, float(rough_pull.max()))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
+
+
+def _rough_accelerations(
+    h: float, v: FloatArray, a: FloatArray, round_off: FloatArray, resolution: Resolution
+) -> FloatArray:
+    """What a panel leaves unresolved of accelerations, in units of the tolerance, shape (nv,).
+
+    They are second derivatives: they are resolved less far than positions, by what they change.
+    Near a dead centre they rise within the round-off of the positions.
+
+    Args:
+        h: Length of the panel [s].
+        v: Velocities at the nodes, shape (N, nv).
+        a: Accelerations at the nodes, shape (N, nv).
+        round_off: Round-off of the positions, shape (nv,).
+        resolution: Number of nodes, and what they may leave unresolved.
+    """
+    changed = np.abs(h * v).max(axis=0) + h**2 * np.abs(a).max(axis=0) + SMALLEST
+    # The last coefficients of round-off may be small by chance, but rates, found without them, are
+    # then not the integral of accelerations.
+    apart = np.abs(v - v[0] - h * (nodes(len(v)).once @ a)).max(axis=0)
+    apart = np.maximum(h * apart - round_off, 0.0)
+    left_over = np.maximum(h**2 * tail(a), apart)
+    return np.asarray(left_over / (np.sqrt(resolution.tolerance) * changed))
 
 
 def _check_branch(jacobian: FloatArray, split: Partition) -> None:

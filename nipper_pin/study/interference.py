@@ -147,12 +147,13 @@ def _adjacent(mechanism: Mechanism) -> set[frozenset[str]]:
     frames = mechanism.model.frames
     for closure in mechanism.closures:
         sides = [
-            frames[mechanism.model.getFrameId(name)] for name in (closure.frame_a, closure.frame_b)
+            frames[mechanism.model.getFrameId(name, pin.FrameType.BODY)]
+            for name in (closure.frame_a, closure.frame_b)
         ]
         root = mechanism.joints[0].parent
         if closure.slot_frame is not None:
             # The block has no shape: what meets is the slot's link and the pin's.
-            sides[0] = frames[mechanism.model.getFrameId(closure.slot_frame)]
+            sides[0] = frames[mechanism.model.getFrameId(closure.slot_frame, pin.FrameType.BODY)]
         pairs.add(frozenset(_moving_link(mechanism, side.parentJoint, root) for side in sides))
     # The two sides of a lip share the jaw joint, but their meeting is what the stop is about.
     return pairs - _lips(mechanism)

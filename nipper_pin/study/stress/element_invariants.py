@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...dynamics.system import System
@@ -97,7 +98,7 @@ def _line(system: System, strut: Strut, q: FloatArray, v: FloatArray) -> tuple[f
     places, rates = [], []
     names = [joint.name for joint in system.mechanism.joints]
     for name in (strut.frame_a, strut.frame_b):
-        frame = model.frames[model.getFrameId(name)]
+        frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
         local = frame.placement.translation
         if frame.parentJoint == 0:
             places.append(local[[0, 2]])
