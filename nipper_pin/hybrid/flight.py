@@ -84,7 +84,7 @@ def flight_panel(
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
             if stride > 1:
                 continue
-            if not iteration.allows_round_off() or not iteration.converges(a, stride, _MAX_SWEEPS):
+            if not (iteration.allows_round_off() and iteration.settled):
                 return Attempt(None, none, 0.5)
         left_over = iteration.left_over(a)
         if left_over <= tolerance:
@@ -176,6 +176,8 @@ class _Picard:
         self._weights = np.empty((finest, len(q)))
         self._free = np.empty((finest, len(q)))
         self._free[:] = system.free
+        # Relative changes of positions in the latest sweep, shape (N - 1, nv).
+        self._moved = np.empty((0, len(q)))
         self._start = t, q, v
         self._still = _SAFETY * NEARBY * _EPS * system.shaft.rate**2
         self._allowed = False
@@ -212,6 +214,7 @@ class _Picard:
                     # A link stands nearly still: all that it has may be round-off of the others.
                     self._allow(of_closures(system, v[0], new[0]))
             guess, moved = moved, (new - unknown) * weights
+            self._moved = moved
             # The Euclidean norm bounds the largest element, and is found faster.
             previous, change = self._change, math.sqrt(np.vdot(moved, moved))
             self._change = change
@@ -228,11 +231,13 @@ class _Picard:
             ):
                 return True
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-                return change <= _ITERATION_FLOOR or (
-                    # Of round-off every sweep has its own.
-                    self._allowed and float(np.abs(moved).max()) <= self._tolerance
-                )
+                return change <= _ITERATION_FLOOR
         return False
+
+    @property
+    def settled(self) -> bool:
+        """True if the latest sweep has changed no position by more than the tolerance."""
+        return float(np.abs(self._moved).max(initial=0.0)) <= self._tolerance
 
     def _weigh(self) -> None:
         # What is prescribed does not move: its accelerations are round-off of the armature.
@@ -257,14 +262,13 @@ class _Picard:
         if self._allowed or not self._weight.size:
             return False
         self._allowed = True
-        # Changes that are weighed anew say nothing of the contraction before.
-        self._change, self._contraction = np.inf, 1.0
         return self._allow(roughness(self._system, self._rows, *self._start))
 
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
         allowance = _SAFETY * self._h**2 * rough / self._tolerance
         matters = bool((self._rows.moving * (allowance > _NOTICED * self._way)).any())
+        self._moved = self._moved * (self._way / (self._way + allowance))
         self._way += allowance
         self._weigh()
         return matters
