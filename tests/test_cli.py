@@ -133,8 +133,7 @@ def test_options_without_anything_to_act_on_are_refused(
 ) -> None:
     design = tmp_path / "design.toml"
     design.write_text(
-        'format = 1\nminimise = "duration_s"\n'
-        "[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n",
+        'format = 1\nminimise = "duration_s"\n[parameters.restitution]\nlow = 0.05\nhigh = 0.3\n',
         encoding="utf-8",
     )
     for words, sentence in (
@@ -143,8 +142,10 @@ def test_options_without_anything_to_act_on_are_refused(
         (["identify", "--profiles", "-1"], "--profiles -1: at least 0"),
         (["identify", "--starts", "1", "--seed", "2"], "--seed changes nothing beside --starts 1"),
         (["sweep", "x.toml", "--dry-run", "--out", "y"], "--out changes nothing beside --dry-run"),
-        (["sweep", "x.toml", "--dry-run", "--scheduler", "tcp://host:1"],
-         "--scheduler changes nothing beside --dry-run"),
+        (
+            ["sweep", "x.toml", "--dry-run", "--scheduler", "tcp://host:1"],
+            "--scheduler changes nothing beside --dry-run",
+        ),
     ):
         assert main(words) == 2
         out, err = capsys.readouterr()

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import FloatArray
 from ..dynamics.system import System
+from ..mechanism import Mechanism
 from .segment import Segment
 from .state import State
 
@@ -18,9 +20,37 @@ _SAME_RATE = 1e-6
 
 
 def comes_back(system: System) -> bool:
-    """True if the drives come back with the cylinder; one may wind on, turn by turn."""
-    left, right = system.shaft.driven(np.array([0.0, system.shaft.period]))[0]
-    return bool(np.abs(right - left).max(initial=0.0) <= _SAME_POSITION)
+    """True if the drives come back with the cylinder, but for whole turns of a crank."""
+    positions = np.zeros((2, system.body.nv))
+    positions[:, system.driven] = system.shaft.driven(np.array([0.0, system.shaft.period]))[0]
+    return winding(system.mechanism, positions[0], positions[1]) is not None
+
+
+def winding(
+    mechanism: Mechanism, start: FloatArray, end: FloatArray, within: float = _SAME_POSITION
+) -> FloatArray | None:
+    """By how much hinges have wound on where the links stand as before.
+
+    Links stand the same after whole turns of a hinge; springs and stops at the hinge do not.
+
+    Args:
+        mechanism: The mechanism.
+        start: Configuration, shape (nv,) [rad or m].
+        end: Another one, likewise.
+        within: What positions of one assembly may differ by [rad or m].
+
+    Returns:
+        Multiples of 2 pi, zero for all other coordinates, shape (nv,) [rad]; None if the links
+        stand elsewhere.
+    """
+    bound = {spring.index for spring in mechanism.springs}
+    bound |= {table.index for table in mechanism.tabulated_springs}
+    bound |= {stop.index for stop in mechanism.stops}
+    winds = np.zeros(len(start))
+    for joint in mechanism.joints:
+        winds[joint.index] = joint.kind == "revolute" and joint.index not in bound
+    wound = 2.0 * np.pi * winds * np.rint((end - start) / (2.0 * np.pi))
+    return wound if np.abs(end - start - wound).max(initial=0.0) <= within else None
 
 
 def repeats(
@@ -29,8 +59,8 @@ def repeats(
     current: Sequence[Segment],
     start: State,
     end: State,
-) -> bool:
-    """True if the turn after this one must equal this one.
+) -> FloatArray | None:
+    """By how much hinges wind on in this turn, if the one after must equal it.
 
     With held drives a phase without freedom is determined by the cylinder angle and the assembly of
     the links, so two turns that share such a phase at the same angle are equal from there on. An
@@ -43,23 +73,23 @@ def repeats(
         current: Segments of this turn.
         start: State at its start.
         end: State at its end.
+
+    Returns:
+        As :func:`winding`; None if the next turn has to be computed.
     """
-    if not system.held:
-        return False
-    if not comes_back(system):
-        return False
+    if not system.held or not comes_back(system):
+        return None
     period = system.shaft.period
     changed = float(np.abs(end.v - start.v).max())
     fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
     if start.closed != end.closed or changed > _SAME_RATE * fastest:
-        return False
-    if np.abs(end.q - start.q).max() > _SAME_POSITION:
-        # The links have come to their other assembly, where rates may be the same.
-        return False
+        return None
+    # The links may have come to their other assembly, where rates may be the same.
+    wound = winding(system.mechanism, start.q, end.q)
     first, last = current[0], current[-1]
     if first.kinematic and last.kinematic and first.closed == last.closed:
-        return True
-    return any(
+        return wound
+    shared = any(
         old.kinematic
         and new.kinematic
         and old.closed == new.closed
@@ -68,3 +98,4 @@ def repeats(
         for old in previous
         for new in current
     )
+    return wound if shared else None

@@ -80,7 +80,7 @@ def energy_balance(
     for segment in segments:
         rows = system.constraint_set(segment.closed)
         for panel, begin, end in segment.pieces():
-            key = (id(panel.q), round((end - begin) / panel.h, 9))
+            key = (id(panel.a), round((end - begin) / panel.h, 9))
             if key not in known:
                 known[key] = _exchanged(system, rows, panel, begin, end, peak / length)
             work += known[key][0]

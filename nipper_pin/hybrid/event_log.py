@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ..arrays import FloatArray
 from ..dynamics.impact import Impact
 from .event import Event, EventKind
 from .phases import Closed
@@ -60,9 +61,11 @@ class EventLog:
             )
         )
 
-    def repeat(self, event: Event, delay: float) -> None:
-        """Write an event down again, so much later [s]."""
-        self.events.append(replace(event, t=event.t + delay, number=len(self.events) + 1))
+    def repeat(self, event: Event, delay: float, wound: FloatArray) -> None:
+        """Write an event down again, with its impulses; arguments as :meth:`Panel.shifted`."""
+        q = event.q + wound if wound.any() else event.q
+        number = len(self.events) + 1
+        self.events.append(replace(event, t=event.t + delay, q=q, number=number))
 
     def _bring_forward(self, t: float) -> None:
         """Let the last rests, limits beyond the state that goes on, come no later than time t."""

@@ -80,7 +80,7 @@ class LinearMaps:
 
     def flight(self, segment: Segment) -> FlightMap:
         """A segment with freedom, and of some length."""
-        key = id(segment.panels[0].q)
+        key = id(segment.panels[0].a)
         if key not in self._flights:
             self._flights[key] = self._flight(segment)
         return self._flights[key]
@@ -88,12 +88,12 @@ class LinearMaps:
     def end(self, segment: Segment) -> Deviations:
         """Deviations at the end of a segment without freedom, which forgets those before."""
         panel = segment.panels[-1]
-        if id(panel.q) not in self._ends:
+        if id(panel.a) not in self._ends:
             q, v = panel.interpolate_at(segment.t_end)
             opened = Deviations.of(of_closures(self._system, panel, q, v))
             found = of_rates(self._system, segment.closed, segment.t_end, q, v)
-            self._ends[id(panel.q)] = found.joined(opened)
-        return self._ends[id(panel.q)]
+            self._ends[id(panel.a)] = found.joined(opened)
+        return self._ends[id(panel.a)]
 
     def impact(self, event: Event) -> ImpactMap:
         """An event with impulses at some of its stops."""

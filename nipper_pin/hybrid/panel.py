@@ -67,9 +67,15 @@ class Panel:
         """Times of the nodes [s], shape (N,)."""
         return self.t + self.h * nodes(self.order).sigma
 
-    def shifted(self, delay: float) -> Panel:
-        """Return the same motion at a later time."""
-        return replace(self, t=self.t + delay)
+    def shifted(self, delay: float, wound: FloatArray) -> Panel:
+        """Return the same motion at a later time; it shares its accelerations with this one.
+
+        Args:
+            delay: How much later [s].
+            wound: What is added to the coordinates, shape (nv,).
+        """
+        q = self.q + wound if wound.any() else self.q
+        return replace(self, t=self.t + delay, q=q)
 
     def interpolate(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Positions and velocities at times t, before the closures are met exactly.

@@ -16,7 +16,7 @@ import numpy as np
 from ..dynamics.system import System
 from ..errors import SimulationError
 from .case import Resolution, Window
-from .cycles import comes_back
+from .cycles import comes_back, winding
 from .event import Event, EventKind
 from .phases import pressed
 from .simulate import go_on
@@ -114,7 +114,8 @@ def _judged(system: System, touch: Event, end: State, events: tuple[Event, ...])
     if max(rests, default=0.0) > (1.0 - _BEFORE) * period:
         return Premise(False, f"a stop still bounces {there}.")
     left = _BEFORE * period
-    if np.abs(end.q - (touch.q - left * touch.v_before)).max() > _SAME_POSITION:
+    arrived = touch.q - left * touch.v_before
+    if winding(system.mechanism, arrived, end.q, _SAME_POSITION) is None:
         return Premise(False, f"the links stand in another assembly {there}.")
     motion = system.shaft.driven_at(0.0)
     jacobian = system.body.closures(touch.q[None])[1][0]

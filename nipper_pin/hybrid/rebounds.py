@@ -61,7 +61,7 @@ class Rebounds:
             segment = self._followed(event, stop)
             return None if segment is None else _highest_of(segment, stop)
         # Copies of a turn share their arrays.
-        key = id(event.q)
+        key = id(event.delta)
         if key not in self._highest_gaps:
             self._highest_gaps[key] = self._highest(event.t, end.t, stop)
         return self._highest_gaps[key]
@@ -101,7 +101,7 @@ class Rebounds:
 
     def _followed(self, event: Event, stop: Stop) -> Segment | None:
         """The flight of a rebound that a run leaves out; None if it does not end."""
-        key = id(event.q)
+        key = id(event.delta)
         if key not in self._flights:
             self._flights[key] = self._flight(event, stop)
         return self._flights[key]

@@ -49,13 +49,13 @@ class Segment:
     panels: tuple[Panel, ...]
     kinematic: bool
 
-    def shifted(self, delay: float) -> Segment:
-        """Return the same motion at a later time."""
+    def shifted(self, delay: float, wound: FloatArray) -> Segment:
+        """Return the same motion at a later time; arguments as :meth:`Panel.shifted`."""
         return replace(
             self,
             t_start=self.t_start + delay,
             t_end=self.t_end + delay,
-            panels=tuple(panel.shifted(delay) for panel in self.panels),
+            panels=tuple(panel.shifted(delay, wound) for panel in self.panels),
         )
 
     def pieces(self) -> Iterator[tuple[Panel, float, float]]:

@@ -179,12 +179,11 @@ class _Run:
             if progress is not None:
                 progress(turn, cycles)
             current = self.segments[first_segment:]
-            if (
-                self.case.reuse_cycles
-                and turn < cycles
-                and repeats(self.system, previous, current, start, self.state)
-            ):
-                self._copy(current, self.log.events[first_event:], cycles - turn)
+            wound = None
+            if self.case.reuse_cycles and turn < cycles:
+                wound = repeats(self.system, previous, current, start, self.state)
+            if wound is not None:
+                self._copy(current, self.log.events[first_event:], cycles - turn, wound)
                 if progress is not None:
                     progress(cycles, cycles)
                 return self._outcome(), turn
@@ -385,15 +384,17 @@ class _Run:
             return at_rest
         return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest)
 
-    def _copy(self, segments: list[Segment], events: list[Event], times: int) -> None:
-        """Append copies of a turn."""
-        period = self.system.shaft.period
+    def _copy(
+        self, segments: list[Segment], events: list[Event], times: int, wound: FloatArray
+    ) -> None:
+        """Append copies of a turn, in each of which hinges wind on."""
+        period, end = self.system.shaft.period, self.state
         for turn in range(1, times + 1):
-            delay = turn * period
-            self.segments.extend(segment.shifted(delay) for segment in segments)
+            delay, moved = turn * period, turn * wound
+            self.segments.extend(segment.shifted(delay, moved) for segment in segments)
             for event in events:
-                self.log.repeat(event, delay)
-        self.state = self.state._replace(t=self.state.t + times * period)
+                self.log.repeat(event, delay, moved)
+        self.state = end._replace(t=end.t + times * period, q=end.q + times * wound)
 
     def _outcome(self) -> Outcome:
         return Outcome.COMPLETED if self.state.series is None else Outcome.STILL_BOUNCING

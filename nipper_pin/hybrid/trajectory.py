@@ -167,9 +167,9 @@ def closure_residuals(system: System, segments: Sequence[Segment]) -> tuple[floa
     seen: set[int] = set()
     for segment in segments:
         for panel in segment.panels:
-            if id(panel.q) in seen:
+            if id(panel.a) in seen:
                 continue
-            seen.add(id(panel.q))
+            seen.add(id(panel.a))
             g, jacobian = system.body.closures(panel.q)
             gap = max(gap, float(np.abs(g).max(initial=0.0)))
             g_dot = np.einsum("nij,nj->ni", jacobian, panel.v)

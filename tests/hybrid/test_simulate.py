@@ -18,6 +18,7 @@ from nipper_pin import (
     load,
     simulate,
 )
+from nipper_pin.mechanism.skeleton import write_skeleton
 
 BOUNCING_MASS = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"
 
@@ -166,6 +167,49 @@ def test_copied_turns_equal_computed_ones(nipper: Mechanism, speed: float) -> No
         rtol=0.0,
         atol=1e-10,
     )
+
+
+def test_turns_of_a_crank_are_copied_too(tmp_path: Path) -> None:
+    """The crank of a press winds on by 2 pi a turn; five turns cost no more than one.
+
+    Copies that did not wind on, or wound the wrong joint, would be 2 pi away from computed turns.
+    """
+    press = load(write_skeleton(tmp_path / "press"))
+    case = {"speed_rpm": 120.0, "window": Window.CYCLE}
+    one = simulate(press, Case(**case))
+    copied = simulate(press, Case(**case, cycles=5))
+    computed = simulate(press, Case(**case, cycles=5, reuse_cycles=False))
+    assert copied.repeated_from == 1
+    assert copied.evaluations == one.evaluations
+    assert len(copied.events) == len(computed.events) == 5 * len(one.events)
+    for ours, theirs in zip(copied.events, computed.events, strict=True):
+        assert ours.t == pytest.approx(theirs.t, abs=1e-13)
+        np.testing.assert_allclose(ours.q, theirs.q, rtol=0.0, atol=1e-12)
+    times = np.linspace(0.0, copied.trajectory.span[1], 333)
+    ours, theirs = copied.trajectory.evaluate(times), computed.trajectory.evaluate(times)
+    np.testing.assert_allclose(ours.q, theirs.q, rtol=0.0, atol=1e-12)
+    crank = press.joints[0].index
+    assert ours.q[-1, crank] - ours.q[0, crank] == pytest.approx(10.0 * np.pi, abs=1e-12)
+
+
+@pytest.mark.parametrize("bound", ["nothing", "spring", "stop"])
+def test_what_is_bound_to_a_winding_hinge_does_not_repeat(bound: str, tmp_path: Path) -> None:
+    """A pin that winds up a spring, or turns towards a stop, is not where it was a turn before.
+
+    The spring is weak and the stop is far away: but for them the turns would be the same.
+    """
+    folder = write_skeleton(tmp_path / "press")
+    tables = {
+        "nothing": "",
+        "spring": "[springs.coil]\njoint = 'crank_pin'\nstiffness_N_m_per_rad = 1e-3\n"
+        "preload_deg = 0.0\n",
+        "stop": "[stops.far]\njoint = 'crank_pin'\nat_deg = -1e5\nrestitution = 0.2\n",
+    }
+    with (folder / "press.toml").open("a") as file:
+        file.write(tables[bound])
+    case = Case(speed_rpm=120.0, window=Window.CYCLE, cycles=3)
+    repeated = simulate(load(folder), case).repeated_from
+    assert repeated == (1 if bound == "nothing" else None)
 
 
 @pytest.mark.parametrize("speed", [450.0, 650.0])

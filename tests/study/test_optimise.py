@@ -71,9 +71,7 @@ def rest(u: float, v: float) -> float:
 
 LEAST = 2e-5
 AT_LEAST = (
-    'minimise = "duration_s"\n'
-    + BOUNCES
-    + f"[limits]\nrebound_amplitude_1 = {{ low = {LEAST} }}\n"
+    'minimise = "duration_s"\n' + BOUNCES + f"[limits]\nrebound_amplitude_1 = {{ low = {LEAST} }}\n"
 )
 
 
@@ -116,9 +114,7 @@ def test_what_is_maximised_comes_out_with_its_own_sign(tmp_path: Path) -> None:
     There u = e V, and so e = c / (V + c) with c = g T_0 / 2. Tolerances as above.
     """
     body = 'maximise = "rebound_amplitude_1"\n' + BOUNCES
-    found = quick(
-        problem(tmp_path, body + "[limits]\nduration_s = { high = 0.01 }\n")
-    )
+    found = quick(problem(tmp_path, body + "[limits]\nduration_s = { high = 0.01 }\n"))
     c = GRAVITY * 0.01 / 2.0
     e = c / (0.1 + c)
     assert found.best.numbers[E_N] == pytest.approx(e, rel=1e-5)

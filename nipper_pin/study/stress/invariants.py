@@ -286,7 +286,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     # Tables count from their first row, so what is stored may be negative.
     stored = 0.0
     # Near a dead centre panels are short. Copies of a turn share theirs.
-    known = {id(s.panels[0].q): s for s in solution.segments}
+    known = {id(s.panels[0].a): s for s in solution.segments}
     shortest = [(s, min(s.panels, key=lambda p: p.h)) for s in known.values()]
     for segment, panel in (*shortest, *((s, p) for s, p, _ in looked_at(solution))):
         springs = system.spring_energy(panel.q)

@@ -32,8 +32,8 @@ def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]
         segment = solution.segments[place]
         parts = list(segment.pieces())
         for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
-            if id(panel.q) not in seen:
-                seen.add(id(panel.q))
+            if id(panel.a) not in seen:
+                seen.add(id(panel.a))
                 yield segment, panel, np.linspace(begin, end, _POINTS)
 
 
