@@ -6,6 +6,7 @@ import io
 import json
 import shlex
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from nipper_pin import (
 from nipper_pin.cli import main
 from nipper_pin.hybrid.premise import premise_of
 from nipper_pin.mechanism import Mechanism
+from nipper_pin.mechanism.skeleton import write_skeleton
 from nipper_pin.study.transitions import TURN, transition_table
 from nipper_pin.view.table import print_solution
 
@@ -82,17 +84,35 @@ def test_false_while_it_bounces() -> None:
     assert abs(hit.approach_rate / solution.collisions[0].approach_rate - 1.0) > 1e-3
 
 
-def test_not_asked(e62: Mechanism) -> None:
-    """Whole turns assume nothing; inertial shafts and drives that wind on cannot be asked."""
+def test_not_asked(e62: Mechanism, tmp_path: Path) -> None:
+    """Whole turns assume nothing; inertial shafts and a crank at half speed cannot be asked."""
+    press = load(write_skeleton(tmp_path / "press"), {"drives.crank.ratio": 0.5})
     cases = {
         "assume nothing": (e62, Case(speed_rpm=650.0, window=Window.CYCLE)),
         "Inertial": (e62, Case(speed_rpm=650.0, drive=DriveMode.INERTIAL)),
-        "come back": (load("hanging_pendulum"), Case(speed_rpm=60.0)),
+        "come back": (press, Case(speed_rpm=120.0)),
     }
     for word, (mechanism, case) in cases.items():
         solution = simulate(mechanism, case)
         assert solution.premise_holds is None, word
         assert word in solution.premise.why
+
+
+def test_a_crank_that_winds_on_is_asked(tmp_path: Path) -> None:
+    """A press whose crank comes to the touch a whole turn later has the transition of its turns.
+
+    Its collisions come from the second turn of a simulated two, an engine's path of its own.
+    """
+    press = load(write_skeleton(tmp_path / "press"))
+    alone = simulate(press, Case(speed_rpm=120.0))
+    assert alone.premise_holds is True
+    case = Case(speed_rpm=120.0, window=Window.CYCLE, cycles=2, reuse_cycles=False)
+    hits = [hit for hit in simulate(press, case).collisions if hit.stop == "anvil"]
+    second = hits[len(hits) // 2 :]
+    assert len(second) == len(alone.collisions)
+    for ours, theirs in zip(alone.collisions, second, strict=True):
+        assert ours.approach_rate == pytest.approx(theirs.approach_rate, rel=1e-9)
+        assert ours.t == pytest.approx(theirs.t - second[0].t, abs=1e-11)
 
 
 def test_a_cut_transition_is_judged_alike(late: Solution, e62: Mechanism) -> None:
