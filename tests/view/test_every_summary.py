@@ -20,6 +20,7 @@ from rich.console import Console
 import nipper_pin.study.stress as stress
 import nipper_pin.study.sweep as sweep
 from nipper_pin.cli import main
+from nipper_pin.cli.simulate import _whole_turns
 from nipper_pin.study.identify.fit import Fit
 from nipper_pin.study.identify.goodness import Verdict as Fitted
 from nipper_pin.study.identify.limits import FORCE_SIGMA_N, INDEX_SIGMA
@@ -297,3 +298,12 @@ def test_other_stops_of_the_live_page(count: int, word: str) -> None:
     text = _also(SimpleNamespace(collisions=[first, *others]), others)  # type: ignore[arg-type]
     assert text == f" On the way the steeve struck its stop {word}, first after 2.5 ms."
     assert _also(SimpleNamespace(collisions=[first]), []) == ""  # type: ignore[arg-type]
+
+
+def test_command_for_whole_turns() -> None:
+    """The user's own words, as a shell takes them, with the other window."""
+    words = ["simulate", "e62", "--window", "transition", "--set", "a.b=1 2"]
+    wanted = "nipper-pin simulate e62 --set 'a.b=1 2' --window cycle"
+    assert _whole_turns(words) == wanted
+    words[2:4] = ["--window=transition"]
+    assert _whole_turns(words) == wanted
