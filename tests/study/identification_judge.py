@@ -141,7 +141,7 @@ def mistakes(document: Mapping[str, Any], right: Truth) -> list[str]:
     deviations = np.sqrt(np.diag(right.covariance))
     correlations = right.covariance / np.outer(deviations, deviations)
     for place, item in enumerate(document["parameters"]):
-        key = f"free.{place}"
+        key = f"parameters.{place}"
         width = item["high"] - item["low"]
         hold(f"{key}.standard_deviation", item["standard_deviation"], deviations[place], 1e-4)
         scaled = math.sqrt(right.scaled[place, place])

@@ -92,7 +92,7 @@ def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 CHECKED = re.compile(
     r"goodness\.(chi_square|degrees_of_freedom|probability|scale)|within_\d+_percent"
     r"|targets\.\d+\.(wanted|sigma|found|relative_deviation|residual_sigmas)"
-    r"|free\.\d+\.(standard_deviation|standard_deviation_scaled|range_left)"
+    r"|parameters\.\d+\.(standard_deviation|standard_deviation_scaled|range_left)"
     r"|correlations\.\d+\.\d+"
 )
 """Numbers of the document that the judge holds against whole simulations."""
@@ -229,7 +229,7 @@ def test_the_printed_tables_say_what_the_document_says(found: Run) -> None:
             r"goodness\.(chi_square|degrees_of_freedom|probability)|"
             r"targets\.\d+\.(wanted|sigma|found|relative_deviation|residual_sigmas)|"
             r"profiles\.\d+\.(sigma|(values|cost|quadratic)\.\d+)|"
-            r"free\.\d+\.(before|identified|low|high|standard_deviation\w*|range_left)", key
+            r"parameters\.\d+\.(before|identified|low|high|standard_deviation\w*|range_left)", key
         ):  # fmt: skip
             continue
         doctored = copy.deepcopy(found.document)
