@@ -50,7 +50,15 @@ def frame(name: str, parent: str, at: tuple[float, float] = (0.0, 0.0), turned: 
 def machine(
     parts: Sequence[str], freedom: int, *, gravity: float = 0.0, **tables: Any
 ) -> Mechanism:
-    """Build a mechanism at 60 r/min rated speed.
+    """Build a mechanism at 60 r/min rated speed; arguments as :func:`sources`."""
+    urdf, description = sources(parts, freedom, gravity=gravity, **tables)
+    return from_sources("small", urdf, description, ".")
+
+
+def sources(
+    parts: Sequence[str], freedom: int, *, gravity: float = 0.0, **tables: Any
+) -> tuple[str, dict[str, Any]]:
+    """Text of the URDF and document of the TOML of a machine at 60 r/min rated speed.
 
     Args:
         parts: Links and joints; the root link ``frame`` is added.
@@ -78,7 +86,7 @@ def machine(
         **tables,
     }
     urdf = f'<robot name="small"><link name="frame"/>{"".join(parts)}</robot>'
-    return from_sources("small", urdf, description, ".")
+    return urdf, description
 
 
 def _joint(

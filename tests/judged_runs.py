@@ -1,0 +1,318 @@
+"""One run of the package beside the same run of the independent planar solver."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from planar_judge.flight import Precision
+from planar_judge.machine import Machine, build, read_machine
+from planar_judge.record import Event, Verdict
+from planar_judge.run import judge
+
+import nipper_pin as nip
+
+# What event times and, relatively, rates, impulses and forces may differ by.
+TIME_S, SHARE = 1e-10, 1e-8
+# Another resolution of the judge; beyond such a difference of times [s], or relative one of rates,
+# of the two, a motion is too sensitive to be compared.
+OTHER, _SELF = Precision(12, 1e-10, 1.0 / 40.0), 1e-14
+# Times at which forces and motion are compared, in each turn.
+_TIMES = 61
+# Forces change fast beside an event, whose time differs by round-off [turns].
+_BESIDE = 1e-6
+
+
+@dataclass
+class Report:
+    """How far two runs of one machine lie apart.
+
+    Attributes:
+        model: The model.
+        refused_by_package: Why the package does not run it; empty if it does.
+        refused_by_judge: Why the judge does not.
+        events: Number of events that were compared.
+        time: Largest difference of their times [s].
+        rate: Largest relative difference of rates before and after.
+        impulse: Of impulses and energies lost.
+        force: Of forces of stops and drives, by their largest value in the run.
+        motion: Of joint coordinates [rad or m].
+        differs: What does not fit together at all: other events, another start.
+        independence: How near the machine comes to a dead centre (0), by the judge.
+        horizon: Time from which the motion amplifies the judge's own round-off beyond use [s].
+    """
+
+    model: str
+    refused_by_package: str = ""
+    refused_by_judge: str = ""
+    events: int = 0
+    time: float = 0.0
+    rate: float = 0.0
+    impulse: float = 0.0
+    force: float = 0.0
+    motion: float = 0.0
+    differs: list[str] = field(default_factory=list)
+    independence: float = 1.0
+    horizon: float = math.inf
+
+    def cleared(self) -> None:
+        """Forget all differences."""
+        self.events, self.differs = 0, []
+        self.time = self.rate = self.impulse = self.force = self.motion = 0.0
+
+    @property
+    def verdict(self) -> str:
+        """In two words; what agrees has the same events, within 1e-10 s and 1e-8."""
+        if self.refused_by_package and self.refused_by_judge:
+            return "refused by both"
+        if self.refused_by_package or self.refused_by_judge:
+            return "refused by one"
+        close = self.time <= TIME_S and max(self.rate, self.impulse, self.force) <= SHARE
+        return "agree" if close and not self.differs else "DIFFER"
+
+    def line(self) -> str:
+        """One line of a table."""
+        figures = (
+            f"{self.events:4d} events, time {self.time:.1e} s, rate {self.rate:.1e}, "
+            f"impulse {self.impulse:.1e}, force {self.force:.1e}, motion {self.motion:.1e}"
+        )
+        words = [
+            f"package: {self.refused_by_package}" if self.refused_by_package else "",
+            f"judge: {self.refused_by_judge}" if self.refused_by_judge else "",
+            f"compared until {self.horizon:.6g} s" if self.horizon < math.inf else "",
+            *self.differs[:3],
+        ]
+        return "; ".join([f"{self.model}: {self.verdict}", figures, *filter(None, words)])
+
+
+def compare(
+    folder: str | Path | tuple[nip.Mechanism, Machine],
+    speed_rpm: float,
+    drive: str = "held",
+    turns: int = 1,
+    *,
+    start_index: float = 24.0,
+    most: int = 20_000,
+) -> Report:
+    """Run a model folder on both and compare events, forces and motion.
+
+    Args:
+        folder: The model folder; or the machine as the package and as the judge hold it.
+        speed_rpm: Speed of the input shaft [r/min].
+        drive: "held" or "inertial".
+        turns: Number of turns.
+        start_index: Index of the start.
+        most: Events after which the judge stops.
+    """
+    report = Report(str(folder) if isinstance(folder, str | Path) else folder[0].name)
+    solution: nip.Solution | None = None
+    try:
+        mechanism = nip.load(str(folder)) if isinstance(folder, str | Path) else folder[0]
+        case = nip.Case(
+            speed_rpm=speed_rpm, window=nip.Window.CYCLE, cycles=turns, start_index=start_index,
+            drive=nip.DriveMode(drive), reuse_cycles=False,
+        )  # fmt: skip
+        solution = nip.simulate(mechanism, case)
+    except nip.NipperError as error:
+        report.refused_by_package = f"{type(error).__name__}: {error}"
+    machine = read_machine(folder) if isinstance(folder, str | Path) else folder[1]
+    beginning: dict[str, Any] = {}
+    free = _free_at_start(machine)
+    if solution is not None and free > 0:
+        motion = solution.trajectory.evaluate(0.0, left=True)
+        names = [joint.name for joint in solution.mechanism.joints]
+        beginning["coordinates"] = dict(zip(names, motion.q[0].tolist(), strict=True))
+        before = solution.events[0].v_before if _at_start(solution) else motion.v[0]
+        beginning["rates"] = dict(zip(names, before.tolist(), strict=True))
+    verdict = judge(machine, speed_rpm, start_index, drive, turns, most=most, **beginning)
+    report.independence = verdict.independence
+    report.refused_by_judge = verdict.detail
+    if solution is None:
+        return report
+    _compared(report, solution, verdict, math.inf)
+    if report.verdict == "DIFFER":
+        # What the judge itself does not know is no measure: a motion may amplify round-off.
+        again = judge(machine, speed_rpm, start_index, drive, turns, most=most, precision=OTHER,
+                      **beginning)  # fmt: skip
+        horizon = _horizon(verdict, again)
+        if horizon < math.inf:
+            report.cleared()
+            report.horizon = horizon
+            _compared(report, solution, verdict, horizon)
+    return report
+
+
+def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
+    """A machine as the package holds it, and as the judge reads it from the same two texts."""
+    root = ElementTree.fromstring(mechanism.urdf)
+    document: Any = mechanism.description
+    # Blocks that the package has put into slots are its own way to describe them.
+    for name, item in document.get("closures", {}).items():
+        for part in list(root) if item.get("slot_axis") else ():
+            if part.get("name") in {name, f"{name}_block"}:
+                root.remove(part)
+    return mechanism, build(ElementTree.tostring(root, encoding="unicode"), document)
+
+
+def _compared(
+    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
+) -> None:
+    _events(report, solution, verdict, horizon)
+    _forces(report, solution, verdict, horizon)
+
+
+def _horizon(one: Verdict, other: Verdict) -> float:
+    """Time from which two resolutions of the judge differ by more than round-off [s]."""
+    for first, second in zip(one.events, other.events, strict=False):
+        rates = [abs(first.before[n] - second.before.get(n, math.inf)) for n in first.before]
+        largest = max((abs(rate) for rate in first.before.values()), default=0.0)
+        same = first.kind == second.kind and first.stops == second.stops
+        if not same or abs(first.t - second.t) > _SELF or max(rates, default=0.0) > _SELF * largest:
+            return first.t - 1e-9
+    short = min(one.events, other.events, key=len)
+    return math.inf if len(one.events) == len(other.events) else short[-1].t + 1e-9
+
+
+def _at_start(solution: nip.Solution) -> bool:
+    return bool(solution.events) and solution.events[0].t == 0.0
+
+
+def _free_at_start(machine: Machine) -> int:
+    """Freedoms that drives and closed stops leave at the start."""
+    rows = 2 * len(machine.pins) + len(machine.lines) + len(machine.locks)
+    return 3 * len(machine.links.bodies[1:]) - rows - len(machine.drives) - len(machine.initial)
+
+
+def _relative(one: float, other: float, scale: float) -> float:
+    return abs(one - other) / max(abs(one), abs(other), scale) if one != other else 0.0
+
+
+def _events(
+    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
+) -> None:
+    """Compare event by event; of series that end at their limit one may list more collisions."""
+    ours = [item for item in solution.events if item.t < horizon]
+    theirs = [item for item in verdict.events if item.t < horizon]
+    end = verdict.t if verdict.reason else math.inf
+    fastest: dict[str, float] = {}
+    for item in theirs:
+        for name, rate in item.before.items():
+            fastest[name] = max(fastest.get(name, 0.0), abs(rate), abs(item.after[name]))
+    i = j = 0
+    while i < len(ours) and j < len(theirs):
+        one, other = ours[i], theirs[j]
+        if one.kind.value != other.kind:
+            # The limit of a series was taken earlier by one of the two.
+            if one.kind.value == "rest" and (found := _rest_in(theirs, j, one)) is not None:
+                j = found
+                continue
+            if other.kind == "rest" and (found := _rest_of(ours, i, other)) is not None:
+                i = found
+                continue
+        elif (
+            one.kind.value == "rest"
+            and set(one.stops) != set(other.stops)
+            and (found := _rest_in(theirs, j, one)) is not None
+        ):
+            j = found
+            continue
+        if one.kind.value != other.kind or set(one.stops) != set(other.stops):
+            report.differs.append(
+                f"at {one.t:.9g} s {one.kind.value} of {', '.join(one.stops)}, the judge has "
+                f"at {other.t:.9g} s {other.kind} of {', '.join(other.stops)}"
+            )
+            return
+        _event(report, solution, one, other, fastest)
+        i, j = i + 1, j + 1
+    more = [item for item in ours[i:] if item.t < end]
+    if more or theirs[j:]:
+        report.differs.append(
+            f"{len(more)} events more of the package, {len(theirs[j:])} more of the judge"
+        )
+
+
+def _rest_in(theirs: list[Event], j: int, one: Any) -> int | None:
+    """Place of the judge's rest that belongs to one of the package."""
+    for place in range(j, len(theirs)):
+        item = theirs[place]
+        if item.kind == "rest" and item.closed == one.closed_after and item.t >= one.t - 1e-9:
+            return place
+        if item.t > one.t + 1e-6:
+            return None
+    return None
+
+
+def _rest_of(ours: list[Any], i: int, other: Event) -> int | None:
+    """Place of the package's rest that belongs to one of the judge."""
+    for place in range(i, len(ours)):
+        item = ours[place]
+        if item.kind.value == "rest" and set(item.stops) == set(other.stops):
+            return place
+        if item.t > other.t + 1e-6:
+            return None
+    return None
+
+
+def _event(
+    report: Report, solution: nip.Solution, one: Any, other: Event, fastest: dict[str, float]
+) -> None:
+    report.events += 1
+    report.time = max(report.time, abs(one.t - other.t))
+    if one.closed_after != other.closed:
+        report.differs.append(
+            f"after {one.kind.value} at {one.t:.9g} s closed {sorted(one.closed_after)}, the "
+            f"judge has {sorted(other.closed)}"
+        )
+    if other.kind != "collision":
+        return
+    for name in other.before:
+        stop = solution.mechanism.stop(name)
+        # Rates are known to a share of the fastest one at that stop.
+        small = 1e-6 * fastest[name]
+        for mine, his in (
+            (stop.rate(one.v_before), other.before[name]),
+            (stop.rate(one.v_after), other.after[name]),
+        ):
+            report.rate = max(report.rate, _relative(mine, his, small))
+        largest = max(other.impulses.values())
+        report.impulse = max(
+            report.impulse, _relative(one.P_N[name], other.impulses[name], 1e-6 * largest)
+        )
+    largest = max(item.energy_lost for item in solution.events)
+    report.impulse = max(report.impulse, _relative(one.energy_lost, other.lost, 1e-6 * largest))
+
+
+def _forces(
+    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
+) -> None:
+    """Compare forces and motion at times that are beside no event."""
+    if not verdict.stretches or not solution.segments:
+        return
+    last = verdict.stretches[-1].step
+    turn = solution.shaft.period
+    end = min(last.t0 + last.h, solution.trajectory.span[1], horizon)
+    times = np.linspace(0.0, end, max(int(_TIMES * end / turn), 7) + 1)[1:-1] + 1.234e-4 * turn
+    marks = np.array([item.t for item in solution.events] + [item.t for item in verdict.events])
+    if len(marks):
+        near = np.abs(times[:, None] - marks).min(axis=1)
+        times = times[(near > _BESIDE * turn) & (times < end)]
+    if report.differs:
+        return
+    forces = solution.trajectory.reactions(times)
+    motion = solution.trajectory.evaluate(times)
+    names = [joint.name for joint in solution.mechanism.joints]
+    columns = [verdict.coordinates.index(name) for name in names]
+    for row, t in enumerate(times):
+        q, _ = verdict.motion(t)
+        report.motion = max(report.motion, float(np.abs(q[columns] - motion.q[row]).max()))
+    for mine, his in (
+        *((forces.stops[n], [verdict.stop_force(n, t) for t in times]) for n in forces.stops),
+        *((forces.drives[n], [verdict.drive_force(n, t) for t in times]) for n in forces.drives),
+    ):
+        largest = float(np.abs(his).max(initial=0.0))
+        if largest > 0.0:
+            report.force = max(report.force, float(np.abs(mine - np.array(his)).max()) / largest)

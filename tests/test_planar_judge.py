@@ -1,0 +1,74 @@
+"""Whole turns of the package against the independent planar solver, event by event.
+
+The bounds are those of ``judged_runs``: 1e-10 s, and 1e-8 of rates, impulses, energies and forces.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from judge import press
+from judged_runs import Report, both, compare
+from lid_box import lid_box
+from random_chains import chain
+
+from nipper_pin.cli import main
+
+MODELS = Path(__file__).parents[1] / "models"
+DRIVES = pytest.mark.parametrize("drive", ["held", "inertial"])
+
+
+def agree(report: Report, least: int) -> None:
+    """Both have run, with so many events at least, and agree."""
+    assert report.verdict == "agree", report.line()
+    assert report.events >= least, report.line()
+
+
+def slow(*values: object) -> object:
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(
+    ("speed", "drive"),
+    [(450.0, "held"), slow(650.0, "held"), (450.0, "inertial"), slow(650.0, "inertial")],
+)
+def test_e62(speed: float, drive: str) -> None:
+    agree(compare(MODELS / "e62", speed, drive), 14)
+
+
+@pytest.mark.parametrize(
+    ("model", "drive"),
+    [
+        ("hanging_pendulum", "held"), slow("hanging_pendulum", "inertial"),
+        slow("e62_offset_guide", "held"), slow("e62_offset_guide", "inertial"),
+    ],
+)  # fmt: skip
+def test_other_combers(model: str, drive: str) -> None:
+    agree(compare(MODELS / model, 300.0, drive), 10)
+
+
+@DRIVES
+def test_the_press_of_the_tutorial(tmp_path: Path, drive: str) -> None:
+    assert main(["new", str(tmp_path / "press")]) == 0
+    agree(compare(tmp_path / "press", 120.0, drive, 2), 10)
+
+
+@DRIVES
+def test_a_sled_with_a_flap_and_a_ball(drive: str) -> None:
+    agree(compare(both(press()), 150.0, drive), 10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("numbers", [(2.0, 0.5, 0.3, 0.4, 30.0)])
+def test_stops_that_throw_one_another_open(numbers: tuple[float, ...]) -> None:
+    report = compare(both(lid_box(numbers)), 60.0)  # type: ignore[arg-type]
+    agree(report, 5)
+
+
+@pytest.mark.parametrize("seed", [0, 1, slow(2), slow(3)])
+def test_random_chains(seed: int) -> None:
+    rng = np.random.default_rng([20, seed])
+    mechanism = chain(rng, 2, shaken=bool(seed % 2), tied=seed >= 2)
+    agree(compare(both(mechanism), 60.0, start_index=0.0), 3)
