@@ -204,7 +204,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.view.identify_report.print_fit", lambda *_: None)
 
 
-def _campaign(_cases: int, seed: int, *others: Any) -> Campaign:
+def _campaign(_cases: int, seed: int, *others: Any, **_named: Any) -> Campaign:
     """An empty campaign, in its folder if it has one."""
     folder = others[-1]
     if folder is not None:

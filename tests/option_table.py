@@ -187,6 +187,8 @@ PAPER = {
 STRESS = {
     "--cases": Entry("--cases 3", {"run_campaign.cases": 3}),
     "--seed": Entry("--seed 7", {"run_campaign.seed": 7, "document.seed": 7}, _JSON),
+    "--family": Entry("--family chain --family linkage", {
+        "run_campaign.families.0": "chain", "run_campaign.families.1": "linkage"}),
     "--workers": Entry("--workers 1", {"run_campaign.workers": 1}),
     "--out": Entry("--out run", {"run_campaign.folder": "run", **files("run/stress.json")},
                    moves=("in run/",)),

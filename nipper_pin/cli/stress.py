@@ -27,6 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seed", type=int, metavar="S", help=f"seed of the random cases (default {_SEED})"
     )
     parser.add_argument(
+        "--family",
+        action="append",
+        metavar="NAME",
+        help="cases of this family alone, for example linkage; may be repeated",
+    )
+    parser.add_argument(
         "--workers", type=int, metavar="N", help="processes (default: one a processor)"
     )
     parser.add_argument(
@@ -72,7 +78,7 @@ def _run(options: argparse.Namespace) -> None:
         raise InputError(message, argument=options.seed)
     check_outputs(options.out, options.json)
     if options.rerun is not None:
-        names = {name: f"--{name}" for name in ("cases", "seed", "workers", "out")}
+        names = {name: f"--{name}" for name in ("cases", "seed", "family", "workers", "out")}
         refuse_beside(options, "--rerun, which judges one case here", names)
         trial = load_trial(options.rerun)
         verdict = judge(trial, options.time_limit)
@@ -82,7 +88,8 @@ def _run(options: argparse.Namespace) -> None:
         seed = _SEED if options.seed is None else options.seed
         with _progress(cases, options.out) as advance:
             result = run_campaign(
-                cases, seed, options.workers, advance, options.time_limit, options.out
+                cases, seed, options.workers, advance, options.time_limit, options.out,
+                families=tuple(options.family or ()),
             )
         if options.out is not None:
             write_json(result.record(), str(Path(options.out) / "stress.json"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -41,6 +42,17 @@ def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
         missing = [step for step in missing if "does not open again" not in step]
     assert not missing
     assert report.outcome in (Outcome.COMPLETED.value, Outcome.STILL_BOUNCING.value)
+
+
+def test_the_page_shows_every_machine() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    page = (docs / "gallery.md").read_text(encoding="utf-8")
+    for name, draw in GALLERY.items():
+        assert f"### {name}\n" in page
+        assert f"![{draw().title}](images/gallery/{name}.svg)" in page
+        picture = ElementTree.parse(docs / "images" / "gallery" / f"{name}.svg")
+        assert len(picture.findall("{*}polygon")) > 3
+    assert len(list((docs / "images" / "gallery").iterdir())) == len(GALLERY)
 
 
 @pytest.mark.parametrize("name", ["watt_1", "sieve"])

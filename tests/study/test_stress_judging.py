@@ -238,13 +238,13 @@ def test_an_engine_that_refuses_everything_fails_a_short_campaign(
     import nipper_pin.study.stress as stress
 
     refused = Campaign(1, tuple(verdicts(lambda *_: REFUSED, 2)), 1.0)
-    monkeypatch.setattr(stress, "run_campaign", lambda *_: refused)
-    assert main(["stress", "--cases", "52"]) == 1
-    assert "52 of 52 cases" in capsys.readouterr().err
+    monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: refused)
+    assert main(["stress", "--cases", "54"]) == 1
+    assert "54 of 54 cases" in capsys.readouterr().err
     assert [item["family"] for item in refused.record()["refused_too_often"]] == ["all"]
     fine = Campaign(1, tuple(verdicts(measured)), 1.0)
-    monkeypatch.setattr(stress, "run_campaign", lambda *_: fine)
-    assert main(["stress", "--cases", "52"]) == 0
+    monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: fine)
+    assert main(["stress", "--cases", "54"]) == 0
 
 
 def test_verdicts_are_the_same_however_long_they_took() -> None:

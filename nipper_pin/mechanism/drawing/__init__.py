@@ -17,7 +17,7 @@ from .parts import (
     Tie,
 )
 from .places import between, direction, distance, meet, on_line, polar
-from .write import drawn_mechanism, drawn_texts, write_drawing
+from .write import drawn_mechanism, drawn_sources, drawn_texts, write_drawing
 
 __all__ = [
     "FRAME",
@@ -37,6 +37,7 @@ __all__ = [
     "direction",
     "distance",
     "drawn_mechanism",
+    "drawn_sources",
     "drawn_texts",
     "flap",
     "meet",

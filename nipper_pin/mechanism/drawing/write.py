@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from textwrap import wrap
+from typing import Any
 
 from ..load import from_sources
 from ..mechanism import Mechanism
@@ -60,6 +61,19 @@ def write_drawing(drawing: Drawing, folder: str | Path) -> Path:
     return target
 
 
+def drawn_sources(drawing: Drawing) -> tuple[str, dict[str, Any]]:
+    """The URDF and the TOML document of a drawing, as plain data.
+
+    Args:
+        drawing: The drawing.
+
+    Raises:
+        InputError: The drawing does not hang together.
+    """
+    tree = grown(drawing)
+    return urdf_text(tree, drawing.name), document(tree)
+
+
 def drawn_mechanism(drawing: Drawing) -> Mechanism:
     """The mechanism of a drawing, without a folder.
 
@@ -71,5 +85,4 @@ def drawn_mechanism(drawing: Drawing) -> Mechanism:
         ModelError: A value in it cannot be used.
         AssemblyError: It does not close as drawn.
     """
-    tree = grown(drawing)
-    return from_sources(drawing.name, urdf_text(tree, drawing.name), document(tree), ".")
+    return from_sources(drawing.name, *drawn_sources(drawing), ".")

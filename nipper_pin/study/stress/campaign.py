@@ -6,7 +6,7 @@ import hashlib
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
@@ -20,7 +20,7 @@ from .refusals import excesses
 from .space import trial
 from .store import Store
 
-_Job = tuple[int, int, float]
+_Job = tuple[int, int, float, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,7 @@ def run_campaign(
     progress: Callable[[Verdict], None] | None = None,
     time_limit_s: float = TIME_LIMIT_S,
     folder: str | Path | None = None,
+    families: Sequence[str] = (),
 ) -> Campaign:
     """Judge the trials of a campaign in parallel.
 
@@ -88,20 +89,25 @@ def run_campaign(
         time_limit_s: Time of the processor after which a trial is a hang [s].
         folder: Where verdicts and the case files of what is wrong are kept as they come; what is
             there already is not judged again.
+        families: Families that the trials are of, in turn; all by default.
 
     Raises:
+        UnknownNameError: There is no such family.
         InputError: The folder cannot be written, or holds another campaign.
         SimulationError: A worker process died.
     """
     began = time.perf_counter()
-    store = Store(folder, seed, time_limit_s)
+    store = Store(folder, seed, time_limit_s, families)
     before = store.elapsed_s
     verdicts = {item.number: item for item in store.verdicts if item.number < cases}
     if progress is not None:
         for kept in verdicts.values():
             progress(kept)
     count = workers or os.cpu_count() or 1
-    jobs = [(seed, number, time_limit_s) for number in range(cases) if number not in verdicts]
+    jobs = [
+        (seed, number, time_limit_s, tuple(families))
+        for number in range(cases) if number not in verdicts
+    ]
     try:
         for verdict in _judged(jobs, count):
             store.put(verdict, before + time.perf_counter() - began)
@@ -140,8 +146,8 @@ def _judged(jobs: list[_Job], workers: int) -> Iterator[Verdict]:
 
 
 def _judge(job: _Job) -> Verdict:
-    seed, number, time_limit_s = job
-    return judge(trial(seed, number), time_limit_s)
+    seed, number, time_limit_s, families = job
+    return judge(trial(seed, number, families), time_limit_s)
 
 
 def _wake() -> None:

@@ -6,7 +6,7 @@ made again in any process, and a campaign does not depend on how it is shared ou
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees
 from typing import Any
@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from ...errors import UnknownNameError
 from ...mechanism import from_sources
 from ...mechanism.mechanism import Mechanism
 from ...mechanism.urdf import edit
@@ -31,6 +32,7 @@ from .draws import (
     window,
 )
 from .element_families import ELEMENT_FAMILIES
+from .linkages import linkage
 from .machines import bouncing_mass, e62, flaps, four_bar
 from .mirror import mirrored
 from .parts import Source
@@ -72,9 +74,21 @@ def _built(source: Source) -> Mechanism:
     return from_sources(source.name, source.urdf, source.description, source.folder)
 
 
-def trial(seed: int, number: int) -> Trial:
-    """Return the trial of that number."""
-    names = tuple(FAMILIES)
+def trial(seed: int, number: int, families: Sequence[str] = ()) -> Trial:
+    """Return the trial of that number.
+
+    Args:
+        seed: Seed of the campaign.
+        number: Number of the trial.
+        families: Families of the campaign, in turn; all by default.
+
+    Raises:
+        UnknownNameError: There is no such family.
+    """
+    for name in families:
+        if name not in FAMILIES:
+            raise UnknownNameError(kind="family of trials", name=name, known=FAMILIES)
+    names = tuple(families) or tuple(FAMILIES)
     family = names[number % len(names)]
     rng = np.random.default_rng([seed, number])
     source, case = FAMILIES[family](rng)
@@ -324,5 +338,6 @@ FAMILIES: dict[str, Callable[[Generator], Draft]] = {
     "inertial drive": _inertial,
     "bouncing mass": _bounce,
     **ELEMENT_FAMILIES,
+    "linkage": linkage,
 }
 """The families by name; trial n belongs to number n modulo their count."""

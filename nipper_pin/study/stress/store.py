@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,6 +40,7 @@ class Store:
         folder: The folder, made if it does not exist; or None.
         seed: Seed of the campaign.
         time_limit_s: Time of the processor after which a trial is a hang [s].
+        families: Families of the campaign; all if empty.
 
     Attributes:
         verdicts: What is kept so far.
@@ -48,15 +50,21 @@ class Store:
         InputError: It cannot be written, or holds another campaign.
     """
 
-    def __init__(self, folder: str | Path | None, seed: int, time_limit_s: float) -> None:
+    def __init__(
+        self,
+        folder: str | Path | None,
+        seed: int,
+        time_limit_s: float,
+        families: Sequence[str] = (),
+    ) -> None:
         """Open the folder, and take up what is there if it is of the same campaign."""
         self.verdicts: tuple[Verdict, ...] = ()
         self.elapsed_s = 0.0
-        self._folder, self._seed = folder, seed
+        self._folder, self._seed, self._families = folder, seed, tuple(families)
         if folder is None:
             return
         here = {"format": _FORMAT, "seed": seed, "time_limit_s": time_limit_s,
-                "versions": versions(), "code": _code()}  # fmt: skip
+                "versions": versions(), "code": _code(), "families": list(families)}  # fmt: skip
         claim(Path(folder), _CAMPAIGN, here, "campaign", {"time_limit_s": "time limit"})
         lines = self._lines()
         self.verdicts = tuple(line.verdict for line in lines.values())
@@ -96,7 +104,7 @@ class Store:
         if self._folder is None:
             return
         if verdict.word == WRONG:
-            save_trial(trial(self._seed, verdict.number), verdict, self._folder)
+            save_trial(trial(self._seed, verdict.number, self._families), verdict, self._folder)
         self._append(msgspec.json.encode(_Line(verdict, elapsed_s)) + b"\n")
 
     def _append(self, line: bytes) -> None:
