@@ -128,9 +128,7 @@ def draw(rng: np.random.Generator) -> tuple[Problem, dict[str, float]] | None:
         for path, (low, high) in ((path, RANGES[path]) for path in paths)
     )
     title = "a machine drawn at random"
-    found = Problem(
-        title=title, sources=sources, parameters=parameters, targets=tuple(targets)
-    )
+    found = Problem(title=title, sources=sources, parameters=parameters, targets=tuple(targets))
     return found, truth
 
 

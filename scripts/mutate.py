@@ -23,7 +23,7 @@ import tomllib
 from pathlib import Path
 
 from mutation.choice import ROOMS, Choice, drawn, recorded
-from mutation.processes import copied, load_libraries, run_tests
+from mutation.processes import collected, copied, load_libraries, run_tests
 from mutation.recording import ByTest, instrument
 from mutation.sites import Mutation, compiles
 
@@ -79,7 +79,7 @@ class Trials:
         copied(root, home)
         compileall.compile_dir(self._package, quiet=2)
         compileall.compile_dir(home / "tests", quiet=2)
-        self._choice = Choice(self._package, *recorded(maps))
+        self._choice = Choice(self._package, *recorded(maps), collected(home))
         self._passing: dict[str, bool] = {}
 
     def draw(self, rooms: list[str], seed: int) -> list[Mutation]:

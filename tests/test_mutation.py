@@ -12,6 +12,7 @@ sys.path.insert(0, str(SCRIPTS))
 
 import mutate  # noqa: E402
 from mutation.choice import ROOMS, Choice, Recorded, drawn  # noqa: E402
+from mutation.processes import collected, run_tests  # noqa: E402
 from mutation.recording import instrument  # noqa: E402
 from mutation.sites import compiles, mutations_of  # noqa: E402
 
@@ -97,13 +98,27 @@ def test_tests_that_execute_a_statement_are_chosen_the_nearest_first(tmp_path: P
             ("tests/study/test_long.py::a", 50.0, {"x::y::z"}),
             ("tests/study/test_other.py::b", 0.1, {"x::y::z"}),
             ("tests/view/test_shown.py::c", 0.1, set()),
+            ("tests/view/test_shown.py::gone", 0.1, set()),
         )
     }
-    choice = Choice(package, tests, {key, "x::y::z"})
+    choice = Choice(package, tests, {key, "x::y::z"}, set(list(tests)[:3]))
     found = {item.after: item for item in mutations_of("view/shown.py", SOURCE)}
     assert choice.tests(found["(-angle - low)"], 10.0) == (
         ["tests/view/test_shown.py::c", "tests/study/test_other.py::b"], 1,
     )  # fmt: skip
+
+
+def test_an_error_that_stops_all_tests_is_noticed(tmp_path: Path) -> None:
+    """What every test imports fails: no test starts, and the first one counts as failed."""
+    (tmp_path / "tests").mkdir()
+    test = tmp_path / "tests" / "test_sum.py"
+    test.write_text("def test_it():\n    assert 1 + 1 == 2\n", encoding="utf-8")
+    assert collected(tmp_path) == {"tests/test_sum.py::test_it"}
+    names = ["tests/test_sum.py::test_it"]
+    assert run_tests(tmp_path, names, {}).failed == ""
+    (tmp_path / "tests" / "conftest.py").write_text("raise ValueError\n", encoding="utf-8")
+    broken = run_tests(tmp_path, names, {})
+    assert (broken.failed, broken.why) == (names[0], "fails")
 
 
 def test_the_interval_is_that_of_wilson() -> None:

@@ -92,8 +92,11 @@ def drawn(package: Path, rooms: Iterable[str], seed: int) -> list[Mutation]:
 class Choice:
     """Finds the tests for a mutation."""
 
-    def __init__(self, package: Path, tests: dict[str, Recorded], keys: set[str]) -> None:
-        """Note for every statement which tests execute it."""
+    def __init__(
+        self, package: Path, tests: dict[str, Recorded], keys: set[str], existing: set[str]
+    ) -> None:
+        """Note for every statement which tests execute it; those that are gone do not count."""
+        tests = {name: test for name, test in tests.items() if name in existing}
         self._tests = tests
         self._keys = keys
         self._by_key: dict[str, set[str]] = defaultdict(set)

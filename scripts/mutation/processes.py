@@ -24,6 +24,10 @@ _LIBRARIES = (
 )  # fmt: skip
 
 
+# All tests passed, or some failed.
+_ENDS = ("0", "1")
+
+
 def load_libraries() -> None:
     """Import what the package and its tests need, once for all runs."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -69,6 +73,12 @@ class _Reporter:
     def _say(self, *words: str) -> None:
         os.write(self._pipe, (json.dumps(words) + "\n").encode())
 
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        """All tests that there are."""
+        if session.config.option.collectonly:
+            for item in session.items:
+                self._say("found", item.nodeid)
+
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         """A test starts."""
         self._say("start", nodeid)
@@ -82,6 +92,20 @@ class _Reporter:
         """A test fails."""
         if report.failed:
             self._say("fail", report.nodeid)
+
+
+def collected(home: Path) -> set[str]:
+    """Names of all tests of a copy of the checkout."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reading)
+        _in_the_child(home, ["tests", "--collect-only"], writing, ())
+    os.close(writing)
+    with open(reading, encoding="utf-8") as stream:
+        said = [json.loads(line) for line in stream]
+    os.waitpid(child, 0)
+    return {name for word, name in said if word == "found"}
 
 
 def run_tests(
@@ -118,6 +142,10 @@ def run_tests(
             word, test = json.loads(line)
             if word == "end":
                 current = ""
+                if test not in _ENDS and not plugins:
+                    # What all tests share cannot be imported.
+                    failed, why = tests[0], "fails"
+                    break
             elif word == "start":
                 current, count = test, count + 1
                 deadline = time.monotonic() + limits.get(test, 900.0)
