@@ -20,6 +20,7 @@ from identification_judge import Measured, Truth, mistakes, truth
 from scipy.stats import qmc
 
 from nipper_pin.cli import main
+from nipper_pin.study.identify.goodness import Goodness, Verdict
 from nipper_pin.view.paper.identification import identification_plate, identification_tables
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
@@ -405,3 +406,22 @@ def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
         assert a["identified"] == pytest.approx(b["identified"], abs=1e-3 * stated)
         assert b["standard_deviation_scaled"] == pytest.approx(stated, rel=1e-3)
         assert b["standard_deviation"] / a["standard_deviation"] == pytest.approx(1.7, rel=1e-2)
+
+
+def test_as_many_numbers_as_targets_test_nothing() -> None:
+    """Two targets that determine two numbers leave nothing over, and the sentence says so.
+
+    With a third target that misses by five of its sigmas the same words would be wrong.
+    """
+    common = {"probability": None, "outliers": (), "suspects": (), "absolute_sigma": True}
+    none_left = Goodness(
+        names=("a", "b"), residuals=np.zeros(2), chi_square=0.0, fitted=2.0, **common
+    )
+    assert none_left.verdict is Verdict.UNTESTED
+    assert none_left.sentence().startswith("2 targets are no more than the 2 numbers")
+    one_left = Goodness(
+        names=("a", "b", "c"), residuals=np.array([0.0, 0.0, 5.0]), chi_square=25.0, fitted=2.0,
+        **{**common, "probability": 5.7e-7},
+    )  # fmt: skip
+    assert one_left.verdict is Verdict.CONTRADICTED
+    assert "chi-square 25 with 1 degrees of freedom, probability 5.7e-07" in one_left.sentence()
