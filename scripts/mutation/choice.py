@@ -21,8 +21,9 @@ _KINDS = {
     "drop": 2.0, "negate": 2.0, "sign": 2.0, "boolean": 2.0, "swap": 2.0, "keyword": 1.5,
     "guard": 1.5,
 }  # fmt: skip
-# Bridges to simulators that need not be installed; what only looks.
-_LEFT_OUT = ("study/peers/", "view/style.py", "view/scene/colours.py")
+# Bridges to simulators that need not be installed; what only looks; drawings, whose dimensions are
+# choices as those of the models are.
+_LEFT_OUT = ("study/peers/", "view/style.py", "view/scene/colours.py", "mechanism/gallery/")
 
 
 @dataclass(frozen=True)
