@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
+from ..errors import ModelError
 from ..mechanism import Mechanism
 from .multibody import INFINITE_INERTIA
 
@@ -53,11 +54,29 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
     Args:
         mechanism: The mechanism.
         held: True if the driven shafts are held, False if they have their inertia.
+
+    Raises:
+        ModelError: A shaft that is not held lacks its numbers.
     """
     known = _KNOWN.setdefault(mechanism, {})
     if held not in known:
+        if not held:
+            _need_shafts(mechanism)
         known[held] = _coefficients(mechanism, held)
     return known[held]
+
+
+def _need_shafts(mechanism: Mechanism) -> None:
+    """Refuse drives that can only be held."""
+    missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
+    if missing:
+        allowed = "an inertial drive needs a number; the others that are missing: "
+        raise ModelError(
+            file=f"{mechanism.name}.toml",
+            key=missing[0],
+            value=None,
+            allowed=allowed + (", ".join(missing[1:]) or "none"),
+        )
 
 
 def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:

@@ -24,6 +24,8 @@ from .tree import build_model, collision_geometry, joint_placements, tree_joints
 from .urdf import Urdf, check_urdf, flatten, parse_xml
 
 _STOP_PLACES = {"prismatic": ("at_mm", 1e-3), "revolute": ("at_deg", math.pi / 180.0)}
+_REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
+_ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
 
 
 def build_mechanism(
@@ -57,7 +59,7 @@ def build_mechanism(
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
-    elements = build_elements(description, by_name, urdf.links, model, file)
+    elements = build_elements(description, by_name, urdf, model, file)
     phases = _phases(description, file)
     geometry = None
     if any(stop.contact for stop in description.stops.values()):
@@ -144,19 +146,18 @@ def _drives(
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
             raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
+        shaft = {key: getattr(drive, key) for key in (_REFLECTED[joint.kind], *_ELASTIC)}
+        inertia, frequency, ratio = (value or 0.0 for value in shaft.values())
         drives.append(
             Drive(
                 name=name,
                 index=joint.index,
                 law=laws[name],
                 law_at_touch=float(laws[name].evaluate(np.array([angle_at_touch_rad]))[0][0]),
-                reflected_inertia=(
-                    drive.reflected_mass_kg
-                    if isinstance(drive, ScrewDrive)
-                    else drive.reflected_inertia_kg_m2
-                ),
-                shaft_frequency_hz=drive.shaft_frequency_hz,
-                shaft_damping_ratio=drive.shaft_damping_ratio,
+                reflected_inertia=inertia,
+                shaft_frequency_hz=frequency,
+                shaft_damping_ratio=ratio,
+                missing=tuple(key for key, value in shaft.items() if value is None),
             )
         )
     return tuple(drives)
@@ -208,6 +209,12 @@ def _stops(
         )
         _check_opposite(found, [item for item in stops if item.index == joint.index], joint, file)
         stops.append(found)
+    if description.stops and not description.transition_stop:
+        allowed = (
+            "the stop whose bouncing is the transition, where there is any: "
+            f"{', '.join(description.stops)}"
+        )
+        raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
     if description.stops and description.transition_stop not in description.stops:
         raise UnknownNameError(
             kind="stop",

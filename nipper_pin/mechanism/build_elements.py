@@ -15,6 +15,7 @@ from .description import DamperDescription, Description, SpringDescription
 from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
 from .mechanism import Joint, Spring
 from .tree import joint_placements
+from .urdf import Urdf
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,9 @@ _OF_JOINT = {
         math.pi / 180.0,
     ),
 }
+DYNAMICS = "<dynamics> of "
+"""Begins the name of a damper that a joint of the URDF has; its joint's name follows."""
+
 _POINTS = ("frame_a", "frame_b")
 _SPRING_OF_POINTS = (*_POINTS, "stiffness_N_per_m", "free_length_mm")
 _DAMPER_OF_POINTS = (*_POINTS, "damping_N_s_per_m")
@@ -60,7 +64,7 @@ class Elements:
 def build_elements(
     description: Description,
     joints: Mapping[str, Joint],
-    links: Sequence[str],
+    urdf: Urdf,
     model: pin.Model,
     file: str,
 ) -> Elements:
@@ -69,7 +73,7 @@ def build_elements(
     Args:
         description: The TOML file.
         joints: Tree joints by name.
-        links: Names of all links of the URDF.
+        urdf: The checked URDF.
         model: Pinocchio model of the tree.
         file: Name of the TOML file, for messages.
 
@@ -90,7 +94,7 @@ def build_elements(
                 "stiffness": spring.stiffness_N_per_m or 0.0,
                 "free_length": 1e-3 * (spring.free_length_mm or 0.0),
             }
-            struts.append(_strut("spring", name, spring, values, links, model, file))
+            struts.append(_strut("spring", name, spring, values, urdf.links, model, file))
             continue
         joint = _joint(spring, joints, where, file)
         keys = _OF_JOINT[joint.kind]
@@ -109,12 +113,17 @@ def build_elements(
         if _between_points(damper):
             _check_keys(damper, _DAMPER_OF_POINTS, None, where, file)
             values = {"damping": damper.damping_N_s_per_m or 0.0}
-            struts.append(_strut("damper", name, damper, values, links, model, file))
+            struts.append(_strut("damper", name, damper, values, urdf.links, model, file))
             continue
         joint = _joint(damper, joints, where, file)
         key = _OF_JOINT[joint.kind].damper
         _check_keys(damper, ("joint", key), joint, where, file)
         dampers.append(Damper(name=name, index=joint.index, damping=getattr(damper, key)))
+    dampers += [
+        Damper(name=f"{DYNAMICS}{name}", index=joint.index, damping=urdf.joints[name].damping)
+        for name, joint in joints.items()
+        if urdf.joints[name].damping
+    ]
     return Elements(tuple(springs), tuple(tables), tuple(dampers), tuple(struts))
 
 

@@ -128,12 +128,10 @@ def _explain(
         )
     if field:
         key = f"{key}.{field['name']}".lstrip(".")
-        return ModelError(
-            file=file,
-            key=key,
-            value=None,
-            allowed=f"a required key is missing; known here: {known}",
-        )
+        law = field["name"] == "law" and known == "law"
+        choice = f"one of {', '.join(sorted(_laws()))}" if law else f"known here: {known}"
+        allowed = f"a required key is missing; {choice}"
+        return ModelError(file=file, key=key, value=None, allowed=allowed)
     if path.endswith(".law") or path == ".law":
         text = f"one of {', '.join(sorted(_laws()))}"
     else:

@@ -46,7 +46,7 @@ class CylinderDescription(_Table, frozen=True, kw_only=True):
 
 
 class _DriveTable(_Table, frozen=True, kw_only=True, tag_field="law"):
-    """What every drive has.
+    """What every drive has; the numbers of its shaft are only needed where drives are inertial.
 
     Attributes:
         joint: Driven joint.
@@ -55,8 +55,8 @@ class _DriveTable(_Table, frozen=True, kw_only=True, tag_field="law"):
     """
 
     joint: Name
-    shaft_frequency_hz: Positive
-    shaft_damping_ratio: NotNegative
+    shaft_frequency_hz: Positive | None = None
+    shaft_damping_ratio: NotNegative | None = None
 
 
 class _ShaftTable(_DriveTable, frozen=True, kw_only=True):
@@ -66,7 +66,7 @@ class _ShaftTable(_DriveTable, frozen=True, kw_only=True):
         reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
     """
 
-    reflected_inertia_kg_m2: Positive
+    reflected_inertia_kg_m2: Positive | None = None
 
 
 class OscillatingGuideDrive(_ShaftTable, frozen=True, kw_only=True, tag="oscillating_guide"):
@@ -117,7 +117,7 @@ class ScrewDrive(_DriveTable, frozen=True, kw_only=True, tag="screw"):
     """
 
     lead_mm_per_turn: float
-    reflected_mass_kg: Positive
+    reflected_mass_kg: Positive | None = None
 
 
 class FourierDrive(_ShaftTable, frozen=True, kw_only=True, tag="fourier"):

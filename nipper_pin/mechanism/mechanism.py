@@ -77,6 +77,8 @@ class Drive:
             shafts are free to change speed in an impact [kg m^2 or kg].
         shaft_frequency_hz: Natural frequency of that inertia on the elastic drive train [Hz].
         shaft_damping_ratio: Damping ratio of the same [-].
+        missing: Keys of these three that the model file does not give, which are zero then: the
+            drive can only be held.
     """
 
     name: str
@@ -86,6 +88,7 @@ class Drive:
     reflected_inertia: float
     shaft_frequency_hz: float
     shaft_damping_ratio: float
+    missing: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

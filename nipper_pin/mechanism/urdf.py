@@ -12,7 +12,14 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..errors import ModelError, UnknownNameError
-from .urdf_values import check_inertial, check_shapes, numbers, origin, rotation_from_rpy
+from .urdf_values import (
+    check_dynamics,
+    check_inertial,
+    check_shapes,
+    numbers,
+    origin,
+    rotation_from_rpy,
+)
 
 HINGE_AXIS = (0.0, -1.0, 0.0)
 _TOLERANCE = 1e-9
@@ -34,6 +41,7 @@ class UrdfJoint:
         parent: Parent link.
         child: Child link.
         axis: Unit axis of rotation or translation in the joint frame; zero if fixed.
+        damping: Of its <dynamics> [N s/m or N m s/rad].
     """
 
     name: str
@@ -41,6 +49,7 @@ class UrdfJoint:
     parent: str
     child: str
     axis: tuple[float, float, float]
+    damping: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +185,14 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
             allowed="no mimic; gear pairs are drives with law = 'geared' in the TOML file",
         )
     axis = _check_axis(element, _KINDS[kind], key, file)
-    return UrdfJoint(name=name, kind=_KINDS[kind], parent=ends[0], child=ends[1], axis=axis)
+    return UrdfJoint(
+        name=name,
+        kind=_KINDS[kind],
+        parent=ends[0],
+        child=ends[1],
+        axis=axis,
+        damping=check_dynamics(element, key, file),
+    )
 
 
 def _check_axis(

@@ -12,6 +12,8 @@ from ..arrays import FloatArray
 from ..errors import ModelError
 
 _TOLERANCE = 1e-9
+_MOST_DAMPING = 1e15
+_PACKAGE = "package://"
 _INSIDE = "a path relative to the model folder that stays inside it"
 _ATTRIBUTES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
 
@@ -73,6 +75,24 @@ def rotation_from_rpy(rpy: FloatArray) -> FloatArray:
             [-sp, cp * sr, cp * cr],
         ]
     )
+
+
+def check_dynamics(joint: ElementTree.Element, key: str, file: str) -> float:
+    """Damping of a joint [N s/m or N m s/rad]; friction is refused, for nothing computes it."""
+    dynamics = joint.find("dynamics")
+    if dynamics is None:
+        return 0.0
+    (damping,) = _finite(dynamics, "damping", 1, "0", f"{key} dynamics damping", file)
+    if not 0.0 <= damping <= _MOST_DAMPING:
+        allowed = f"a damping from 0 to {_MOST_DAMPING:g} N s/m or N m s/rad"
+        raise ModelError(file=file, key=f"{key} dynamics damping", value=damping, allowed=allowed)
+    (friction,) = _finite(dynamics, "friction", 1, "0", f"{key} dynamics friction", file)
+    if friction:
+        allowed = (
+            "0: dry friction of joints is not computed; leave it out, or put a damping in its place"
+        )
+        raise ModelError(file=file, key=f"{key} dynamics friction", value=friction, allowed=allowed)
+    return damping
 
 
 def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str) -> None:
@@ -144,7 +164,7 @@ def check_shapes(
                 else:
                     # Only a viewer opens it. A run, also one saved on another machine, does not
                     # depend on pictures, and a load does not wait for the file system.
-                    _check_inside(filename, key, file)
+                    path_inside(filename, key, file)
             else:
                 _check_sizes(solids[0], key, file)
     return tuple(names)
@@ -166,19 +186,48 @@ def _check_sizes(solid: ElementTree.Element, key: str, file: str) -> None:
             )
 
 
-def _check_inside(filename: str, key: str, file: str) -> None:
-    """Refuse the path of a mesh that leaves the model folder by its very words."""
-    path = PurePosixPath(filename)
-    outside = path.is_absolute() or ".." in path.parts or ":" in filename or "\\" in filename
-    if not filename or outside:
+def path_inside(filename: str, key: str, file: str) -> str:
+    """Path of a mesh in the model folder, for which a package stands.
+
+    Args:
+        filename: Path in the URDF.
+        key: Place in the URDF, for messages.
+        file: File name, for messages.
+
+    Raises:
+        ModelError: The path leaves the folder by its very words.
+    """
+    inner = filename
+    if filename.startswith(_PACKAGE):
+        inner = filename.removeprefix(_PACKAGE).partition("/")[2]
+    path = PurePosixPath(inner)
+    outside = path.is_absolute() or ".." in path.parts or ":" in inner or "\\" in inner
+    if not inner or outside:
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
+    return inner
+
+
+def _check_package(filename: str, mesh_folder: Path, key: str, file: str) -> None:
+    """Refuse a mesh of another package than that whose package.xml lies in the model folder."""
+    manifest = mesh_folder / "package.xml"
+    if not (filename.startswith(_PACKAGE) and manifest.is_file()):
+        return
+    try:
+        name = ElementTree.parse(manifest).findtext("name", "").strip()
+    except (OSError, ElementTree.ParseError) as error:
+        allowed = f"a package whose package.xml can be read: {error}"
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed) from error
+    if filename.removeprefix(_PACKAGE).partition("/")[0] != name:
+        allowed = f"a mesh of the package of the model folder, {_PACKAGE}{name}/..."
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
 
 
 def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     """Path of a mesh, which must be a file inside the model folder.
 
     Args:
-        filename: Path in the URDF, relative to the model folder.
+        filename: Path in the URDF, relative to the model folder; ``package://NAME/`` before it
+            stands for that folder.
         mesh_folder: The model folder.
         key: Place in the URDF, for messages.
         file: File name, for messages.
@@ -186,11 +235,11 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     Raises:
         ModelError: The path leaves the folder or names no file.
     """
-    _check_inside(filename, key, file)
-    path = (mesh_folder / filename).resolve()
+    path = (mesh_folder / path_inside(filename, key, file)).resolve()
     if not path.is_relative_to(mesh_folder.resolve()):
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     if not path.is_file():
         allowed = f"a mesh file in the model folder {mesh_folder}"
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+    _check_package(filename, mesh_folder, key, file)
     return path

@@ -128,6 +128,13 @@ MISTAKES = {
         '<mesh filename="package://a/lip.stl"/>',
         f"{SHAPE} mesh",
         "package://a/lip.stl",
+        "a mesh file in the model folder",
+    ),
+    "mesh out of a package": (
+        LIP,
+        '<mesh filename="package://a/../lip.stl"/>',
+        f"{SHAPE} mesh",
+        "package://a/../lip.stl",
         "stays inside",
     ),
     "mesh missing": (
@@ -212,6 +219,24 @@ def test_a_mesh_that_is_only_drawn_may_be_missing(spoil) -> None:  # type: ignor
     for name in ("../a.stl", "/a.stl", "package://a.stl", "b/../../a.stl", ""):
         with pytest.raises(ModelError, match="stays inside"):
             load(spoil(urdf=(('"meshes/rockers.stl"', f'"{name}"'),)))
+
+
+def test_a_package_is_the_model_folder(spoil) -> None:  # type: ignore[no-untyped-def]
+    """With a package.xml its name counts."""
+    plate = (
+        "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
+        "vertex 0 0.1 0\nendloop\nendfacet\nendsolid plate\n"
+    )
+    mesh = '<mesh filename="package://{}/meshes/plate.stl" scale="0.1 0.1 0.1"/>'
+    shape = f'<collision name="p"><geometry>{mesh.format("parts")}</geometry></collision></link>'
+    folder = spoil(urdf=(("</link>", shape),))
+    (folder / "meshes" / "plate.stl").write_text(plate, encoding="utf-8")
+    load(folder)
+    (folder / "package.xml").write_text("<package><name>parts</name></package>", encoding="utf-8")
+    load(folder)
+    (folder / "package.xml").write_text("<package><name>others</name></package>", encoding="utf-8")
+    with pytest.raises(ModelError, match="the package of the model folder, package://others/"):
+        load(folder)
 
 
 def test_another_reader_agrees(caplog: pytest.LogCaptureFixture) -> None:

@@ -13,6 +13,7 @@ from ...mechanism import Mechanism, load
 from ...mechanism.new_folder import new_folder
 from ...mechanism.toml_writing import toml
 from ...mechanism.urdf import parse_xml
+from ...mechanism.urdf_values import path_inside
 from .fit import Fit
 from .goodness import Goodness
 from .parameters import with_values
@@ -114,8 +115,9 @@ def _show_collision_shapes(root: ElementTree.Element) -> None:
 
 def _copy_meshes(root: ElementTree.Element, old: Path, new: Path) -> None:
     for mesh in root.iter("mesh"):
-        file = mesh.get("filename", "")
-        if "://" in file or Path(file).is_absolute():
+        file = path_inside(mesh.get("filename", ""), "mesh", f"{new.name}.urdf")
+        if not (old / file).is_file():
+            # One that is only looked at may be missing.
             continue
         (new / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(old / file, new / file)

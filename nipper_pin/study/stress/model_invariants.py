@@ -73,8 +73,9 @@ def _told(mechanism: Mechanism) -> dict[str, tuple[float, ...]]:
         sense = {"lower": 1.0, "upper": -1.0}[item.get("side", "lower")]
         told[f"stop {name}"] = (item["restitution"], at, sense)
     for name, item in document.get("drives", {}).items():
-        inertia = [item[key] for key in item if key.startswith("reflected")]
-        told[f"drive {name}"] = (*inertia, item["shaft_frequency_hz"], item["shaft_damping_ratio"])
+        inertia = sum(item[key] for key in item if key.startswith("reflected"))
+        elastic = (item.get(f"shaft_{key}", 0.0) for key in ("frequency_hz", "damping_ratio"))
+        told[f"drive {name}"] = (inertia, *elastic)
     return told
 
 

@@ -18,7 +18,13 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, OscillatingGuide
-from ...mechanism.urdf_values import mesh_path, numbers, origin, rotation_from_rpy
+from ...mechanism.urdf_values import (
+    mesh_path,
+    numbers,
+    origin,
+    path_inside,
+    rotation_from_rpy,
+)
 from .colours import link_colour
 
 Colour = tuple[float, float, float]
@@ -139,9 +145,10 @@ def _shapes(
         shape = next(item for item in element.iterfind("geometry/*") if isinstance(item.tag, str))
         path, sizes, scale = None, np.zeros(0), np.ones(3)
         if shape.tag == "mesh":
-            if not (folder / shape.get("filename", "")).is_file():
+            filename = shape.get("filename", "")
+            if not (folder / path_inside(filename, key, file)).is_file():
                 continue
-            path = mesh_path(shape.get("filename", ""), folder, key, file)
+            path = mesh_path(filename, folder, key, file)
             scale = numbers(shape, "scale", 3, "1 1 1", f"{key} scale", file)
         elif shape.tag == "box":
             sizes = numbers(shape, "size", 3, None, key, file)
