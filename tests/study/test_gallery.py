@@ -14,16 +14,8 @@ from nipper_pin.mechanism.gallery import GALLERY, drawn
 from nipper_pin.study.check import check_model
 from nipper_pin.study.next_steps import next_steps
 
-# A closed stop holds links still through closures, whose accelerations are then round-off.
-LOCKED = ("toggle_press", "knuckle_press", "jaw_crusher", "riveter", "scissors_lift", "valve_train")
 # Stops that throw back what strikes them, and never hold it.
 RATTLING = ("sieve", "bell", "piano_key")
-NAMES = [
-    pytest.param(name, marks=pytest.mark.xfail(strict=False, reason="links locked by a stop"))
-    if name in LOCKED
-    else name
-    for name in GALLERY
-]
 
 
 def test_there_are_forty_and_all_have_their_names() -> None:
@@ -32,7 +24,7 @@ def test_there_are_forty_and_all_have_their_names() -> None:
     assert len({draw().title for draw in GALLERY.values()}) == len(GALLERY)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", GALLERY)
 def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     """Nothing is missing, a stop is struck and left again in the turn, and the run ends well."""
     mechanism = drawn_mechanism(drawn(name))
@@ -94,7 +86,7 @@ def test_the_command_refuses(
 @pytest.mark.slow
 @pytest.mark.parametrize("drive", ["held", "inertial"])
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", GALLERY)
 def test_a_machine_runs_at_three_speeds(
     name: str, share: float, drive: str, tmp_path: Path
 ) -> None:
