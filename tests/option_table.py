@@ -6,7 +6,7 @@ the library is asked, in the case that is saved, in the saved run and in the JSO
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 GONE = "gone"
@@ -152,8 +152,12 @@ CHECK = {
                                         "check_model.speed_rpm": 220.0,
                                         "next_steps.model": "hanging_pendulum"},
                    moves=("check_model.mechanism.",)),
-    **of_a_model("check_model"),
-    "--speed": Entry("--speed 500", {"check_model.speed_rpm": 500.0}),
+    **{name: replace(item, moves=("next_steps.given.",))
+       for name, item in of_a_model("check_model").items()},
+    "--speed": Entry("--speed 500", {"check_model.speed_rpm": 500.0},
+                     moves=("next_steps.given.",)),
+    "--start-index": Entry("--start-index 20", {"check_model.start_index": 20.0},
+                           moves=("next_steps.start.",)),
     "--json": Entry("--json -", DOCUMENT | {"next_steps called": GONE, "next_steps.model": GONE,
                                             "print_report called": GONE}),
 }  # fmt: skip

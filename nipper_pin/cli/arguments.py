@@ -83,6 +83,16 @@ def overrides(options: argparse.Namespace) -> dict[str, object]:
     return found
 
 
+def machine_words(options: argparse.Namespace) -> list[str]:
+    """Arguments that make the machine and its speed, as another command takes them."""
+    words = [word for item in options.set for word in ("--set", item)]
+    for name in (*_SHORT, "speed"):
+        value = getattr(options, name)
+        if value is not None:
+            words += [f"--{name}", f"{value!r}"]
+    return words
+
+
 def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
     """Cylinder speed of the arguments, or the model's rated speed [r/min]."""
     if options.speed is not None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..dynamics.system import DriveMode
 from ..errors import InputError
-from ..hybrid.case import Case, Window
+from ..hybrid.case import START_INDEX, Case, Window
 from ..mechanism import Mechanism
 from .arguments import speed
 
@@ -28,12 +28,17 @@ def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
         default=argparse.SUPPRESS,
         help=f"transition: first collision to rest; cycle: whole turns (default {default.value})",
     )
+    add_start(parser)
+
+
+def add_start(parser: argparse.ArgumentParser) -> None:
+    """The argument that says where whole turns start."""
     parser.add_argument(
         "--start-index",
         type=float,
         default=argparse.SUPPRESS,
         metavar="INDEX",
-        help="index at which the turns start (default 24, foremost)",
+        help=f"index at which the turns start, in the initial phase (default {START_INDEX:g})",
     )
 
 

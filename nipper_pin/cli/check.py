@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import argparse
 
-from .arguments import MODEL, add_model, check_outputs, load_mechanism, speed, write_json
+from ..hybrid.case import START_INDEX
+from .arguments import (
+    MODEL,
+    add_model,
+    check_outputs,
+    load_mechanism,
+    machine_words,
+    speed,
+    write_json,
+)
+from .case_options import add_start
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
+    add_start(parser)
     parser.set_defaults(run=_run)
 
 
@@ -18,7 +29,8 @@ def _run(options: argparse.Namespace) -> None:
 
     check_outputs(None, options.json)
     mechanism = load_mechanism(options)
-    report = check_model(mechanism, speed(options, mechanism))
+    start = getattr(options, "start_index", START_INDEX)
+    report = check_model(mechanism, speed(options, mechanism), start)
     if options.json is not None:
         write_json(report.record(), options.json)
     if options.json != "-":
@@ -30,5 +42,6 @@ def _run(options: argparse.Namespace) -> None:
         console = Console()
         print_report(report, console)
         console.print("Next", style="bold")
-        for step in next_steps(report, options.model or MODEL):
+        begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
+        for step in next_steps(report, options.model or MODEL, machine_words(options), begin):
             console.print(step, markup=False, highlight=False, soft_wrap=True)

@@ -192,7 +192,8 @@ def close_positions(
         f"the loops do not close: {best * 1e3:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"
     )
-    raise ConvergenceError(message, residual=best, tolerance=tolerance, iterations=_MAX_ITERATIONS)
+    evidence = {"residual": best, "tolerance": tolerance, "iterations": _MAX_ITERATIONS}
+    raise ConvergenceError(message, **evidence, row=int(np.argmax(np.abs(g).max(axis=0))))
 
 
 def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:

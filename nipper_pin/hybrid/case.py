@@ -11,6 +11,8 @@ from ..errors import InputError
 
 # Faster ones overflow in squares of rates long before they mean anything.
 _FASTEST_RPM = 1e9
+START_INDEX = 24.0
+"""Index at which turns start unless it is given."""
 
 
 class Window(StrEnum):
@@ -76,7 +78,7 @@ class Case:
     speed_rpm: float
     window: Window = Window.TRANSITION
     cycles: int = 1
-    start_index: float = 24.0
+    start_index: float = START_INDEX
     drive: DriveMode = DriveMode.HELD
     rest_rate: float | None = None
     resolution: Resolution = field(default_factory=Resolution)

@@ -24,7 +24,8 @@ class Collision:
         index: Index on the comber's scale.
         approach_rate: Rate of the stop's gap before, negative [rad/s or m/s].
         separation_rate: Rate after.
-        impulse: Normal impulse at the contact point [N s].
+        impulse: Normal impulse at the contact point [N s]; along the joint of a stop without one
+            [N s or N m s].
         energy_lost: Kinetic energy lost [J].
         event: The event itself.
         rebounds: What finds the rebound after it.

@@ -23,7 +23,8 @@ def located(error: SimulationError, system: System, state: State | None = None) 
 
     Returns:
         An error of the same type. Evidence: what the error had, ``t``, ``index``,
-        ``cylinder_angle_rad`` and, with a configuration, ``condition`` and ``joints``.
+        ``cylinder_angle_rad``, the ``closure`` that stays open and, with a configuration,
+        ``condition`` and ``joints``.
     """
     evidence = dict(error.evidence)
     t = float(evidence.get("t", 0.0 if state is None else state.t))
@@ -32,6 +33,9 @@ def located(error: SimulationError, system: System, state: State | None = None) 
     evidence |= {"t": t, "index": index, "cylinder_angle_rad": angle}
     place = f"after t = {t:.6g} s" if state is not None else "at the start"
     message = f"{place} (index {index:.3f}): {error.message}"
+    if "row" in evidence:
+        evidence["closure"] = system.mechanism.closures[evidence.pop("row") // 2].name
+        message += f"; widest open is closure {evidence['closure']!r}"
     q = evidence.get("q", None if state is None else state.q)
     if q is not None and isinstance(error, ConvergenceError | SingularConfigurationError):
         rows = system.constraint_set(state.closed) if state is not None else None

@@ -128,7 +128,19 @@ class _Run:
         try:
             self.state = initial_state(system, case.start_index)
         except (ConvergenceError, SingularConfigurationError) as error:
-            raise located(error, system) from error
+            raise self._beginning(located(error, system)) from error
+
+    def _beginning(self, error: SimulationError) -> SimulationError:
+        """The error of a start at an index, with what has to be so there."""
+        phase = self.mechanism.phase(self.mechanism.initial_phase)
+        if self.case.window is Window.TRANSITION:
+            return error
+        closed = ", ".join(sorted(phase.closed)) or "no stop"
+        message = (
+            f"{error.message}; turns start in phase {phase.number} ({closed} closed): start_index "
+            "has to lie in it, or initial_phase has to be another one"
+        )
+        return type(error)(message, **error.evidence)
 
     def transition(self) -> Outcome:
         """From the touch configuration, where the transition stop collides, to its rest."""

@@ -46,7 +46,8 @@ class Reactions:
         drives: By drive: torque on the driven joint [N m], shape (K,).
         stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
             shape (K,).
-        contacts: By stop: normal force at its contact point [N], shape (K,).
+        contacts: By stop: normal force at its contact point [N]; along the joint of a stop without
+            one [N or N m], shape (K,).
     """
 
     t: FloatArray

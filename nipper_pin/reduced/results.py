@@ -84,13 +84,14 @@ class CollisionRows:
         cylinder_angle: psi there [rad].
         approach_rate: Rate before [rad/s or m/s], negative.
         separation_rate: Rate after.
-        impulse: Normal impulse at the contact point [N s].
+        impulse: Normal impulse at the contact point [N s]; along the joint of a stop without one
+            [N s or N m s].
         energy_lost: Kinetic energy lost [J].
         rebound_amplitude: Largest coordinate of the rebound after it.
         rebound_time: Its time [s].
         time_error: Bound on the error of ``time`` [s].
         rate_error: Bound on the error of ``approach_rate``.
-        impulse_error: Bound on the error of ``impulse`` [N s].
+        impulse_error: Bound on the error of ``impulse``, in its unit.
         amplitude_error: Bound on the error of ``rebound_amplitude``.
         rebound_error: Bound on the error of ``rebound_time`` [s].
     """

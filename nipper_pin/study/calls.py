@@ -15,12 +15,15 @@ if TYPE_CHECKING:
     from .sweep import Plan, SweepReport
 
 
-def check(mechanism: Mechanism, speed_rpm: float | None = None) -> ModelReport:
+def check(
+    mechanism: Mechanism, speed_rpm: float | None = None, start_index: float | None = None
+) -> ModelReport:
     """Walk one cycle of a model and say what it is: structure, timing, clearances, forces.
 
     Args:
         mechanism: The model.
         speed_rpm: Cylinder speed [r/min]; by default the rated one.
+        start_index: Index at which the cycle starts; by default that of :class:`Case`.
 
     Returns:
         The report of ``nipper-pin check``.
@@ -30,10 +33,11 @@ def check(mechanism: Mechanism, speed_rpm: float | None = None) -> ModelReport:
         InputError: The speed is none, or this is no mechanism.
     """
     need_mechanism(mechanism, "check")
+    from ..hybrid.case import START_INDEX
     from .check import check_model
 
     speed = mechanism.cylinder.rated_speed_rpm if speed_rpm is None else speed_rpm
-    return check_model(mechanism, speed)
+    return check_model(mechanism, speed, START_INDEX if start_index is None else start_index)
 
 
 def sweep(

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.impact import impact_condition
-from ..hybrid.case import Case, Window
+from ..errors import NipperError
+from ..hybrid.case import START_INDEX, Case, Window
 from ..hybrid.event import EventKind
 from ..hybrid.quantities import force_unit
 from ..hybrid.simulate import simulate
 from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .interference import Clearance, clearances
+from .masses import LinkMass, link_masses
 
 _SAMPLES = 240
 
@@ -39,6 +41,7 @@ class ModelReport:
     Attributes:
         mechanism: The model.
         speed_rpm: Speed of the cycle that was walked [r/min].
+        start_index: Index at which it starts.
         condition: Largest condition number of the closures over the cycle, the columns of the
             driven joints left out [-]; infinite in a dead centre.
         impact_condition: Largest condition number of the impact matrix of the closures and the
@@ -50,10 +53,14 @@ class ModelReport:
         stop_force: Smallest force of every stop while it is closed [N], or moment [N m] of one at a
             hinge without a contact point, and where.
         outcome: How the cycle ended.
+        struck: Stops that something collides with in the cycle.
+        no_transition: Why a transition cannot be simulated from the touch configuration; empty if
+            it can.
     """
 
     mechanism: Mechanism
     speed_rpm: float
+    start_index: float
     condition: Extreme
     impact_condition: Extreme
     clearances: tuple[Clearance, ...]
@@ -62,6 +69,13 @@ class ModelReport:
     releases: tuple[tuple[str, float], ...]
     stop_force: dict[str, Extreme]
     outcome: str
+    struck: frozenset[str]
+    no_transition: str
+
+    @property
+    def masses(self) -> tuple[LinkMass, ...]:
+        """Masses of the moving links, in the order of their joints."""
+        return link_masses(self.mechanism)
 
     @property
     def interferences(self) -> tuple[Clearance, ...]:
@@ -75,7 +89,9 @@ class ModelReport:
             "model": mechanism.name,
             "title": mechanism.title,
             "speed_rpm": self.speed_rpm,
+            "start_index": self.start_index,
             "links": list(mechanism.links),
+            "masses_kg": {item.link: item.mass_kg for item in self.masses},
             "joints": [asdict(joint) for joint in mechanism.joints],
             "closures": [asdict(closure) for closure in mechanism.closures],
             "mobility": mechanism.degrees_of_freedom,
@@ -110,6 +126,7 @@ class ModelReport:
             "smallest_stop_force_N": self._smallest("N"),
             "smallest_stop_moment_N_m": self._smallest("N m"),
             "outcome": self.outcome,
+            "no_transition": self.no_transition,
             "provenance": dict(mechanism.provenance),
         }
 
@@ -123,12 +140,15 @@ class ModelReport:
         }
 
 
-def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
+def check_model(
+    mechanism: Mechanism, speed_rpm: float, start_index: float = START_INDEX
+) -> ModelReport:
     """Walk one cycle of a model and report on it.
 
     Args:
         mechanism: The model, already validated by loading it.
         speed_rpm: Cylinder speed [r/min].
+        start_index: Index at which the cycle starts, in the initial phase.
 
     Returns:
         The report.
@@ -136,7 +156,8 @@ def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
     Raises:
         SimulationError: The cycle cannot be simulated.
     """
-    solution = simulate(mechanism, Case(speed_rpm=speed_rpm, window=Window.CYCLE))
+    case = Case(speed_rpm=speed_rpm, window=Window.CYCLE, start_index=start_index)
+    solution = simulate(mechanism, case)
     name = mechanism.transition_stop
     closing = next((item.index for item in solution.collisions if item.stop == name), None)
     opening = next(
@@ -150,6 +171,7 @@ def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
     return ModelReport(
         mechanism=mechanism,
         speed_rpm=speed_rpm,
+        start_index=start_index,
         condition=_worst_condition(solution),
         impact_condition=_worst_impact_condition(solution),
         clearances=clearances(solution),
@@ -163,7 +185,18 @@ def check_model(mechanism: Mechanism, speed_rpm: float) -> ModelReport:
         ),
         stop_force=_smallest_forces(solution),
         outcome=solution.outcome.value,
+        struck=frozenset(item.stop for item in solution.collisions),
+        no_transition=_no_transition(mechanism, speed_rpm),
     )
+
+
+def _no_transition(mechanism: Mechanism, speed_rpm: float) -> str:
+    """Why a transition cannot be simulated; empty if it can. Most take milliseconds."""
+    try:
+        simulate(mechanism, Case(speed_rpm=speed_rpm))
+    except NipperError as error:
+        return error.message
+    return ""
 
 
 def _worst_condition(solution: Solution) -> Extreme:

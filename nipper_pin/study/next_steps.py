@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import shlex
+from collections.abc import Sequence
+
 from .check import ModelReport
 
 _OFTEN_SHORT = ("restitution", "stiffness")
 
 
-def next_steps(report: ModelReport, model: str) -> tuple[str, ...]:
+def next_steps(
+    report: ModelReport, model: str, given: Sequence[str] = (), start: Sequence[str] = ()
+) -> tuple[str, ...]:
     """Sentences that lead from a checked model to its first runs.
 
     Args:
         report: The findings.
         model: How the user calls the model on the command line.
+        given: Further words of the command line that make the machine and its speed.
+        start: Its words that say where turns start.
 
     Returns:
         What is missing, one sentence each, then commands.
@@ -47,9 +54,23 @@ def next_steps(report: ModelReport, model: str) -> tuple[str, ...]:
         )
     if not mechanism.provenance:
         missing.append("no number says where it comes from: add [provenance]")
+    for item in report.masses:
+        if item.doubt:
+            missing.append(
+                f"link {item.link} weighs {item.mass_kg:g} kg, {item.doubt}: is it in grams?"
+            )
     steps = [f"Missing: {text}" for text in missing]
-    if report.closing_index is not None:
-        steps.append(f"Run next: nipper-pin simulate {model}")
-    steps.append(f"{'Then' if steps else 'Run next'}: nipper-pin simulate {model} --window cycle")
-    steps.append(f"Look at it: nipper-pin view {model} --html {mechanism.name}.html")
-    return tuple(steps)
+    machine = [model, *given]
+    if report.closing_index is not None and not report.no_transition:
+        steps.append(_command("Run next", "simulate", *machine))
+    elif mechanism.transition_stop and report.no_transition:
+        steps.append(f"No transition: {report.no_transition}")
+    label, turns = "Then" if steps else "Run next", ("--window", "cycle")
+    steps.append(_command(label, "simulate", *machine, *turns, *start))
+    view = _command("Look at it", "view", *machine, *start, "--html", f"{mechanism.name}.html")
+    return (*steps, view)
+
+
+def _command(label: str, *words: str) -> str:
+    """A command ready to be pasted, behind what it is for."""
+    return f"{label}: {shlex.join(['nipper-pin', *words])}"

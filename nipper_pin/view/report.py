@@ -7,7 +7,8 @@ from rich.console import Console
 from rich.table import Table
 
 from ..hybrid.quantities import force_unit
-from ..study.check import Extreme, ModelReport
+from ..mechanism import Stop
+from ..study.check import ModelReport
 from .reading import damper_text, spring_text, stop_place
 
 
@@ -59,6 +60,9 @@ def _joints(report: ModelReport, console: Console) -> None:
             kind, first = "pin in a slot", f"{closure.slot_frame} along {closure.slot_axis}"
         table.add_row(closure.name, kind, first, closure.frame_b, "")
     console.print(table)
+    total = sum(item.mass_kg for item in report.masses)
+    masses = ", ".join(f"{item.link} {item.mass_kg:.4g}" for item in report.masses)
+    _say(console, f"masses in kg: {masses}; together {total:.4g}")
     _say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
         _say(console, f"dampers: {dampers}")
@@ -66,7 +70,6 @@ def _joints(report: ModelReport, console: Console) -> None:
 
 def _stops(report: ModelReport, console: Console) -> None:
     for stop in report.mechanism.stops:
-        force = report.stop_force.get(stop.name)
         contact = stop.contact
         where = stop_place(report.mechanism, stop)
         if contact is not None:
@@ -78,20 +81,28 @@ def _stops(report: ModelReport, console: Console) -> None:
         _say(
             console,
             f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
-            f"closed {_force(force, force_unit(report.mechanism, stop))}",
+            f"closed {_force(report, stop)}",
         )
 
 
-def _force(force: Extreme | None, unit: str) -> str:
+def _force(report: ModelReport, stop: Stop) -> str:
+    force = report.stop_force.get(stop.name)
+    if force is None and stop.name in report.struck:
+        return "not seen: it bounces and does not come to rest"
     if force is None:
         return "not seen: it is never closed"
-    return f"{force.value:.1f} {unit} at index {force.index:.2f}"
+    return f"{force.value:.1f} {force_unit(report.mechanism, stop)} at index {force.index:.2f}"
 
 
 def _timing(report: ModelReport) -> str:
     name = report.mechanism.transition_stop
     if report.closing_index is None:
         return f"stop {name} does not close. {report.outcome}" if name else report.outcome
+    if name not in report.stop_force:
+        return (
+            f"stop {name} is struck first at index {report.closing_index:.4f} and does not come to "
+            "rest"
+        )
     opening = (
         "does not open again"
         if report.opening_index is None

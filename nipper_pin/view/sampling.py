@@ -25,9 +25,9 @@ class ForceRange:
     Attributes:
         closed: Closed stops of the phase.
         stop: Stop.
-        lowest: [N].
+        lowest: [N], of a hinge's stop without a contact [N m].
         t_lowest: Its time [s].
-        highest: [N].
+        highest: In the same unit.
         t_highest: Its time [s].
     """
 
@@ -74,7 +74,7 @@ def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
 def sample_forces(
     solution: Solution, stop: str, t_start: float, t_end: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Times [s] and normal forces [N] of a stop while it is closed, shape (K,).
+    """Times [s] and normal forces [N or N m] of a stop while it is closed, shape (K,).
 
     Stretches are separated by a NaN, so that a line through them breaks at jumps.
     """
