@@ -15,7 +15,16 @@ from nipper_pin.mechanism.drawing import Drawing, Drive, Spring, Stop, drawn_mec
 from nipper_pin.study.stress import run_campaign, trial
 from nipper_pin.study.stress.linkages import random_linkage, write_linkage
 from nipper_pin.study.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
-from nipper_pin.study.stress.linkages.motion import ANGLES, NoAssemblyError
+from nipper_pin.study.stress.linkages.freedoms import open_at, struck
+from nipper_pin.study.stress.linkages.motion import (
+    ANGLES,
+    NoAssemblyError,
+    Output,
+    Rod,
+    rod_on_line,
+    still,
+    unit,
+)
 
 COUNT = 40
 
@@ -110,8 +119,31 @@ def test_a_stop_is_met_within_the_reach(linkages: list[Drawing]) -> None:
         for part in stops:
             stop = full.stop(part.joint)
             met += 1
-            assert stop.gaps(q).min() < 0.0 < stop.gaps(q).max()
+            gap = stop.gaps(q)
+            # Drawn between 0.03 and 0.4 of the reach, or one step of the crank before that.
+            assert 0.02 < -gap.min() / np.ptp(gap) < 0.75
     assert met > 3
+
+
+def test_the_rod_gives_way_to_the_side_that_the_stop_asks_for() -> None:
+    """A block beyond the crank: one that is kept from going on needs a shorter rod, one that is
+    kept from coming back a longer one; and before it is met a stop is open."""
+    pin = 20.0 * unit(ANGLES)
+    travel = rod_on_line(pin, 100.0, np.zeros(2), 0.0, 1.0, 0.1)
+    rod = Rod("rod", 100.0, pin, lambda value: still(np.array([value, 0.0])))
+    sides = set()
+    for seed in range(8):
+        step = 1 if seed % 2 else -1
+        found = struck(np.random.default_rng(seed), Output("x", travel, False, rod), rod, step)
+        assert found is not None
+        assert found.longer == found.lower
+        assert found.gap[found.contact] == 0.0
+        assert found.gap[found.contact - step] > 0.0 > found.gap[found.contact + step]
+        best = open_at([found])
+        assert best is not None
+        assert found.gap[best] > 20.0
+        sides.add(found.lower)
+    assert sides == {True, False}
 
 
 def test_a_linkage_is_written_as_a_model_folder(tmp_path: Path) -> None:
