@@ -42,9 +42,35 @@ drives. Drawn as they stand at touch, all coordinates zero; the red line is the 
 over a turn in which nothing is struck. Dimensions that are known are named below each; all else,
 masses, springs and stops above all, is an invention.
 
-In Python a machine is a drawing (`nipper_pin.mechanism.drawing`): points in mm, bodies through
-them, pins, slides and slots, a drive, springs and stops; `write_drawing` makes a model folder of
-yours. `nipper_pin/mechanism/gallery/` has those below, a page of code each, and
+In Python a machine is a drawing: points in mm, bodies through them, pins, slides and slots, a
+drive, springs and stops. Joints are listed from the frame outwards: the first that leads to a body
+carries it, any other pin closes a loop.
+
+```python
+from nipper_pin.mechanism.drawing import (
+    Body, Drawing, Drive, Pin, Slide, Stop, telescope, write_drawing,
+)
+
+press = Drawing(
+    "press", "slider-crank on an anvil",
+    {{"O": (0.0, 0.0), "A": (-15.0, -20.0), "B": (0.0, -132.0)}},
+    (
+        Body("crank", "O A"),
+        Body("ram", "B", mass_kg=1.5),
+        Pin("O", "frame", "crank"),
+        Pin("A", "crank", "rod_1"),
+        *telescope("rod", "A B", stiffness=20000.0, preload_mm=10.0),
+        Slide("height", "frame", "ram", at="B", along=(0.0, 1.0)),
+        Pin("B", "rod_2", "ram"),
+        Drive("O"),
+        Stop("height"),
+    ),
+    touch_deg=-126.8699, start_deg=-270.0, speed_rpm=120.0, closed=("rod",), struck="height",
+)
+write_drawing(press, "press")
+```
+
+`nipper_pin/mechanism/gallery/` has those below, a page of code each, and
 `python scripts/draw_gallery.py` writes this page.
 """
 

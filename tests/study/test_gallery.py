@@ -47,6 +47,16 @@ def test_the_page_shows_every_machine() -> None:
     assert len(list((docs / "images" / "gallery").iterdir())) == len(GALLERY)
 
 
+def test_the_listing_of_the_page_writes_a_machine_that_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "gallery.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    exec(page.split("```python\n")[1].split("```")[0], {})
+    solution = simulate(load(tmp_path / "press"), Case(speed_rpm=120.0, window=Window.CYCLE))
+    assert {stop for event in solution.events for stop in event.stops} == {"height", "rod"}
+
+
 @pytest.mark.parametrize("name", ["watt_1", "sieve"])
 def test_the_command_writes_a_machine(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
