@@ -126,7 +126,9 @@ class _Run:
             self.state = start
             return
         try:
-            self.state = initial_state(system, case.start_index)
+            # A transition starts in the touch configuration, whose coordinates are zero.
+            starts = () if case.window is Window.TRANSITION else system.mechanism.starts
+            self.state = initial_state(system, case.start_index, starts)
         except (ConvergenceError, SingularConfigurationError) as error:
             raise self._beginning(located(error, system)) from error
 
@@ -140,6 +142,9 @@ class _Run:
             f"{error.message}; turns start in phase {phase.number} ({closed} closed): start_index "
             "has to lie in it, or initial_phase has to be another one"
         )
+        if self.mechanism.starts:
+            names = ", ".join(item.joint for item in self.mechanism.starts)
+            message += f"; [initial] gives the start of {names}"
         return type(error)(message, **error.evidence)
 
     def transition(self) -> Outcome:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..dynamics.assembly import assemble
 from ..dynamics.shaft import Driven
 from ..dynamics.system import System
 from ..errors import InputError
+from ..mechanism import Start, Stop
 from .phases import Closed
 from .series import BounceSeries
 
@@ -42,33 +44,40 @@ class State(NamedTuple):
     series: BounceSeries | None = None
 
 
-def initial_state(system: System, start_index: float) -> State:
+def initial_state(system: System, start_index: float, starts: Sequence[Start] = ()) -> State:
     """The initial phase at time zero, assembled along the drives from the touch position.
+
+    Coordinates that neither drives nor closed stops nor starts prescribe and that the closures
+    leave free stay zero, as in the touch position, and have no rate.
 
     Args:
         system: The system; its shaft has the start angle.
         start_index: Index that belongs to that angle, for the message.
+        starts: Coordinates and rates that are given for the start.
 
     Raises:
-        InputError: An open stop would be beyond its contact there.
+        InputError: An open stop would be beyond its contact there, or starts are too many.
     """
     mechanism, shaft = system.mechanism, system.shaft
     closed = mechanism.phase(mechanism.initial_phase).closed
     shut = [stop for stop in mechanism.stops if stop.name in closed]
     travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
     # In the touch configuration all coordinates are zero: there is nothing to assemble.
-    away = travel != 0.0 or any(stop.at for stop in shut)
+    places = [(stop.index, stop.at) for stop in shut] + [(item.index, item.at) for item in starts]
+    away = travel != 0.0 or any(at for _, at in places)
     times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
     angles, rates, accelerations = shaft.driven(times) if away else shaft.driven_at(0.0)
     driven = shaft.indices
-    given = [*driven, *[stop.index for stop in shut]]
+    given = [*driven, *[index for index, _ in places]]
+    _check_starts(system, starts, shut, given)
     path = np.zeros((len(times) - 1, len(given)))
     path[:, : len(driven)] = angles[1:]
-    for column, stop in enumerate(shut, start=len(driven)):
-        if stop.at:
-            path[:, column] = np.linspace(0.0, stop.at, len(times))[1:]
+    for column, (_, at) in enumerate(places, start=len(driven)):
+        if at:
+            path[:, column] = np.linspace(0.0, at, len(times))[1:]
     end_rates = np.zeros(len(given))
     end_rates[: len(driven)] = rates[-1]
+    end_rates[len(given) - len(starts) :] = [item.rate for item in starts]
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
         gap = stop.gap(q)
@@ -83,3 +92,28 @@ def initial_state(system: System, start_index: float) -> State:
             raise InputError(message, stop=stop.name, gap=gap)
     motion = (angles[-1:], rates[-1:], accelerations[-1:])
     return State(0.0, q, v, jacobian, motion, closed)
+
+
+def _check_starts(
+    system: System, starts: Sequence[Start], shut: Sequence[Stop], given: Sequence[int]
+) -> None:
+    """Refuse starts of what stands on a stop, and more than the closures leave free."""
+    phase = system.mechanism.initial_phase
+    for item in starts:
+        for stop in shut:
+            if item.index == stop.index:
+                message = (
+                    f"initial.{item.joint} gives a start to a joint that stands on stop "
+                    f"{stop.name!r} in phase {phase}, in which turns start: leave it out, or let "
+                    "initial_phase be one in which this stop is open"
+                )
+                raise InputError(message, joint=item.joint, stop=stop.name)
+    free = system.body.nv - system.body.closure_rows
+    if starts and len(given) > free:
+        names = ", ".join(item.joint for item in starts)
+        message = (
+            f"[initial] gives {names}: with the drives and the closed stops of phase {phase} these "
+            f"are {len(given)} coordinates, and the closures leave {free} free; leave "
+            f"{len(given) - free} of them out"
+        )
+        raise InputError(message, given=len(given), free=free)

@@ -12,7 +12,7 @@ from .load import (
     number_of,
     with_numbers,
 )
-from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Stop
+from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Start, Stop
 from .shapes import collision_model
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "OscillatingGuide",
     "Phase",
     "Spring",
+    "Start",
     "Stop",
     "Strut",
     "Table",

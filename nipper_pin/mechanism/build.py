@@ -20,6 +20,7 @@ from .drives import DriveLaw
 from .laws import build_cylinder, build_laws
 from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
 from .slots import block_of, check_frames, with_blocks
+from .starts import build_starts
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
 from .urdf import Urdf, check_urdf, flatten, parse_xml
 
@@ -93,6 +94,7 @@ def build_mechanism(
         phases=phases,
         transition_stop=description.transition_stop,
         initial_phase=description.initial_phase,
+        starts=build_starts(description.initial, by_name, drives, stops, file),
         cylinder=cylinder,
         gravity_m_s2=description.gravity_m_s2,
         shortcuts=dict(description.shortcuts),

@@ -17,6 +17,7 @@ from .description import (
     DamperDescription,
     Description,
     DriveDescription,
+    InitialDescription,
     PlanePoint,
     SpringDescription,
     StopDescription,
@@ -28,6 +29,7 @@ _SECTIONS: dict[str, Any] = {
     "dampers": DamperDescription,
     "stops": StopDescription,
     "closures": ClosureDescription,
+    "initial": InitialDescription,
 }
 _MESSAGE = re.compile(r"^(?P<text>.*?)(?: - at `(?P<key>key in )?\$(?P<path>.*)`)?$", re.DOTALL)
 _FIELD = re.compile(r"field `(?P<name>[^`]+)`")

@@ -242,6 +242,22 @@ class StopDescription(_Table, frozen=True, kw_only=True):
     contact: ContactDescription | None = None
 
 
+class InitialDescription(_Table, frozen=True, kw_only=True):
+    """Where a joint that nothing prescribes starts, and how fast it moves there.
+
+    Attributes:
+        at_mm: Coordinate of a slide, 0 if not given [mm].
+        at_deg: Coordinate of a hinge, 0 if not given [deg].
+        rate_mm_per_s: Rate of a slide, 0 if not given [mm/s].
+        rate_rad_per_s: Rate of a hinge, 0 if not given [rad/s].
+    """
+
+    at_mm: float | None = None
+    at_deg: float | None = None
+    rate_mm_per_s: float | None = None
+    rate_rad_per_s: float | None = None
+
+
 class ClosureDescription(_Table, frozen=True, kw_only=True):
     """A cut joint: a pin, or a pin in a slot.
 
@@ -288,6 +304,7 @@ class Description(_Table, frozen=True, kw_only=True):
         dampers: Dampers.
         stops: Unilateral stops.
         closures: Cut joints.
+        initial: Where joints start that nothing prescribes, by joint.
         phases: Working phases.
         shortcuts: Short command-line names to value paths.
         provenance: Where the numbers come from, by path prefix.
@@ -306,5 +323,6 @@ class Description(_Table, frozen=True, kw_only=True):
     springs: dict[str, SpringDescription] = {}
     dampers: dict[str, DamperDescription] = {}
     closures: dict[str, ClosureDescription] = {}
+    initial: dict[str, InitialDescription] = {}
     shortcuts: dict[str, str] = {}
     provenance: dict[str, Name] = {}

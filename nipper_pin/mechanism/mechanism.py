@@ -180,6 +180,23 @@ class Stop:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Start:
+    """Where a joint that nothing prescribes stands when whole turns start.
+
+    Attributes:
+        joint: Name of the joint.
+        index: Place of its coordinate in q and v.
+        at: Coordinate [rad or m].
+        rate: Its rate [rad/s or m/s].
+    """
+
+    joint: str
+    index: int
+    at: float
+    rate: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Phase:
     """A working phase: the set of closed stops.
 
@@ -212,6 +229,7 @@ class Mechanism:
         phases: Working phases.
         transition_stop: Stop whose bouncing is "the transition".
         initial_phase: Phase at the start of a cycle.
+        starts: Joints whose coordinate and rate at that start are given.
         cylinder: The input shaft.
         gravity_m_s2: Gravity along -z.
         shortcuts: Short command-line names to value paths, for example "stiffness".
@@ -235,6 +253,7 @@ class Mechanism:
     phases: tuple[Phase, ...]
     transition_stop: str
     initial_phase: int
+    starts: tuple[Start, ...]
     cylinder: Cylinder
     gravity_m_s2: float
     shortcuts: Mapping[str, str]

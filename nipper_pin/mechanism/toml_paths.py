@@ -2,7 +2,8 @@
 
 ``stops.jaw.restitution``, ``drives.pendulum.crank_axis_mm[0]``, ``springs.steeve.force_N[12]``: a
 place in a list or a column of a table is counted from 0, whether the table was written out or came
-from a CSV file. Numbers of a drive or a stop that need not be written have their paths, too.
+from a CSV file. Numbers of a drive, a stop or a start that need not be
+written have their paths, too.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from ..errors import ModelError, UnknownNameError
 from .describe import optional_numbers
 from .urdf_paths import steps_of
 
-_OPTIONAL = ("drives", "stops")
+_OPTIONAL = ("drives", "stops", "initial")
 
 
 def number_at(document: Mapping[str, object], path: str, file: str) -> float:

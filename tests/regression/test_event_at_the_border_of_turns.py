@@ -54,8 +54,8 @@ def test_a_turn_that_ends_in_another_assembly_is_not_copied() -> None:
     segments = solution.segments
     start = initial_state(solution.system, case.start_index)
     end = start._replace(t=solution.shaft.period)
-    assert repeats(solution.system, [], segments, start, end)
+    assert repeats(solution.system, [], segments, start, end) is not None
     jaw = mechanism.stop("jaw").index
     thrown = end.q.copy()
     thrown[jaw] += 1e-6
-    assert not repeats(solution.system, [], segments, start, end._replace(q=thrown))
+    assert repeats(solution.system, [], segments, start, end._replace(q=thrown)) is None
