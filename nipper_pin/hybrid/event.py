@@ -26,7 +26,9 @@ class Event:
         kind: Collision, rest (a series of bounces has reached its limit) or release.
         stops: Stops that it concerns; of a collision those that receive an impulse first, and among
             these the ones that have closed before those that were closed.
-        q: Configuration, shape (nv,) [rad or m].
+        q: Configuration, shape (nv,) [rad or m]. Of a rest at the limit of a series, this and the
+            velocities are those of the last collision computed, a little before ``t``;
+            :meth:`Solution.motion_at` gives the state at ``t``.
         v_before: Velocity just before, shape (nv,).
         v_after: Velocity just after, shape (nv,).
         delta: Change of velocity to its own relative precision, shape (nv,).

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .accuracy import EventError
     from .energy import EnergyBalance
     from .premise import Premise
-    from .trajectory import Trajectory
+    from .trajectory import Motion, Trajectory
 
 
 class Outcome(StrEnum):
@@ -206,6 +206,26 @@ class Solution:
 
         gap, rate = closure_residuals(self.system, self.segments)
         return Checks(gap, rate, self.energy.relative)
+
+    def motion_at(self, event: Event) -> Motion:
+        """State just after an event, at its own time; not computed before it is asked for.
+
+        The limit of a series of bounces lies beyond the last collision that is computed, whose
+        configuration and velocities ``event.q`` and ``event.v_after`` of a rest are. The motion is
+        followed from there with the stop at rest.
+
+        Args:
+            event: One of the events of this solution.
+
+        Returns:
+            The state, with one row.
+
+        Raises:
+            SimulationError: The motion cannot be followed to the time of a rest.
+        """
+        from .event_state import motion_at
+
+        return motion_at(self, event)
 
     def link_velocities(self, event: Event) -> tuple[LinkVelocities, LinkVelocities]:
         """Velocities of every link before and after an event (eqs 18 to 27 of the paper)."""
