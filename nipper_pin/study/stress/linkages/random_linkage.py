@@ -71,6 +71,9 @@ def random_linkage(rng: Generator) -> Drawing:
             closed += [f"box{number}"] if shut else []
     parts += _struck_stops(rng, list(stops.values()), touch)
     parts += _elements(rng, linkage, touch, force)
+    # A shaft that is heavier than its machine by no more than some hundred times.
+    inertia = _mass(linkage, touch) * (1e-3 * linkage.radius) ** 2 * log(rng, 3.0, 300.0)
+    parts.append(Drive("O", inertia=inertia, frequency_hz=log(rng, 10.0, 100.0)))
     return _drawing(linkage, parts, touch=touch, start=start,
                     step=step, speed=speed, gravity=gravity, closed=tuple(closed),
                     struck_joint=first.output.joint if first else "")  # fmt: skip
@@ -165,7 +168,7 @@ def _drawing(
         "linkage",
         "random linkage",
         _points(linkage, touch),
-        (*bodies, *joints, *parts, Drive("O", inertia=1.0)),
+        (*bodies, *joints, *parts),
         touch_deg=touch_deg,
         start_deg=start_deg,
         speed_rpm=speed,
