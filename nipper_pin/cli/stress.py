@@ -88,7 +88,12 @@ def _run(options: argparse.Namespace) -> None:
         seed = _SEED if options.seed is None else options.seed
         with _progress(cases, options.out) as advance:
             result = run_campaign(
-                cases, seed, options.workers, advance, options.time_limit, options.out,
+                cases,
+                seed,
+                options.workers,
+                advance,
+                options.time_limit,
+                options.out,
                 families=tuple(options.family or ()),
             )
         if options.out is not None:

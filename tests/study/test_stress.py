@@ -189,7 +189,7 @@ def penetrates(cycle: Solution) -> Solution:
 def jumps(cycle: Solution) -> Solution:
     segments = list(cycle.segments)
     panels = list(segments[0].panels)
-    panels[1] = panels[1].shifted(1e-3)
+    panels[1] = panels[1].shifted(1e-3, np.zeros(panels[1].q.shape[1]))
     segments[0] = replace(segments[0], panels=tuple(panels))
     return replace(cycle, segments=tuple(segments))
 

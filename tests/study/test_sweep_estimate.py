@@ -23,8 +23,9 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
     """Chunks that cost 50 ms and, a scenario, 20 us; the rows that were asked for."""
     asked: list[np.ndarray] = []
 
-    def seconds(_text: bytes, rows: np.ndarray, _tally: Any) -> float:
+    def seconds(_text: bytes, rows: np.ndarray, tally: Any) -> float:
         asked.append(rows)
+        tally.engines["reduced" if len(rows) >= 32 else "direct"] += len(rows)
         return 50e-3 + 20e-6 * len(rows)
 
     monkeypatch.setattr(module, "_seconds", seconds)

@@ -106,7 +106,8 @@ def run_campaign(
     count = workers or os.cpu_count() or 1
     jobs = [
         (seed, number, time_limit_s, tuple(families))
-        for number in range(cases) if number not in verdicts
+        for number in range(cases)
+        if number not in verdicts
     ]
     try:
         for verdict in _judged(jobs, count):

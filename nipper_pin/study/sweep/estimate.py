@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ..processes import fresh_processes
-from ..transitions import REDUCED_PAYS_FROM
+from ..transitions import REDUCED, REDUCED_PAYS_FROM
 from .chunks import run_chunk
 from .local import check_workers, wake
 from .plan import Plan, chosen
@@ -25,8 +25,8 @@ from .samples import Rows, stages
 # Mechanisms that are tried, scenarios of each, and the scenario up to which they are looked for: a
 # sequence has to be drawn up to the last point that is asked for.
 _MECHANISMS, _FEW, _MANY, _FAR = 3, REDUCED_PAYS_FROM, 1024, 1_000_000
-# Start of the processes, until their first chunk [s], and a scenario so slow that a few tell all.
-_START_S, _SLOW_S = 1.5, 1e-3
+# Start of the processes, until their first chunk [s].
+_START_S = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,9 +132,11 @@ def timed(plan: Plan, most: int) -> Timed:
     fixed, each = [], []
     for first in _firsts(plan, inner):
         few = first + _spread(block, _FEW)
+        by_tables = tally.engines[REDUCED]
         few_s = _seconds(text, rows.at(few), tally)
         slope, rest = few_s / len(few), 0.0
-        if block > _FEW and slope < _SLOW_S:
+        # Of the direct engine a few cases say what many take.
+        if block > _FEW and tally.engines[REDUCED] - by_tables > len(few) // 2:
             many = first + _spread(block, _MANY)
             more_s = _seconds(text, rows.at(many), tally) - few_s
             slope = max(more_s, 0.0) / (len(many) - len(few))

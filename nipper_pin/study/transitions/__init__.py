@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from .asking import REDUCED_PAYS_FROM, Engine, table_of, transition_table
 from .retuned import retuned
-from .table import FAILED, TURN, TransitionTable
+from .table import FAILED, REDUCED, TURN, TransitionTable
 
 __all__ = [
     "FAILED",
+    "REDUCED",
     "REDUCED_PAYS_FROM",
     "TURN",
     "Engine",

@@ -19,7 +19,7 @@ from ..cases import Cases
 from ..true_transition import assumed_transition, transition_of_turns
 from .retuned import retuned
 from .rows import collision_rows, rest_numbers
-from .table import FAILED, TURN, TransitionTable
+from .table import FAILED, REDUCED, TURN, TransitionTable
 
 # Cases of one batch, and columns of its table; few cases have more collisions.
 _BATCH, _COLUMNS = 4096, 32
@@ -97,7 +97,7 @@ class Run:
             # Of drives that do not come back nothing can be asked, and no turn is another one's.
             assumed=not (self._settings.true and model.arrival.asked),
         )
-        self._engine[chosen] = "reduced"
+        self._engine[chosen] = REDUCED
         self._outcome[chosen] = [_STATUS[status] for status in batch.status]
         self._collisions[chosen] = batch.collisions
         self._rest[chosen] = np.stack([batch.duration, batch.duration_error, batch.share], axis=1)

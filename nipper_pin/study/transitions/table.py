@@ -13,6 +13,8 @@ from ...mechanism import Mechanism
 from ...reduced.results import CollisionRows
 
 FAILED = "failed"
+REDUCED = "reduced"
+"""Engine of a case that tables solve."""
 TURN = "turn"
 """Engine of a case for which whole turns were simulated, since the premise does not hold."""
 
