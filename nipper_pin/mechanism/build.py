@@ -15,7 +15,8 @@ from .assembly import check_assembly
 from .build_elements import build_elements
 from .contact import find_contact
 from .describe import describe
-from .description import Description, ScrewDrive, StopDescription
+from .description import Description, StopDescription
+from .drive_keys import check_drive
 from .drives import DriveLaw
 from .laws import build_cylinder, build_laws
 from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
@@ -141,10 +142,7 @@ def _drives(
     for name, drive in description.drives.items():
         key = f"drives.{name}.joint"
         joint = _joint(drive.joint, joints, f"{file}: {key}")
-        screw = isinstance(drive, ScrewDrive)
-        if screw != (joint.kind == "prismatic"):
-            allowed = "a screw drives a slide (prismatic joint); every other law turns a hinge"
-            raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)
+        check_drive(name, drive, joint, file)
         if any(other.index == joint.index for other in drives):
             allowed = "a joint has one drive only"
             raise ModelError(file=file, key=key, value=drive.joint, allowed=allowed)

@@ -13,6 +13,7 @@ from .elements import Characteristic
 
 Columns = tuple[str, str]
 _DRIVE: Columns = ("cylinder_angle_deg", "coordinate_rad")
+_DRIVE_OF_SLIDE: Columns = ("cylinder_angle_deg", "coordinate_mm")
 _SLIDE: Columns = ("coordinate_mm", "force_N")
 _HINGE: Columns = ("coordinate_deg", "torque_N_m")
 
@@ -32,7 +33,7 @@ def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[s
         ModelError: A file is missing, lies outside the folder or is not such a table.
     """
     changed = dict(data)
-    for section, choices in (("drives", (_DRIVE,)), ("springs", (_SLIDE, _HINGE))):
+    for section, choices in (("drives", (_DRIVE, _DRIVE_OF_SLIDE)), ("springs", (_SLIDE, _HINGE))):
         entries = data.get(section)
         if isinstance(entries, Mapping):
             changed[section] = {
@@ -92,9 +93,9 @@ def _read_csv(
                 )
     first, second = (tuple(columns[column]) for column in header)
     try:
-        if header == _DRIVE:
+        if header in (_DRIVE, _DRIVE_OF_SLIDE):
             angles = tuple(math.radians(angle) for angle in first)
-            Table(cylinder_angle_rad=angles, coordinate_rad=second)
+            Table(cylinder_angle_rad=angles, coordinate=second)
         else:
             Characteristic(coordinate=first, force=second)
     except InputError as error:

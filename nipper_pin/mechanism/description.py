@@ -120,32 +120,74 @@ class ScrewDrive(_DriveTable, frozen=True, kw_only=True, tag="screw"):
     reflected_mass_kg: Positive | None = None
 
 
-class FourierDrive(_ShaftTable, frozen=True, kw_only=True, tag="fourier"):
+class _AnyTable(_DriveTable, frozen=True, kw_only=True):
+    """What every drive of either kind of joint has.
+
+    Attributes:
+        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at a hinge [kg m2].
+        reflected_mass_kg: The same seen at a slide [kg].
+    """
+
+    reflected_inertia_kg_m2: Positive | None = None
+    reflected_mass_kg: Positive | None = None
+
+
+class FourierDrive(_AnyTable, frozen=True, kw_only=True, tag="fourier"):
     """A Fourier series in the cylinder angle; coefficient n belongs to n turns per turn.
 
     Attributes:
-        mean_rad: Mean value [rad].
-        cosine_rad: Coefficients of cos psi, cos 2 psi, ... [rad].
-        sine_rad: Coefficients of sin psi, sin 2 psi, ... [rad].
+        mean_rad: Mean value of a hinge [rad].
+        cosine_rad: Coefficients of cos psi, cos 2 psi, ... of a hinge [rad].
+        sine_rad: Coefficients of sin psi, sin 2 psi, ... of a hinge [rad].
+        mean_mm: Mean value of a slide [mm].
+        cosine_mm: Coefficients of cos psi, cos 2 psi, ... of a slide [mm].
+        sine_mm: Coefficients of sin psi, sin 2 psi, ... of a slide [mm].
     """
 
     mean_rad: float = 0.0
     cosine_rad: tuple[float, ...] = ()
     sine_rad: tuple[float, ...] = ()
+    mean_mm: float = 0.0
+    cosine_mm: tuple[float, ...] = ()
+    sine_mm: tuple[float, ...] = ()
 
 
-class TableDrive(_ShaftTable, frozen=True, kw_only=True, tag="table"):
+class TableDrive(_AnyTable, frozen=True, kw_only=True, tag="table"):
     """A table over one turn, from a CSV file in the model folder or written out here.
 
     Attributes:
-        file: CSV file with the columns cylinder_angle_deg and coordinate_rad.
+        file: CSV file with the columns cylinder_angle_deg and coordinate_rad or coordinate_mm.
         cylinder_angle_deg: Cylinder angles, rising over exactly one turn [deg].
-        coordinate_rad: Coordinate at each angle [rad].
+        coordinate_rad: Coordinate of a hinge at each angle [rad].
+        coordinate_mm: Coordinate of a slide at each angle [mm].
     """
 
     file: Name | None = None
     cylinder_angle_deg: tuple[float, ...] = ()
     coordinate_rad: tuple[float, ...] = ()
+    coordinate_mm: tuple[float, ...] = ()
+
+
+class CamDrive(_AnyTable, frozen=True, kw_only=True, tag="cam"):
+    """A cam with dwell: rise, dwell, return, and rest for what is left of the turn.
+
+    Attributes:
+        motion: How it rises and returns.
+        lift_mm: Lift of a slide [mm].
+        lift_deg: Lift of a hinge [deg].
+        start_deg: Cylinder angle at which the rise begins [deg].
+        rise_deg: Cylinder angle of the rise [deg].
+        dwell_deg: Cylinder angle for which the follower stays up [deg].
+        return_deg: Cylinder angle of the return [deg].
+    """
+
+    motion: Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
+    rise_deg: Positive
+    return_deg: Positive
+    dwell_deg: NotNegative = 0.0
+    start_deg: float = 0.0
+    lift_mm: float | None = None
+    lift_deg: float | None = None
 
 
 DriveDescription = (
@@ -155,6 +197,7 @@ DriveDescription = (
     | ScrewDrive
     | FourierDrive
     | TableDrive
+    | CamDrive
 )
 
 

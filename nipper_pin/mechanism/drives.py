@@ -165,9 +165,9 @@ class Fourier:
     """A Fourier series in the cylinder angle.
 
     Attributes:
-        mean: Mean value [rad].
-        cosine: Coefficients of cos psi, cos 2 psi, ... [rad].
-        sine: Coefficients of sin psi, sin 2 psi, ... [rad].
+        mean: Mean value [rad or m].
+        cosine: Coefficients of cos psi, cos 2 psi, ... [rad or m].
+        sine: Coefficients of sin psi, sin 2 psi, ... [rad or m].
     """
 
     mean: float
@@ -203,14 +203,14 @@ class Table:
 
     Attributes:
         cylinder_angle_rad: Angles, rising over exactly one turn, at least seven [rad].
-        coordinate_rad: Coordinate at each angle, equal at both ends [rad].
+        coordinate: Coordinate at each angle, equal at both ends [rad or m].
 
     Raises:
         InputError: The table is not one turn of a periodic function.
     """
 
     cylinder_angle_rad: tuple[float, ...]
-    coordinate_rad: tuple[float, ...]
+    coordinate: tuple[float, ...]
     _splines: tuple[Callable[[FloatArray], FloatArray], ...] = field(
         init=False, repr=False, compare=False
     )
@@ -219,9 +219,9 @@ class Table:
         """Check the table and fit the spline."""
         from scipy.interpolate import make_interp_spline
 
-        check_table(self.cylinder_angle_rad, self.coordinate_rad)
+        check_table(self.cylinder_angle_rad, self.coordinate)
         angles = np.array(self.cylinder_angle_rad)
-        values = np.array(self.coordinate_rad)
+        values = np.array(self.coordinate)
         # The ends agree only to the accuracy of the check; the periodic spline needs them equal.
         angles[-1] = angles[0] + math.tau
         values[-1] = values[0]
@@ -241,18 +241,18 @@ class Table:
         return value, first, second
 
 
-def check_table(cylinder_angle_rad: Sequence[float], coordinate_rad: Sequence[float]) -> None:
+def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]) -> None:
     """Refuse a table that is not one turn of a periodic function.
 
     Args:
         cylinder_angle_rad: Angles [rad].
-        coordinate_rad: Coordinate at each angle [rad].
+        coordinate: Coordinate at each angle [rad or m].
 
     Raises:
         InputError: Says in which row (from 1) and why.
     """
     angles = np.asarray(cylinder_angle_rad, dtype=np.float64)
-    values = np.asarray(coordinate_rad, dtype=np.float64)
+    values = np.asarray(coordinate, dtype=np.float64)
     message = ""
     if angles.shape != values.shape or angles.size < 7:
         message = (
@@ -276,7 +276,7 @@ def check_table(cylinder_angle_rad: Sequence[float], coordinate_rad: Sequence[fl
     elif abs(values[-1] - values[0]) > 1e-9:
         message = (
             "the first and the last row of a drive table are the same position and need the same "
-            f"coordinate; found {values[0]:g} and {values[-1]:g} rad"
+            f"coordinate; found {values[0]:g} and {values[-1]:g} [rad or m]"
         )
     if message:
         raise InputError(message, rows=int(angles.size))

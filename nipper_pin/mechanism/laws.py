@@ -9,8 +9,10 @@ from typing import Literal
 import numpy as np
 
 from ..errors import InputError, ModelError, UnknownNameError
+from .cams import Cam
 from .cylinder import Cylinder
 from .description import (
+    CamDrive,
     ConstantSpeedDrive,
     CylinderDescription,
     Description,
@@ -88,12 +90,32 @@ def _basic(drive: DriveDescription) -> DriveLaw:
     if isinstance(drive, ScrewDrive):
         return ConstantSpeed(ratio=1e-3 * drive.lead_mm_per_turn / math.tau)
     if isinstance(drive, FourierDrive):
-        return Fourier(mean=drive.mean_rad, cosine=drive.cosine_rad, sine=drive.sine_rad)
+        # The keys of one unit are empty: those of the other kind of joint.
+        return Fourier(
+            mean=drive.mean_rad + 1e-3 * drive.mean_mm,
+            cosine=drive.cosine_rad or _metres(drive.cosine_mm),
+            sine=drive.sine_rad or _metres(drive.sine_mm),
+        )
     if isinstance(drive, TableDrive):
         angles = tuple(math.radians(angle) for angle in drive.cylinder_angle_deg)
-        return Table(cylinder_angle_rad=angles, coordinate_rad=drive.coordinate_rad)
+        rows = drive.coordinate_rad or _metres(drive.coordinate_mm)
+        return Table(cylinder_angle_rad=angles, coordinate=rows)
+    if isinstance(drive, CamDrive):
+        return Cam(
+            motion=drive.motion,
+            lift=math.radians(drive.lift_deg or 0.0) + 1e-3 * (drive.lift_mm or 0.0),
+            start_rad=math.radians(drive.start_deg),
+            rise_rad=math.radians(drive.rise_deg),
+            dwell_rad=math.radians(drive.dwell_deg),
+            return_rad=math.radians(drive.return_deg),
+        )
     message = f"there is no drive law for {type(drive).__name__}"
     raise InputError(message)
+
+
+def _metres(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Millimetres in metres."""
+    return tuple(1e-3 * value for value in values)
 
 
 def _culprit(drive: DriveDescription) -> tuple[str, object]:
@@ -103,6 +125,8 @@ def _culprit(drive: DriveDescription) -> tuple[str, object]:
         if drive.crank_radius_mm < distance:
             return "guide_offset_mm", drive.guide_offset_mm
         return "crank_radius_mm", drive.crank_radius_mm
+    if isinstance(drive, CamDrive):
+        return "dwell_deg", drive.dwell_deg
     return "cylinder_angle_deg", f"{len(getattr(drive, 'cylinder_angle_deg', ()))} rows"
 
 

@@ -49,7 +49,7 @@ MISTAKES = {
         'law = "chain"',
         "drives.tension.law",
         "chain",
-        "one of constant_speed, fourier, geared, oscillating_guide, screw, table",
+        "one of cam, constant_speed, fourier, geared, oscillating_guide, screw, table",
     ),
     "unknown key": (
         "restitution = 0.2\ncontact",

@@ -36,7 +36,7 @@ def table_of(law: DriveLaw, count: int) -> Table:
     angles = np.linspace(0.2, 0.2 + math.tau, count)
     return Table(
         cylinder_angle_rad=tuple(angles.tolist()),
-        coordinate_rad=tuple(law.evaluate(angles)[0].tolist()),
+        coordinate=tuple(law.evaluate(angles)[0].tolist()),
     )
 
 

@@ -214,7 +214,7 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
 
 def drive_table(mechanism: Mechanism) -> tuple[tuple[float, ...], tuple[float, ...]]:
     law = mechanism.drives[0].law
-    return law.cylinder_angle_rad, law.coordinate_rad  # type: ignore[attr-defined]
+    return law.cylinder_angle_rad, law.coordinate  # type: ignore[attr-defined]
 
 
 def test_rows_of_csv_tables_reach_the_machine(tmp_path: Path) -> None:

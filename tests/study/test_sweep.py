@@ -121,7 +121,7 @@ def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     values = [%r, %r]
     """
     law: Any = load(home).drives[0].law
-    own = law.coordinate_rad[34]
+    own = law.coordinate[34]
     text = text % (own, own + 1e-4)
     run_sweep(plan(tmp_path, text), tmp_path / "out", workers=1)
     rows = read_sweep(tmp_path / "out").table.to_pylist()
