@@ -21,6 +21,7 @@ from scipy.stats import qmc
 
 from nipper_pin.cli import main
 from nipper_pin.study.identify.goodness import Goodness, Verdict
+from nipper_pin.study.identify.outliers import _refitted, leverages
 from nipper_pin.view.paper.identification import identification_plate, identification_tables
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
@@ -425,3 +426,22 @@ def test_as_many_numbers_as_targets_test_nothing() -> None:
     )  # fmt: skip
     assert one_left.verdict is Verdict.CONTRADICTED
     assert "chi-square 25 with 1 degrees of freedom, probability 5.7e-07" in one_left.sentence()
+
+
+@pytest.mark.parametrize("prior_weight", [0.5, 3.0])
+def test_a_fit_without_a_target_knows_the_prior(prior_weight: float) -> None:
+    """The step is the least squares of targets and prior rows, put under one another.
+
+    The prior rows are the square roots of 12 (a range's variance) and of the weight's square; a
+    weight that entered unsquared would differ by a tenth at 0.5, and more at 3.
+    """
+    rng = np.random.default_rng(5)
+    rows, residuals = rng.normal(size=(5, 3)), rng.normal(size=5)
+    stacked = np.vstack([rows, math.sqrt(12.0) * np.eye(3), prior_weight * np.eye(3)])
+    wanted = np.concatenate([residuals, np.zeros(6)])
+    expected = np.linalg.lstsq(stacked, wanted, rcond=None)[0]
+    np.testing.assert_allclose(_refitted(residuals, rows, prior_weight), expected, rtol=1e-12)
+    hat = np.array([
+        rows[k] @ np.linalg.lstsq(stacked, np.eye(len(stacked))[k], rcond=None)[0] for k in range(5)
+    ])  # fmt: skip
+    np.testing.assert_allclose(leverages(rows, prior_weight), hat, rtol=1e-12)
