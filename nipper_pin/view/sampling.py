@@ -107,6 +107,29 @@ def force_ranges(solution: Solution) -> tuple[ForceRange, ...]:
     return tuple(found)
 
 
+def shaft_rates(solution: Solution) -> dict[str, tuple[float, float]]:
+    """Smallest and largest rate of every driven joint over the turns shown.
+
+    Args:
+        solution: The solution.
+
+    Returns:
+        Both by drive [rad/s or m/s]; empty for a run without motion.
+    """
+    found: list[FloatArray] = []
+    for _, t in _pieces(solution, 0.0, shown_until(solution)):
+        inner = solution.trajectory.evaluate(t[:-1])
+        found += [inner.v, solution.trajectory.evaluate(t[-1:], left=True).v]
+    if not found:
+        return {}
+    v = np.concatenate(found)
+    lowest, highest = v.min(axis=0), v.max(axis=0)
+    return {
+        drive.name: (float(lowest[drive.index]), float(highest[drive.index]))
+        for drive in solution.mechanism.drives
+    }
+
+
 def _phase_force(
     solution: Solution, phase: PhaseInterval, stop: str
 ) -> tuple[FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -27,15 +28,17 @@ from .reading import (
     shown_events,
     shown_phases,
     shown_transitions,
+    shown_until,
     spring_text,
     units_of,
 )
-from .sampling import force_ranges, lift
+from .sampling import force_ranges, lift, shaft_rates
 
 # Below this width the columns stand one space apart.
 _ROOMY = 100
 # A stop that never comes to rest can collide thousands of times in one turn.
 _MOST_ROWS = 100
+_HELD_SAMPLES = 1441
 _KEPT = (
     "index", "time_s", "approach_rate", "separation_rate", "impulse_N_s", "impulse_N_m_s",
     "energy_lost_J", "rebound_amplitude", "rebound_time_s",
@@ -63,6 +66,8 @@ def print_solution(
         _transitions(solution, console)
         _premise(solution, console, turns)
     _releases(solution, console)
+    if not solution.system.held:
+        _shafts(solution, console)
     if forces:
         _forces(solution, console)
     _checks(solution, console)
@@ -239,6 +244,28 @@ def _release_text(solution: Solution, event: Event) -> str:
         f"{text}. This is before the {mechanism.transition_stop} collides: to hold the {who} "
         "closed until then would need a force that pulls."
     )
+
+
+def _shafts(solution: Solution, console: Console) -> None:
+    """Speeds of shafts that give way, and what they would be with held drives."""
+    rates = shaft_rates(solution)
+    if not rates:
+        return
+    _headline(console, "Speeds of the driven joints")
+    table = _table(
+        console,
+        ("smallest", "largest", "held:\nsmallest", "held:\nlargest"),
+        text=("drive", "unit"),
+    )
+    times = np.linspace(0.0, shown_until(solution), _HELD_SAMPLES)
+    held = solution.shaft.driven(times)[1]
+    for column, drive in enumerate(solution.mechanism.drives):
+        units = units_of(solution.mechanism, drive.index)
+        own = held[:, column]
+        values = (*rates[drive.name], float(own.min()), float(own.max()))
+        cells = (f"{units.rate_factor * value:.6g}" for value in values)
+        table.add_row(Text(drive.name), Text(units.rate), *cells)
+    console.print(table)
 
 
 def _forces(solution: Solution, console: Console) -> None:
