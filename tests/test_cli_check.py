@@ -39,6 +39,10 @@ def test_what_is_advised_works(
     folder = f"my machines/{name}"
     drawn = [] if name == "press" else ["--from", name]
     assert main(["new", *drawn, folder]) == 0
+    printed = [shlex.split(line) for line in capsys.readouterr().out.splitlines()
+               if line.startswith("  nipper-pin ")]  # fmt: skip
+    assert [words[2] for words in printed] == [folder] * len(printed)
+    assert len(printed) >= 2
     gravity = "gravity_m_s2=9.5"
     capsys.readouterr()
     advised = _advised(capsys, folder, "--set", gravity, "--speed", "61.5")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 
@@ -59,8 +60,8 @@ def _skeleton(model: str) -> None:
         f"  {folder.name}.toml        drive, spring, stops, closures, phases\n"
         "  model.schema.json  what editors complete the TOML by\n"
         "It runs as it stands:\n"
-        f"  nipper-pin check {model}\n"
-        f"  nipper-pin simulate {model} --window cycle\n"
+        f"  {shlex.join(['nipper-pin', 'check', model])}\n"
+        f"  {shlex.join(['nipper-pin', 'simulate', model, '--window', 'cycle'])}\n"
         "Then replace its parts by yours, and check after each.\n"
     )
 
@@ -69,13 +70,13 @@ def _from_gallery(name: str, model: str) -> None:
     from ..mechanism.drawing import write_drawing
     from ..mechanism.gallery import drawn
 
-    drawing = drawn(name)
+    drawing, turns = drawn(name), ("--window", "cycle")
     write_drawing(drawing, model)
     sys.stdout.write(
         f"{model}: {drawing.title}\n"
         f"  {drawing.known or drawing.invented}\n"
         "It runs as it stands:\n"
-        f"  nipper-pin check {model}\n"
-        f"  nipper-pin simulate {model} --window cycle\n"
-        f"  nipper-pin view {model} --window cycle --html {model}.html\n"
+        f"  {shlex.join(['nipper-pin', 'check', model])}\n"
+        f"  {shlex.join(['nipper-pin', 'simulate', model, *turns])}\n"
+        f"  {shlex.join(['nipper-pin', 'view', model, *turns, '--html', f'{model}.html'])}\n"
     )

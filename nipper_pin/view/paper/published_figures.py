@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ...arrays import FloatArray
+from ...hybrid.quantities import force_unit
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
@@ -78,7 +79,8 @@ def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, collisions: list[flo
 def _impulses(study: PaperStudy) -> Plate:
     figure = new_figure(3.2, terms(study).mark)
     linear, log = figure.subplots(1, 2)
-    table = study.studies.speed.bounces
+    table, mechanism = study.studies.speed.bounces, study.mechanism
+    unit = f"{force_unit(mechanism, mechanism.stop(mechanism.transition_stop))} s"
     for i, speed in enumerate(study.studies.speed.values):
         impulse = table.impulse[i][np.isfinite(table.impulse[i])][:8]
         number = np.arange(1, len(impulse) + 1)
@@ -89,7 +91,7 @@ def _impulses(study: PaperStudy) -> Plate:
     for axes, text in ((linear, "(a)"), (log, "(b)  logarithmic")):
         letter(axes, text)
         grid(axes)
-        tidy(axes, "number of the collision", "impulse [N s]")
+        tidy(axes, "number of the collision", f"impulse [{unit}]")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     linear.legend(fontsize=SMALL, frameon=False)
     first = ", ".join(f"{value:.3f}" for value in table.impulse[:, 0])
@@ -99,9 +101,9 @@ def _impulses(study: PaperStudy) -> Plate:
         "figure_12",
         "Impulse of each collision",
         "Normal impulse at the lips in each collision, one series a speed"
-        f"{terms(study).of_paper('figure 12')}. The first impulses, {first} N s, are proportional "
-        "to the speed, because with held shafts nothing but the approach rate sets them. The "
-        f"second is {low:.3f} to {high:.3f} of the first; what it lacks to "
+        f"{terms(study).of_paper('figure 12')}. The first impulses, {first} {unit}, are "
+        "proportional to the speed, because with held shafts nothing but the approach rate sets "
+        f"them. The second is {low:.3f} to {high:.3f} of the first; what it lacks to "
         f"e = {study.published.common_restitution:g} is the change of the closing force during the "
         "long first rebound. Later rebounds are short, and impulses fall by nearly e.",
         figure,
