@@ -59,6 +59,8 @@ class Dynamics:
         reach = self.geometry.reach
         floor = _SMALL * max(body.mass for body in bodies) * reach**2
         self.scale = 1.0 / np.sqrt(np.maximum(self.mass, floor))
+        # Bodies whose turning does not count may have an inertia of next to nothing.
+        self.regular = bool((np.abs(self.mass * self.scale**2 - 1.0) < 1e-9).all())
         turning = [machine.turns(list(machine.coordinates)[d.coordinate]) for d in machine.drives]
         self.unit = np.array(
             [reach, reach, 1.0] * len(bodies)
@@ -178,9 +180,11 @@ class Dynamics:
         size = np.sqrt(np.einsum("kmn,kmn->km", JD, JD))
         size[size == 0.0] = 1.0
         JD /= size[..., None]
+        if unit or self.regular:
+            return self._projected(JD, size, Q, wanted)
         matrix = np.zeros((K, n + m, n + m))
         place = np.arange(n)
-        matrix[:, place, place] = 1.0 if unit else self.mass * self.scale**2
+        matrix[:, place, place] = self.mass * self.scale**2
         matrix[:, :n, n:] = -np.swapaxes(JD, 1, 2)
         matrix[:, n:, :n] = JD
         right = np.concatenate([Q * self.scale, wanted / size], axis=1)
@@ -189,6 +193,25 @@ class Dynamics:
         except np.linalg.LinAlgError as error:
             raise Refusal(Reason.SINGULAR, "the constraints depend on one another") from error
         return found[:, :n] * self.scale, found[:, n:] / size
+
+    def _projected(self, JD: Array, size: Array, Q: Array, wanted: Array) -> tuple[Array, Array]:
+        """The same where the scaled mass is one, by an orthogonal basis of the rows.
+
+        A bordered matrix has the square of the rows' condition number, this has the number itself.
+        """
+        if JD.shape[1] > JD.shape[2]:
+            raise Refusal(Reason.SINGULAR, "there are more constraints than coordinates")
+        forces = Q * self.scale
+        try:
+            basis, upper = np.linalg.qr(np.swapaxes(JD, 1, 2))
+            lower = np.swapaxes(upper, 1, 2)
+            part = np.linalg.solve(lower, (wanted / size)[..., None])
+            part = part - np.einsum("knm,kn->km", basis, forces)[..., None]
+            multipliers = np.linalg.solve(upper, part)[..., 0]
+        except np.linalg.LinAlgError as error:
+            raise Refusal(Reason.SINGULAR, "the constraints depend on one another") from error
+        x = forces + np.einsum("knm,km->kn", basis, part[..., 0])
+        return x * self.scale, multipliers / size
 
     def independence(self, q: Array, stops: Sequence[Stop]) -> float:
         """Smallest singular value over the largest of the rows of constraint, over all states."""

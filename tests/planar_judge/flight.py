@@ -64,7 +64,7 @@ class Flight:
     def __init__(self, dynamics: Dynamics, precision: Precision, verdict: Verdict) -> None:
         self.dynamics, self.precision, self.verdict = dynamics, precision, verdict
         self.turn = 2.0 * math.pi / abs(dynamics.rate)
-        self.h = self.turn * precision.longest
+        self.h, self.tail = self.turn * precision.longest, precision.tail
         self.floor = 1e-3 * dynamics.rate**2
         names = list(dynamics.machine.coordinates)
         verdict.coordinates = tuple(names)
@@ -126,18 +126,21 @@ class Flight:
         """A step that is resolved, of length h or shorter."""
         f = self._accelerations(shut)
         guess = f(np.array([state.t]), state.q[None], state.v[None])[0]
-        before = math.inf
+        before, first = math.inf, h
         while True:
             done = self._step(f, state, h, guess)
             # What does not fall with the length of the step is round-off.
-            noise = done is not None and 0.3 * before < done.tail < _NOISE
-            if done is not None and (done.tail <= self.precision.tail or noise):
+            if done is not None and 0.3 * before < done.tail < _NOISE:
+                self.tail = max(self.tail, 3.0 * done.tail)
+                h, before = first, math.inf
+                continue
+            if done is not None and done.tail <= self.tail:
                 self.verdict.unresolved = max(self.verdict.unresolved, done.tail)
                 return done
             share = 0.5
             if done is not None:
                 before = done.tail
-                share = (self.precision.tail / done.tail) ** (1.0 / self.precision.stages)
+                share = (self.tail / done.tail) ** (1.0 / self.precision.stages)
                 share = min(max(0.9 * share, 0.2), 0.8)
             h *= share
             if h < _SHORTEST * self.turn:
