@@ -20,7 +20,7 @@ import nipper_pin as nip
 TIME_S, SHARE = 1e-10, 1e-8
 # Another resolution of the judge; beyond such a difference of times [s], or relative one of rates,
 # of the two, a motion is too sensitive to be compared.
-OTHER, _SELF = Precision(12, 1e-10, 1.0 / 40.0), 1e-14
+OTHER, _SELF = Precision(12, 1e-10, 1.0 / 40.0), 1e-13
 # Times at which forces and motion are compared, in each turn.
 _TIMES = 61
 # Forces change fast beside an event, whose time differs by round-off [turns].
@@ -168,7 +168,7 @@ def _compared(
 def _horizon(one: Verdict, other: Verdict) -> float:
     """Time from which two resolutions of the judge differ by more than round-off [s]."""
     for first, second in zip(one.events, other.events, strict=False):
-        rates = [abs(first.before[n] - second.before.get(n, math.inf)) for n in first.before]
+        rates = [abs(rate - second.before.get(n, math.inf)) for n, rate in first.before.items()]
         largest = max((abs(rate) for rate in first.before.values()), default=0.0)
         same = first.kind == second.kind and first.stops == second.stops
         if not same or abs(first.t - second.t) > _SELF or max(rates, default=0.0) > _SELF * largest:
@@ -280,7 +280,7 @@ def _event(
             report.rate = max(report.rate, _relative(mine, his, small))
         largest = max(other.impulses.values())
         report.impulse = max(
-            report.impulse, _relative(one.P_N[name], other.impulses[name], 1e-6 * largest)
+            report.impulse, _relative(one.P_N.get(name, 0.0), other.impulses[name], 1e-6 * largest)
         )
     largest = max(item.energy_lost for item in solution.events)
     report.impulse = max(report.impulse, _relative(one.energy_lost, other.lost, 1e-6 * largest))
@@ -309,10 +309,22 @@ def _forces(
     for row, t in enumerate(times):
         q, _ = verdict.motion(t)
         report.motion = max(report.motion, float(np.abs(q[columns] - motion.q[row]).max()))
-    for mine, his in (
+    # What nothing pulls at has a force of round-off, beside the inertia of what moves.
+    pairs = [
         *((forces.stops[n], [verdict.stop_force(n, t) for t in times]) for n in forces.stops),
         *((forces.drives[n], [verdict.drive_force(n, t) for t in times]) for n in forces.drives),
-    ):
-        largest = float(np.abs(his).max(initial=0.0))
+    ]
+    most = max((float(np.abs(his).max(initial=0.0)) for _, his in pairs), default=0.0)
+    least = max(1e-6 * _inertia_force(solution, motion.v, forces.a), 1e-9 * most)
+    for mine, his in pairs:
+        largest = max(float(np.abs(his).max(initial=0.0)), least)
         if largest > 0.0:
             report.force = max(report.force, float(np.abs(mine - np.array(his)).max()) / largest)
+
+
+def _inertia_force(solution: nip.Solution, v: Any, a: Any) -> float:
+    """Size of the forces that accelerate the lightest link [N], or its moments [N m]."""
+    lightest = min(inertia.mass for inertia in list(solution.mechanism.model.inertias)[1:])
+    reach = solution.system.body.reach_m
+    fastest = float(np.abs(v).max(initial=0.0)) ** 2 + float(np.abs(a).max(initial=0.0))
+    return float(lightest * min(reach, 1.0) ** 2 * fastest)

@@ -5,6 +5,7 @@ The bounds are those of ``judged_runs``: 1e-10 s, and 1e-8 of rates, impulses, e
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,10 @@ from judge import press
 from judged_runs import Report, both, compare
 from lid_box import lid_box
 from random_chains import chain
+from small_machines import hinge, link
 
 from nipper_pin.cli import main
+from nipper_pin.mechanism.gallery import GALLERY
 
 MODELS = Path(__file__).parents[1] / "models"
 DRIVES = pytest.mark.parametrize("drive", ["held", "inertial"])
@@ -65,6 +68,43 @@ def test_a_sled_with_a_flap_and_a_ball(drive: str) -> None:
 def test_stops_that_throw_one_another_open(numbers: tuple[float, ...]) -> None:
     report = compare(both(lid_box(numbers)), 60.0)  # type: ignore[arg-type]
     agree(report, 5)
+
+
+def test_links_that_a_stop_locks_through_closures(tmp_path: Path) -> None:
+    """The press with a pointer in whose slot the ram's pin slides."""
+    folder = tmp_path / "press"
+    assert main(["new", str(folder)]) == 0
+    urdf, toml = folder / "press.urdf", folder / "press.toml"
+    extra = link("pointer", 0.1, 1e-4, (0.05, 0.0)) + hinge(
+        "pointer", "frame", "pointer", (-0.1, -0.132)
+    )
+    urdf.write_text(urdf.read_text().replace("</robot>", extra + "</robot>"))
+    yoke = (
+        '\n[closures.yoke]\nframe_a = "pointer"\nframe_b = "ram_pin"\nslot_axis = "x"\n'
+        "block_mass_kg = 0.01\n"
+    )
+    toml.write_text(toml.read_text() + yoke)
+    agree(compare(folder, 120.0), 10)
+
+
+@pytest.mark.slow
+@DRIVES
+@pytest.mark.parametrize("name", GALLERY)
+def test_the_gallery(tmp_path: Path, name: str, drive: str) -> None:
+    folder = tmp_path / name
+    assert main(["new", "--from", name, str(folder)]) == 0
+    speed = tomllib.loads((folder / f"{name}.toml").read_text())["cylinder"]["rated_speed_rpm"]
+    agree(compare(folder, speed, drive), 2)
+
+
+def test_a_small_error_is_seen() -> None:
+    """One part in a million of a mass, in what the judge reads."""
+    mechanism, machine = both(press())
+    machine.links.bodies[2].mass *= 1.0 + 1e-6
+    report = compare((mechanism, machine), 150.0)
+    assert report.verdict == "DIFFER", report.line()
+    # It shows in proportion, and not as other events.
+    assert 1e-9 < report.impulse < 1e-4
 
 
 @pytest.mark.parametrize("seed", [0, 1, slow(2), slow(3)])

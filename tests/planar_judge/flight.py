@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from .dynamics import SINGULAR, Dynamics
-from .gauss import Accelerations, Step, integrated, rule, step, values_between
+from .gauss import Accelerations, Step, rule, step, values_between
 from .machine import Stop
-from .record import Stretch, Verdict
-from .roots import first_fall
+from .record import Sample, Stretch, Verdict
+from .triggers import State, Trigger, coordinate, falls, gap_after
 from .verdict import Reason, Refusal
 
 Array = np.ndarray
@@ -32,25 +32,6 @@ class Precision(NamedTuple):
     longest: float = 1.0 / 16.0
 
 
-class State(NamedTuple):
-    """Time, coordinates, rates, closed stops, and gap and rate of every open one."""
-
-    t: float
-    q: Array
-    v: Array
-    closed: frozenset[str]
-    gaps: dict[str, tuple[float, float]]
-
-
-class Trigger(NamedTuple):
-    """What ends a step early, its place on it, and its value and slope at the end of a step."""
-
-    kind: str
-    stop: str
-    place: float
-    residual: Callable[[Step], tuple[float, float]]
-
-
 # Above this a gap is taken from the coordinates again [rad or m].
 _FRESH = 1e-6
 _SHORTEST = 1e-15
@@ -68,7 +49,7 @@ class Flight:
         self.floor = 1e-3 * dynamics.rate**2
         names = list(dynamics.machine.coordinates)
         verdict.coordinates = tuple(names)
-        self.rows = slice(dynamics.geometry.constraints, dynamics.geometry.size)
+        verdict.sampler = self.sample
 
     def shut(self, closed: frozenset[str]) -> list[Stop]:
         """Closed stops in their order."""
@@ -97,13 +78,13 @@ class Flight:
         h = min(first, self.h, t_end - state.t)
         done = self._resolved(state, shut, h)
         self.h = min(2.0 * done.h if done.h >= h else done.h, self.turn * self.precision.longest)
-        triggers = self._triggers(state, shut, done)
+        triggers = falls(self.dynamics, state, shut, done)
         hit: list[str] = []
         released: list[str] = []
         if triggers:
             early = min(triggers, key=lambda item: item.place)
+            near = early.place + 1e-13 * self.turn / done.h
             done = self._onto(state, shut, done, early)
-            near = early.place + 1e-13 * self.turn / max(done.h, 1e-300)
             same = [item for item in triggers if item.place <= near]
             hit = [item.stop for item in same if item.kind == "gap"]
             released = [item.stop for item in same if item.kind == "force"]
@@ -149,63 +130,6 @@ class Flight:
                 reason = Reason.SINGULAR if worth < 1e-3 else Reason.UNRESOLVED
                 raise Refusal(reason, f"steps fall to {h:.1g} s, independence {worth:.1g}")
 
-    def _gap_accelerations(self, stop: Stop, done: Step) -> Array:
-        rows = self.dynamics.evaluate(done.q, done.v)
-        row = self.dynamics.stop_rows[stop.name]
-        second = np.einsum("ki,ki->k", rows.jacobian[:, row], done.a) + rows.bias[:, row]
-        return stop.sense * second
-
-    def _gap(self, state: State, stop: Stop, done: Step) -> tuple[float, float]:
-        """Gap and rate at the end of a step, integrated, so that small ones keep their digits."""
-        gap, rate = state.gaps[stop.name]
-        once, twice = integrated(self._gap_accelerations(stop, done), np.array([1.0]))
-        h = done.h
-        return gap + h * rate + h * h * float(twice[0]), rate + h * float(once[0])
-
-    def _stop_force(self, stop: Stop, t: Array, q: Array, v: Array, shut: Sequence[Stop]) -> Array:
-        place = len(self.dynamics.base) + shut.index(stop)
-        return stop.sense * self.dynamics.accelerate(t, q, v, shut).multipliers[:, place]
-
-    def _triggers(self, state: State, shut: Sequence[Stop], done: Step) -> list[Trigger]:
-        """All falls of gaps and forces through zero on a step."""
-        found = []
-        for stop in self.dynamics.machine.stops:
-            if stop.name in state.closed:
-                found.append(self._letting_go(stop, shut, done))
-            else:
-                found.append(self._closing(state, stop, done))
-        return [item for item in found if item is not None]
-
-    def _closing(self, state: State, stop: Stop, done: Step) -> Trigger | None:
-        gap, rate = state.gaps[stop.name]
-        second, h = self._gap_accelerations(stop, done), done.h
-
-        def height(sigma: Array) -> Array:
-            twice = h * integrated(second, sigma)[1]
-            if gap != 0.0:
-                return gap + h * sigma * (rate + sigma * twice)
-            return rate + sigma * twice if rate != 0.0 else twice
-
-        def residual(other: Step) -> tuple[float, float]:
-            return self._gap(state, stop, other)
-
-        place = first_fall(height, 1e-9 if gap == rate == 0.0 else 0.0)
-        return None if place is None else Trigger("gap", stop.name, place, residual)
-
-    def _letting_go(self, stop: Stop, shut: Sequence[Stop], done: Step) -> Trigger | None:
-        times = done.t0 + done.h * (0.5 + 0.5 * np.polynomial.legendre.leggauss(len(done.a))[0])
-        la = self._stop_force(stop, times, done.q, done.v, shut)
-
-        def residual(other: Step) -> tuple[float, float]:
-            t = np.array([other.t0 + other.h])
-            force = self._stop_force(stop, t, other.q_end[None], other.v_end[None], shut)
-            near = np.array([1.0, 1.0 - 1e-4]) * other.h / done.h
-            ahead = values_between(la, near)
-            return float(force[0]), float((ahead[0] - ahead[1]) / (1e-4 * other.h))
-
-        place = first_fall(lambda sigma: values_between(la, sigma))
-        return None if place is None else Trigger("force", stop.name, place, residual)
-
     def _onto(
         self, state: State, shut: Sequence[Stop], done: Step, trigger: Trigger
     ) -> Step | None:
@@ -233,7 +157,7 @@ class Flight:
         t = state.t + done.h
         if abs(t - t_end) < 1e-15 * self.turn:
             t = t_end
-        gaps = {name: self._gap(state, stop, done) for stop in machine.stops
+        gaps = {name: gap_after(self.dynamics, state, stop, done) for stop in machine.stops
                 for name in [stop.name] if name not in state.closed}  # fmt: skip
         q, v = dynamics.project(t, done.q_end, done.v_end, shut)
         for stop in machine.stops:
@@ -243,30 +167,40 @@ class Flight:
         self.verdict.independence = min(self.verdict.independence, worth)
         if worth < SINGULAR:
             raise Refusal(Reason.SINGULAR, f"the machine comes to a dead centre at {t:.6g} s")
-        self._keep(shut, done)
+        self._check_tables(done)
+        self.verdict.stretches.append(Stretch(done, state.q, state.v, state.closed))
         return State(t, q, v, state.closed, gaps)
 
-    def _keep(self, shut: Sequence[Stop], done: Step) -> None:
-        """Store a step with the forces at its nodes."""
-        dynamics, machine = self.dynamics, self.dynamics.machine
-        nodes = 0.5 + 0.5 * np.polynomial.legendre.leggauss(len(done.a))[0]
-        times = done.t0 + done.h * nodes
-        found = dynamics.accelerate(times, done.q, done.v, shut)
-        rates = np.einsum("kij,kj->ki", found.rows.jacobian[:, self.rows], done.v)
-        first = dynamics.geometry.constraints
-        drives = {d.name: found.multipliers[:, first + i] for i, d in enumerate(machine.drives)}
-        for i, drive in enumerate(machine.drives if dynamics.shafts else ()):
-            # The train drives its shaft, too.
-            own = drive.inertia * found.a[:, dynamics.bodies + i]
-            drives[drive.name] = drives[drive.name] + own
-        stops = {
-            stop.name: stop.sense * found.multipliers[:, len(dynamics.base) + i]
-            for i, stop in enumerate(shut)
-        }
-        coordinates = found.rows.value[:, self.rows]
-        for spring in machine.springs:
+    def _check_tables(self, done: Step) -> None:
+        """A motion may not leave the table of a spring."""
+        for spring in self.dynamics.machine.springs:
             if spring.table is not None:
-                x = coordinates[:, spring.coordinate]
+                x = coordinate(self.dynamics, spring.coordinate, done.q, done.v)[0]
                 if x.min() < spring.table.x[0] or x.max() > spring.table.x[-1]:
                     raise Refusal(Reason.TABLE, "a spring leaves its table")
-        self.verdict.stretches.append(Stretch(done, coordinates, rates, stops, drives))
+
+    def sample(self, stretch: Stretch, t: float) -> Sample:
+        """Motion and forces at a time: the step again, ending there."""
+        done, shut, dynamics = stretch.step, self.shut(stretch.closed), self.dynamics
+        state = State(done.t0, stretch.q, stretch.v, stretch.closed, {})
+        q, v = stretch.q, stretch.v
+        if t > done.t0:
+            guess = values_between(done.a, rule(len(done.a)).nodes * (t - done.t0) / done.h)
+            part = self._step(self._accelerations(shut), state, t - done.t0, guess)
+            if part is not None:
+                q, v = dynamics.project(t, part.q_end, part.v_end, shut)
+        found = dynamics.accelerate(np.array([t]), q[None], v[None], shut)
+        rows = slice(dynamics.geometry.constraints, dynamics.geometry.size)
+        first = dynamics.geometry.constraints
+        drives = {}
+        for i, drive in enumerate(dynamics.machine.drives):
+            drives[drive.name] = float(found.multipliers[0, first + i])
+            if dynamics.shafts:
+                # The train drives its shaft, too.
+                drives[drive.name] += drive.inertia * float(found.a[0, dynamics.bodies + i])
+        stops = {
+            stop.name: stop.sense * float(found.multipliers[0, len(dynamics.base) + i])
+            for i, stop in enumerate(shut)
+        }
+        rates = found.rows.jacobian[0, rows] @ v
+        return Sample(found.rows.value[0, rows], rates, stops, drives)

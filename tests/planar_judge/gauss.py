@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 
 Array = np.ndarray
 Accelerations = Callable[[Array, Array, Array], Array]
-_ITERATIONS, _STALLED = 40, 3
+_ITERATIONS, _STALLED = 40, 4
 
 
 class Rule(NamedTuple):
@@ -104,6 +104,7 @@ def step(
     t = t0 + h * r.nodes
     a = np.broadcast_to(guess, (stages, len(q0))).copy()
     mixing, best, stalled = Mixing(unit), np.inf, 0
+    settled = a
     for _ in range(_ITERATIONS):
         q = q0 + h * r.nodes[:, None] * v0 + h * h * (r.twice @ a)
         v = v0 + h * (r.once @ a)
@@ -114,12 +115,14 @@ def step(
             return None
         # It settles on round-off, which a stiff drive train makes larger.
         stalled = stalled + 1 if change > 0.5 * best else 0
-        if change <= 1e-14 * size or (stalled >= _STALLED and best < 1e-9 * size):
-            a = found
+        if change < best:
+            best, settled = change, found
+        if change <= 1e-15 * size or (stalled >= _STALLED and best < 1e-12 * size):
             break
-        a, best = mixing.next(a, found), min(best, change)
-    else:
+        a = mixing.next(a, found)
+    if best > 1e-9 * size:
         return None
+    a = settled
     q_end = q0 + h * v0 + h * h * (r.moments @ a)
     v_end = v0 + h * (r.weights @ a)
     q = q0 + h * r.nodes[:, None] * v0 + h * h * (r.twice @ a)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from .gauss import Step, values_between
+from .gauss import Step
 
 Array = np.ndarray
 
@@ -37,13 +38,21 @@ class Event(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """One step with the forces at its nodes."""
+    """One step, with the state in which it starts and its closed stops."""
 
     step: Step
+    q: Array
+    v: Array
+    closed: frozenset[str]
+
+
+class Sample(NamedTuple):
+    """Coordinates, their rates, forces of closed stops and of drives at one time."""
+
     coordinates: Array
     rates: Array
-    stops: dict[str, Array]
-    drives: dict[str, Array]
+    stops: dict[str, float]
+    drives: dict[str, float]
 
 
 @dataclass
@@ -59,6 +68,7 @@ class Verdict:
         coordinates: Names of the coordinates.
         independence: Least independence of the rows of constraint that was met.
         unresolved: Largest unresolved share of an acceleration in a step.
+        sampler: What goes through a step again, to a time in it.
     """
 
     reason: str = ""
@@ -69,23 +79,26 @@ class Verdict:
     coordinates: tuple[str, ...] = ()
     independence: float = 1.0
     unresolved: float = 0.0
+    sampler: Callable[[Stretch, float], Sample] = field(default=None, repr=False)  # type: ignore[assignment]
+    _samples: dict[float, Sample] = field(default_factory=dict, repr=False)
 
-    def _at(self, t: float) -> tuple[Stretch, Array]:
-        starts = np.array([item.step.t0 for item in self.stretches])
-        item = self.stretches[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
-        return item, np.array([(t - item.step.t0) / item.step.h])
+    def sample(self, t: float) -> Sample:
+        """Motion and forces at a time [s]."""
+        if t not in self._samples:
+            starts = np.array([item.step.t0 for item in self.stretches])
+            place = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
+            self._samples[t] = self.sampler(self.stretches[place], t)
+        return self._samples[t]
 
     def motion(self, t: float) -> tuple[Array, Array]:
         """Coordinates of the joints and their rates at a time."""
-        item, sigma = self._at(t)
-        return values_between(item.coordinates, sigma)[0], values_between(item.rates, sigma)[0]
+        found = self.sample(t)
+        return found.coordinates, found.rates
 
     def stop_force(self, name: str, t: float) -> float:
         """Force of a stop along its gap; zero while it is open [N or N m]."""
-        item, sigma = self._at(t)
-        return float(values_between(item.stops[name], sigma)[0]) if name in item.stops else 0.0
+        return self.sample(t).stops.get(name, 0.0)
 
     def drive_force(self, name: str, t: float) -> float:
         """Torque or force of a drive on its coordinate [N m or N]."""
-        item, sigma = self._at(t)
-        return float(values_between(item.drives[name], sigma)[0])
+        return self.sample(t).drives[name]

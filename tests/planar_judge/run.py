@@ -11,10 +11,11 @@ import numpy as np
 
 from .contacts import collision, responses, staying
 from .dynamics import Dynamics
-from .flight import Flight, Precision, State
+from .flight import Flight, Precision
 from .machine import Machine, Stop, read_machine
 from .record import Event, Verdict
 from .start import start
+from .triggers import State
 from .verdict import Reason, Refusal
 
 Array = np.ndarray
@@ -277,14 +278,15 @@ class Run:
             remaining = max(remaining, known)
         elif remaining > _INSTANT * self.flight.turn:
             return
-        if remaining < math.inf and change * remaining**2 < _REST:
+        if remaining < math.inf and min(change * remaining**2, remaining) < _REST:
             self._rest(bouncing, remaining)
 
     def _begun(self, name: str) -> float:
         """Time since which only this stop has been struck [s]."""
         first = self.state.t
         for event in reversed(self.verdict.events):
-            if event.stops != (name,) or event.kind != "collision":
+            others = any(rate != 0.0 for other, rate in event.before.items() if other != name)
+            if name not in event.before or others:
                 break
             first = event.t
         return first
