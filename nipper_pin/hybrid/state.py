@@ -89,6 +89,8 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
                 f"start, index {start_index:g}; start_index has to lie in phase "
                 f"{mechanism.initial_phase}"
             )
+            if starts:
+                message += ", or [initial] has to give other coordinates"
             raise InputError(message, stop=stop.name, gap=gap)
     motion = (angles[-1:], rates[-1:], accelerations[-1:])
     return State(0.0, q, v, jacobian, motion, closed)

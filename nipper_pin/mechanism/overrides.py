@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -114,7 +114,6 @@ def apply_overrides(
                 allowed = f"a finite number of the size of a machine's, at most {_LARGEST:g}"
                 raise ModelError(file=urdf_file, key=path, value=value, allowed=allowed)
         else:
-            _add_start(changed, steps)
             replace_value(changed, path, value, file)
             written.append(path)
     _close_turns(changed, written, file)
@@ -125,14 +124,6 @@ def apply_overrides(
         changed = change_dimensions(root, changed, dimensions, urdf_file)
         urdf = ElementTree.tostring(root, encoding="unicode")
     return changed, urdf
-
-
-def _add_start(document: dict[str, object], steps: Sequence[str]) -> None:
-    """Let a joint have a start that the document does not give."""
-    if len(steps) == 3 and steps[0] == "initial":
-        starts = document.setdefault("initial", {})
-        if isinstance(starts, dict):
-            starts.setdefault(steps[1], {})
 
 
 def _close_turns(document: dict[str, object], written: Iterable[str], file: str) -> None:

@@ -45,7 +45,8 @@ def build_starts(
         driven = next((item.name for item in drives if item.index == joint.index), None)
         if driven is not None:
             allowed = f"a joint without a drive; drive {driven} says where {name} starts"
-            raise ModelError(file=file, key=where, value=name, allowed=allowed)
+            value = getattr(entry, _KEYS[joint.kind][0][0])
+            raise ModelError(file=file, key=where, value=value, allowed=allowed)
         (at, scale), (rate, rate_scale) = _KEYS[joint.kind]
         for key in entry.__struct_fields__:
             value = getattr(entry, key)

@@ -57,6 +57,9 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
         ModelError: The string cannot be converted.
     """
     steps, where = steps_of(path), f"override {path}"
+    if _unwritten_start(document, steps):
+        starts = document.setdefault("initial", {})
+        starts[steps[1]] = {}  # type: ignore[index]
     holder: Any = _holder(document, steps, path, where)
     old: object = _unwritten(holder, steps).get(steps[-1])
     if old is None:
@@ -92,9 +95,19 @@ def _holder(document: object, steps: Sequence[str], path: str, where: str) -> ob
     if not steps:
         known = document if isinstance(document, Mapping) else ()
         raise UnknownNameError(kind="key", name=path, known=known, where=where)
+    if _unwritten_start(document, steps):
+        return {}
     for depth in range(1, len(steps)):
         document = _item(document, steps[:depth], where)
     return document
+
+
+def _unwritten_start(document: object, steps: Sequence[str]) -> bool:
+    """True for the path of a joint's start in a document that gives that joint none."""
+    if not (len(steps) == 3 and steps[0] == "initial" and isinstance(document, Mapping)):
+        return False
+    starts = document.get("initial", {})
+    return isinstance(starts, Mapping) and steps[1] not in starts
 
 
 def _item(holder: object, steps: Sequence[str], where: str) -> object:
