@@ -104,7 +104,7 @@ def step(
     t = t0 + h * r.nodes
     a = np.broadcast_to(guess, (stages, len(q0))).copy()
     mixing, best, stalled = Mixing(unit), np.inf, 0
-    settled = a
+    settled, scale = a, floor
     for _ in range(_ITERATIONS):
         q = q0 + h * r.nodes[:, None] * v0 + h * h * (r.twice @ a)
         v = v0 + h * (r.once @ a)
@@ -116,10 +116,12 @@ def step(
         # It settles on round-off, which a stiff drive train makes larger.
         stalled = stalled + 1 if change > 0.5 * best else 0
         if change < best:
-            best, settled = change, found
+            best, settled, scale = change, found, size
         if change <= 1e-15 * size or (stalled >= _STALLED and best < 1e-12 * size):
             break
         a = mixing.next(a, found)
+    # Beside the size that it had there: an iteration that runs away grows beyond any change.
+    size = scale
     if best > 1e-9 * size:
         return None
     a = settled
