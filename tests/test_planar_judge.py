@@ -14,12 +14,16 @@ from judge import press
 from judged_runs import Report, both, compare
 from lid_box import lid_box
 from random_chains import chain
-from small_machines import hinge, link
+from small_machines import SLED, hinge, link, machine, slide
 
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
 
 MODELS = Path(__file__).parents[1] / "models"
+SHUT_FIRST = [
+    {"number": 1, "name": "shut", "closed": ["head"]},
+    {"number": 2, "name": "open", "closed": []},
+]
 DRIVES = pytest.mark.parametrize("drive", ["held", "inertial"])
 
 
@@ -68,6 +72,30 @@ def test_a_sled_with_a_flap_and_a_ball(drive: str) -> None:
 def test_stops_that_throw_one_another_open(numbers: tuple[float, ...]) -> None:
     report = compare(both(lid_box(numbers)), 60.0)  # type: ignore[arg-type]
     agree(report, 5)
+
+
+@pytest.mark.parametrize(
+    ("motion", "drive"),
+    [
+        ("modified_sine", "held"), ("polynomial_345", "inertial"),
+        slow("cycloidal", "held"), slow("polynomial_4567", "held"),
+        slow("modified_sine", "inertial"),
+    ],
+)  # fmt: skip
+def test_a_valve_on_a_cam_with_damped_joints(motion: str, drive: str) -> None:
+    """The tappet lifts and drops the valve, which bounces on it; the URDF damps the valve."""
+    damped = slide("valve", "tappet", "valve", (0.0, 1.0)).replace(
+        "</joint>", '<dynamics damping="12.0"/></joint>'
+    )
+    parts = [link("tappet"), slide("tappet", "frame", "tappet", (0.0, 1.0)),
+             link("valve", mass=0.2), damped]  # fmt: skip
+    cam = {"joint": "tappet", "law": "cam", "motion": motion, "lift_mm": 8.0, "rise_deg": 60.0,
+           "dwell_deg": 20.0, "return_deg": 70.0, "start_deg": 200.0, **SLED}  # fmt: skip
+    spring = {"joint": "valve", "stiffness_N_per_m": 3000.0, "preload_length_mm": 5.0}
+    stop = {"joint": "valve", "restitution": 0.3}
+    mechanism = machine(parts, 2, gravity=9.81, drives={"cam": cam}, springs={"coil": spring},
+                        stops={"head": stop}, phases=SHUT_FIRST, initial_phase=1)  # fmt: skip
+    agree(compare(both(mechanism), 900.0, drive), 2)
 
 
 def test_links_that_a_stop_locks_through_closures(tmp_path: Path) -> None:

@@ -26,9 +26,9 @@ def read_laws(drives: Mapping[str, Mapping[str, Any]]) -> dict[str, Law]:
     def law(name: str) -> Law:
         if name not in laws:
             item = drives[name]
-            laws[name] = _times(law(item["of"]), item["ratio"]) if "of" in item else _LAWS[
-                item["law"]
-            ](item)
+            laws[name] = (
+                _times(law(item["of"]), item["ratio"]) if "of" in item else _LAWS[item["law"]](item)
+            )
         return laws[name]
 
     return {name: law(name) for name in drives}
@@ -70,9 +70,7 @@ def _guide(item: Mapping[str, Any]) -> Law:
         theta1 = (p[0] * p1[1] - p[1] * p1[0]) / rho**2
         theta2 = (p[0] * p2[1] - p[1] * p2[0]) / rho**2 - 2.0 * theta1 * rho1 / rho
         # Counted from the line of centres the angle never comes near half a turn.
-        local = math.atan2(
-            centre[0] * p[1] - centre[1] * p[0], centre[0] * p[0] + centre[1] * p[1]
-        )
+        local = math.atan2(centre[0] * p[1] - centre[1] * p[0], centre[0] * p[0] + centre[1] * p[1])
         s = offset / rho
         cosine = math.sqrt(1.0 - s * s)
         s1 = -s * rho1 / rho
@@ -130,12 +128,75 @@ def _table(item: Mapping[str, Any]) -> Law:
     return Law(motion, tuple(rows[1:]))
 
 
+def _cam(item: Mapping[str, Any]) -> Law:
+    """Rise, dwell and return of a cam, from ``start_deg`` on."""
+    lift = math.radians(item.get("lift_deg", 0.0)) + item.get("lift_mm", 0.0) / 1000.0
+    start = math.radians(item.get("start_deg", 0.0))
+    rise, fall = math.radians(item["rise_deg"]), math.radians(item["return_deg"])
+    down = rise + math.radians(item.get("dwell_deg", 0.0))
+    shape = _SHAPES[item["motion"]]
+
+    def motion(psi: float) -> tuple[float, float, float]:
+        place = (psi - start) % (2.0 * math.pi)
+        if place < rise:
+            x, v, a = shape(place / rise)
+            return lift * x, lift * v / rise, lift * a / rise**2
+        if place < down:
+            return lift, 0.0, 0.0
+        if place < down + fall:
+            x, v, a = shape((place - down) / fall)
+            return lift * (1.0 - x), -lift * v / fall, -lift * a / fall**2
+        return 0.0, 0.0, 0.0
+
+    shares = (0.0, 0.125, 0.875, 1.0)
+    knots = {start + rise * s for s in shares} | {start + down + fall * s for s in shares}
+    return Law(motion, tuple(sorted(knots)))
+
+
+def _sine(s: float) -> tuple[float, float, float]:
+    turn = 2.0 * math.pi
+    return s - math.sin(turn * s) / turn, 1.0 - math.cos(turn * s), turn * math.sin(turn * s)
+
+
+def _two_sines(s: float) -> tuple[float, float, float]:
+    """Acceleration of a fast sine up to an eighth, then of one a third as fast; integrated."""
+    if s > 0.5:
+        x, v, a = _two_sines(1.0 - s)
+        return 1.0 - x, v, -a
+    top, fast, slow = 4.0 * math.pi**2 / (4.0 + math.pi), 4.0 * math.pi, 4.0 * math.pi / 3.0
+    t = min(s, 0.125)
+    x, v = top / fast * (t - math.sin(fast * t) / fast), top / fast * (1.0 - math.cos(fast * t))
+    a = top * math.sin(fast * t)
+    if s > 0.125:
+        phase, t = slow * (s - 0.125) + math.pi / 2.0, s - 0.125
+        x += v * t - top / slow**2 * (math.sin(phase) - 1.0)
+        v, a = v - top / slow * math.cos(phase), top * math.sin(phase)
+    return x, v, a
+
+
+def _polynomial(order: int) -> Motion:
+    """The polynomial from 0 to 1 whose first derivatives vanish at both ends."""
+    powers = np.arange(order, 2 * order)
+    rows = [[math.perm(int(p), k) for p in powers] for k in range(order)]
+    weights = np.linalg.solve(np.array(rows, dtype=float), np.eye(order)[0]).round()
+    value = np.polynomial.Polynomial(np.concatenate([np.zeros(order), weights]))
+    first, second = value.deriv(1), value.deriv(2)
+    return lambda s: (float(value(s)), float(first(s)), float(second(s)))
+
+
+_SHAPES: dict[str, Motion] = {
+    "cycloidal": _sine,
+    "modified_sine": _two_sines,
+    "polynomial_345": _polynomial(3),
+    "polynomial_4567": _polynomial(4),
+}
 _LAWS: dict[str, Callable[[Mapping[str, Any]], Law]] = {
     "constant_speed": _constant,
     "screw": _screw,
     "oscillating_guide": _guide,
     "fourier": _fourier,
     "table": _table,
+    "cam": _cam,
 }
 
 
