@@ -158,9 +158,7 @@ def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
     return mechanism, build(ElementTree.tostring(root, encoding="unicode"), document)
 
 
-def _compared(
-    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
-) -> None:
+def _compared(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
     _events(report, solution, verdict, horizon)
     _forces(report, solution, verdict, horizon)
 
@@ -191,9 +189,7 @@ def _relative(one: float, other: float, scale: float) -> float:
     return abs(one - other) / max(abs(one), abs(other), scale) if one != other else 0.0
 
 
-def _events(
-    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
-) -> None:
+def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
     """Compare event by event; of series that end at their limit one may list more collisions."""
     ours = [item for item in solution.events if item.t < horizon]
     theirs = [item for item in verdict.events if item.t < horizon]
@@ -286,9 +282,7 @@ def _event(
     report.impulse = max(report.impulse, _relative(one.energy_lost, other.lost, 1e-6 * largest))
 
 
-def _forces(
-    report: Report, solution: nip.Solution, verdict: Verdict, horizon: float
-) -> None:
+def _forces(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
     """Compare forces and motion at times that are beside no event."""
     if not verdict.stretches or not solution.segments:
         return

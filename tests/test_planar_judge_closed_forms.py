@@ -199,7 +199,8 @@ def test_slider_crank(offset: float) -> None:
 
         def centre(s):
             return (r * mp.cos(OMEGA * s) + place(OMEGA * s)) / 2, (
-                r * mp.sin(OMEGA * s) + offset) / 2
+                r * mp.sin(OMEGA * s) + offset
+            ) / 2
 
         speed = [mp.diff(lambda s, k=k: centre(s)[k], t) for k in (0, 1)]
         turning = OMEGA * r * mp.cos(OMEGA * t) / (length * mp.cos(rod_angle))
@@ -418,8 +419,10 @@ def test_it_says_why_it_does_not_go_on() -> None:
     assert judge(short, 60.0, 0.0).reason in {Reason.ASSEMBLY, Reason.SINGULAR}
     jam = build_small(
         [
-            link("crank", 1.0), slide("x", "frame", "crank"),
-            link("mass", 1.0), slide("gap", "crank", "mass"),
+            link("crank", 1.0),
+            slide("x", "frame", "crank"),
+            link("mass", 1.0),
+            slide("gap", "crank", "mass"),
             frame("end", "mass"),
         ],
         gravity=G,

@@ -132,9 +132,7 @@ def build(text: str, document: Mapping[str, Any], folder: Path | str = ".") -> M
     for name, item in document.get("closures", {}).items():
         _closure(machine, name, item)
     for name in machine.links.damping:
-        machine.springs.append(
-            Spring(machine.number(name), damping=machine.links.damping[name])
-        )
+        machine.springs.append(Spring(machine.number(name), damping=machine.links.damping[name]))
     for kind in ("springs", "dampers"):
         for item in document.get(kind, {}).values():
             _element(machine, item, Path(folder))

@@ -44,9 +44,7 @@ def _root(one: Callable[[float], float], left: float, right: float) -> float:
     return right if one(right) > 0.0 else float(brentq(one, left, right, xtol=1e-15, rtol=8.9e-16))
 
 
-def _dip(
-    one: Callable[[float], float], values: Array, small: float
-) -> tuple[float, float] | None:
+def _dip(one: Callable[[float], float], values: Array, small: float) -> tuple[float, float] | None:
     """A place between samples where the function is negative, and the sample before it."""
     for i in range(1, len(values) - 1):
         if values[i] <= values[i - 1] and values[i] <= values[i + 1]:

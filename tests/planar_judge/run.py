@@ -138,9 +138,7 @@ class Run:
     def go(self, t_end: float) -> None:
         """Follow the motion to a time."""
         while self.state.t < t_end:
-            falling = [
-                n for n, (gap, rate) in self.state.gaps.items() if gap <= 0.0 and rate < 0.0
-            ]
+            falling = [n for n, (gap, rate) in self.state.gaps.items() if gap <= 0.0 and rate < 0.0]
             if falling:
                 self.collide(falling)
                 continue

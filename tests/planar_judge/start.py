@@ -40,9 +40,7 @@ def placed(dynamics: Dynamics, coordinates: Mapping[str, float]) -> Array:
         own = turn + (x if joint.hinge else 0.0)
         c, s = math.cos(own), math.sin(own)
         angle[joint.child] = own
-        place[joint.child] = pin - np.array([[c, -s], [s, c]]) @ (
-            joint.place - centre[joint.child]
-        )
+        place[joint.child] = pin - np.array([[c, -s], [s, c]]) @ (joint.place - centre[joint.child])
         q[3 * (joint.child - 1) : 3 * joint.child] = (*place[joint.child], own)
     return q
 

@@ -36,9 +36,7 @@ class Trigger(NamedTuple):
     residual: Callable[[Step], tuple[float, float]]
 
 
-def falls(
-    dynamics: Dynamics, state: State, shut: Sequence[Stop], done: Step
-) -> list[Trigger]:
+def falls(dynamics: Dynamics, state: State, shut: Sequence[Stop], done: Step) -> list[Trigger]:
     """All falls of gaps and forces through zero on a step, and all rows that it crosses."""
     found = []
     for stop in dynamics.machine.stops:
@@ -57,9 +55,7 @@ def coordinate(dynamics: Dynamics, number: int, q: Array, v: Array) -> tuple[Arr
     return rows.value[:, row], np.einsum("ki,ki->k", rows.jacobian[:, row], v)
 
 
-def gap_after(
-    dynamics: Dynamics, state: State, stop: Stop, done: Step
-) -> tuple[float, float]:
+def gap_after(dynamics: Dynamics, state: State, stop: Stop, done: Step) -> tuple[float, float]:
     """Gap and rate at the end of a step, integrated, so that small ones keep their digits."""
     gap, rate = state.gaps[stop.name]
     once, twice = integrated(_gap_accelerations(dynamics, stop, done), np.array([1.0]))
@@ -92,9 +88,7 @@ def _closing(dynamics: Dynamics, state: State, stop: Stop, done: Step) -> Trigge
     return None if place is None else Trigger("gap", stop.name, place, residual)
 
 
-def _letting_go(
-    dynamics: Dynamics, stop: Stop, shut: Sequence[Stop], done: Step
-) -> Trigger | None:
+def _letting_go(dynamics: Dynamics, stop: Stop, shut: Sequence[Stop], done: Step) -> Trigger | None:
     """Fall of a force."""
     column = len(dynamics.base) + list(shut).index(stop)
 
@@ -129,9 +123,7 @@ def _rows(dynamics: Dynamics, state: State, done: Step) -> list[Trigger]:
             def residual(
                 other: Step, number: int = spring.coordinate, row: float = row, side: float = side
             ) -> tuple[float, float]:
-                (x,), (rate,) = coordinate(
-                    dynamics, number, other.q_end[None], other.v_end[None]
-                )
+                (x,), (rate,) = coordinate(dynamics, number, other.q_end[None], other.v_end[None])
                 return side * float(x - row), side * float(rate)
 
             def distance(

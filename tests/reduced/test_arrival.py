@@ -193,6 +193,9 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
         (lambda u: -((u - 1.23) ** 2), 0.0, -1.0),
         (lambda u: u - 1.3, 2.0, 2.0),
         (lambda u: (u - 1.3) * (1.5 - u), 2.0, 4.0),
+        # In its second cell the line is positive where it begins, and negative in the mean.
+        (lambda u: 0.05 - (u - 1.0) * (u - 0.9), 0.9, 0.9),
+        (lambda u: (u - 0.98) * (1.05 - u) * (3.0 - u), 0.0, 0.98),
     ],
 )
 def test_where_a_stop_lets_go(values: Any, begin: float, expected: float) -> None:

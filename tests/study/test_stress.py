@@ -266,6 +266,18 @@ def test_a_right_solution_violates_nothing(cycle: Solution, transition: Solution
     assert violations(transition) == []
 
 
+def test_a_release_that_shuts_another_stop_is_named(cycle: Solution) -> None:
+    """Of a release the sets before and after it are told, beside what follows from it later."""
+    place = first(cycle, EventKind.RELEASE)
+    event = cycle.events[place]
+    other = {stop.name for stop in cycle.mechanism.stops} - event.closed_before
+    assert other
+    wrong = with_event(cycle, place, closed_after=event.closed_after | other)
+    sets = f"{sorted(event.closed_before)} to {sorted(event.closed_after | other)}"
+    told = [item.detail for item in violations(wrong)]
+    assert any(f"event {event.number} (release): {sets}" in text for text in told)
+
+
 @pytest.mark.parametrize(("kind", "doctor"), DOCTORED, ids=[d.__name__ for _, d in DOCTORED])
 def test_each_invariant_catches_a_broken_solution(
     cycle: Solution, kind: str, doctor: Callable[[Solution], Solution]
