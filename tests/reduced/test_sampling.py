@@ -149,8 +149,9 @@ def test_unfit_mechanisms(e62: Mechanism) -> None:
         build(driven)
     with pytest.raises(InputError, match="travel_rad"):
         build(e62, travel_rad=7.0)
-    with pytest.raises(InputError, match="gap_max"):
+    with pytest.raises(InputError, match="gap_max") as refused:
         build(e62, gap_max=-0.1)
+    assert (refused.value.evidence["key"], refused.value.evidence["value"]) == ("gap_max", -0.1)
 
 
 def test_other_stop_closes(model: ReducedModel) -> None:

@@ -43,3 +43,19 @@ def test_noise_of_samples_is_accepted_up_to_the_root_of_the_tolerance(tolerance:
     with pytest.raises(ConvergenceError, match="not resolved") as caught:
         resolved(Noisy(2.0 * root), domain, WEIGHTS, tolerance)  # type: ignore[arg-type]
     assert root < caught.value.evidence["residual"] < 40.0 * root
+
+
+def test_tails_are_the_worst_of_all_functions_and_cells() -> None:
+    """The last two orders of each function and cell are added up; the largest sum counts.
+
+    Sums over functions or cells, or without the weights, would be other numbers of this array.
+    """
+    coefficients = np.zeros((2, 3, 4, 5))
+    coefficients[0, 1, 3, 0], coefficients[0, 1, 2, 1] = 2.0, -3.0
+    coefficients[0, 2, 3, 2] = 4.0
+    coefficients[1, 0, 0, 4], coefficients[1, 0, 1, 3] = -7.0, 1.0
+    coefficients[1, 2, 0, 4], coefficients[0, 0, 0, 3] = 6.0, 10.0
+    coefficients[1, 1, 0, 0] = 1e3
+    by_u, by_x = series2d.tails(coefficients, np.array([1.0, 2.0]))
+    assert by_u == 5.0
+    assert by_x == 16.0

@@ -357,6 +357,8 @@ def test_guide_angle_in_closed_form(e62, study):
 
 def test_record_is_plain(study):
     """JSON without NaN, and the same text twice."""
+    # What must be known of the numbers stands first, whoever reads the document.
+    assert "never the maker's data" in study.record()["note"]
     text = json.dumps(study.record(), allow_nan=False)
     assert json.dumps(study.record(), allow_nan=False) == text
     record = json.loads(text)
