@@ -372,8 +372,16 @@ def test_the_command_reports_and_keeps_failures(
     import nipper_pin.study.stress as stress
 
     def found(
-        cases: int, seed: int, _workers: object, _advance: object, limit: float, out: str | None
+        cases: int,
+        seed: int,
+        _workers: object,
+        _advance: object,
+        limit: float,
+        out: str | None,
+        *,
+        families: tuple[str, ...],
     ) -> stress.Campaign:
+        assert not families
         verdicts = [Verdict(n, "ordinary", RIGHT, "AT_REST", "", "", 0.1) for n in range(cases)]
         verdicts[1] = Verdict(1, "speed", WRONG, "energy", "1 J", "", 0.1)
         store = Store(out, seed, limit)

@@ -271,7 +271,9 @@ def test_an_interrupted_campaign_counts_what_is_judged(
 ) -> None:
     """Three of 40 verdicts, and that they are lost without a folder."""
 
-    def run_campaign(_cases: int, _seed: int, _workers: Any, advance: Any, *_others: Any) -> None:
+    def run_campaign(
+        _cases: int, _seed: int, _workers: Any, advance: Any, *_others: Any, **_named: Any
+    ) -> None:
         for item in VERDICTS[:3]:
             advance(item)
         raise KeyboardInterrupt
