@@ -220,6 +220,7 @@ def test_what_cannot_be_simulated_gives_status_1(
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_out_writes_everything_and_the_case_repeats_the_run(tmp_path: Path) -> None:
     """Files agree with the solution, and --case gives the same bits again without the model."""
     folder = tmp_path / "run"

@@ -86,6 +86,7 @@ def test_agrees_with_whole_turns(e62: Mechanism, model: ReducedModel) -> None:
         assert abs(found.duration[number] - true.transition.duration) <= error
 
 
+@pytest.mark.slow
 def test_alone_as_in_a_batch(model: ReducedModel) -> None:
     """One case and a batch have the same bits, whatever was computed before in the same arrays."""
     cases = risky(8, 5)

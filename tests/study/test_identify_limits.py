@@ -46,6 +46,7 @@ def run(file: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, dict, str, 
     return status, json.loads(target.read_text(encoding="utf-8")), text, err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bounds", "side"), [((8.0, 12.0), "high"), ((10.9, 14.0), None), ((8.0, 14.0), None)]
 )
@@ -61,6 +62,7 @@ def test_a_number_at_its_bound_is_named(
     assert (f"bounds and not targets decide them: {PRELOAD} (high)" in report) is (side == "high")
 
 
+@pytest.mark.slow
 def test_broken_limits_are_status_1_with_the_result(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -46,6 +46,7 @@ def problem(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_the_true_transition_is_fitted(
     problem: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -161,6 +161,7 @@ def test_a_campaign_of_one_family() -> None:
         trial(1, 1, ("linkages",))
 
 
+@pytest.mark.slow
 def test_the_command_judges_one_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["stress", "--cases", "1", "--workers", "1", "--family", "bouncing mass", "--json", "-"]
     assert main([*words, "--out", str(tmp_path / "one")]) == 0

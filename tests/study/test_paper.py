@@ -53,6 +53,7 @@ def study(e62: Mechanism) -> PaperStudy:
     return paper_study(e62)
 
 
+@pytest.mark.slow
 def test_published_numbers_and_names_stand(study):
     """Scripts read these names; the values are those of the publication, typed a second time."""
     assert {item.name: item.published for item in study.ratios} == NAMES
@@ -431,6 +432,7 @@ def test_json_on_stdout_is_all_and_writes_no_folder(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_values_of_the_model_reach_the_study(tmp_path, capsys):
     """A larger preload moves the speed from which the steeve leaves its stop."""
     target = tmp_path / "study.json"

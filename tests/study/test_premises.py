@@ -12,6 +12,7 @@ from nipper_pin.study import premises
 from nipper_pin.study.premises import draw, judged
 
 
+@pytest.mark.slow
 def test_none_is_wrongly_called_true() -> None:
     """Of random transitions, some true and some false, none that differs is called true."""
     found = [

@@ -310,6 +310,7 @@ def test_table_and_figure_hold_the_numbers(found: Sensitivities) -> None:
             assert sorted(shown) == sorted(group)[-5:]
 
 
+@pytest.mark.slow
 def test_any_number_of_processes_gives_the_same_bits(e62: Mechanism) -> None:
     """A row depends on its number alone; rows come back in the order that was asked for."""
     paths = ("stops.jaw.restitution", "links.top_nipper.mass_kg", "speed_rpm")

@@ -435,12 +435,14 @@ def growth_kB(kept: str) -> int:
     return int(done.stdout)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="resident size is read on Linux")
 def test_memory_does_not_grow_with_the_runs() -> None:
     """500 runs after 100 that fill the caches; a run that is kept takes about 26 kB."""
     assert growth_kB("pass") < 1024
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="resident size is read on Linux")
 def test_a_leak_of_every_fourth_run_would_show() -> None:
     """Solutions that are kept take more than what is allowed."""

@@ -75,6 +75,7 @@ def test_an_interrupted_campaign_goes_on(tmp_path: Path, whole: Campaign) -> Non
     assert kept(tmp_path) == after
 
 
+@pytest.mark.slow
 def test_a_folder_is_of_one_campaign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Another seed, another limit or a mended engine: refused, and nothing in the folder changes.
 

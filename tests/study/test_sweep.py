@@ -33,6 +33,7 @@ from nipper_pin.study.sweep.results import Store
 # --- results -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_rows_are_what_single_runs_say(tmp_path: Path) -> None:
     """Each row, computed in another process from plain data, is the run of a loaded model.
 
@@ -101,6 +102,7 @@ def test_a_point_moves_with_what_meets_in_it(tmp_path: Path) -> None:
     assert abs(rows[1]["duration_s"] / own - 1.0) > 1e-3
 
 
+@pytest.mark.slow
 def test_rows_of_csv_tables_vary(tmp_path: Path) -> None:
     """A row of a CSV table is a parameter like any other, alone and with a fixed change of another.
 
@@ -162,6 +164,7 @@ def test_impossible_machines_are_marked_rows(tmp_path: Path) -> None:
 # --- who computes, and accidents ---------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_who_computes(tmp_path: Path) -> None:
     """Files are equal to the last byte for one and for two processes, and in this one backwards.
 
@@ -181,6 +184,7 @@ def test_results_do_not_depend_on_who_computes(tmp_path: Path) -> None:
     assert np.isfinite(table["duration_s"].to_numpy()).all()
 
 
+@pytest.mark.slow
 def test_interrupted_sweeps_resume(tmp_path: Path) -> None:
     """What is on disk at the interrupt is kept as it is, and the end is that of a run in one go.
 
@@ -247,6 +251,7 @@ def test_a_sweep_is_stopped(tmp_path: Path, blow: signal.Signals) -> None:
     assert sorted(numbers) == list(range(240))
 
 
+@pytest.mark.slow
 def test_an_interrupt_counts_what_is_stored(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -300,6 +305,7 @@ def test_results_of_two_plans_are_not_mixed(
     assert chunk_files(out) == before
 
 
+@pytest.mark.slow
 def test_command_says_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = study(tmp_path, '[parameters."drives.tension.ratio"]\nvalues = [2.2, 2.3]\n')
     out = tmp_path / "out"

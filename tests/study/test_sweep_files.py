@@ -124,6 +124,7 @@ def test_a_damaged_chunk_is_named_and_computed_anew(
     assert read_sweep(out).stored == 4
 
 
+@pytest.mark.slow
 def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: Path) -> None:
     """Each doctored chunk can be read, and is not what belongs in its place.
 
@@ -210,6 +211,7 @@ values = [1.0, 1.2]
 """
 
 
+@pytest.mark.slow
 def test_more_points_of_a_sequence_keep_the_first_ones(tmp_path: Path) -> None:
     """5, then 9, then 12 points: files of the first ones stay, rows are those of 12 at once.
 
@@ -234,6 +236,7 @@ def test_more_points_of_a_sequence_keep_the_first_ones(tmp_path: Path) -> None:
     np.testing.assert_allclose(durations[0], durations[1], rtol=1e-8)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_continued_is_refused(tmp_path: Path) -> None:
     out = tmp_path / "out"
     run_sweep(plan(tmp_path, POINTS), out, workers=1)

@@ -55,6 +55,7 @@ def test_rows_without_a_result_are_counted(
     assert document["without_result"] == sum(np.isnan(row["duration_s"]) for row in rows) == 3
 
 
+@pytest.mark.slow
 def test_rows_that_the_reduced_engine_leaves_are_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -61,6 +61,7 @@ def test_two_processes_share_a_folder(tmp_path: Path, alone: tuple[str, dict[str
     assert chunk_files(tmp_path / "out") == whole
 
 
+@pytest.mark.slow
 def test_a_process_takes_over_from_one_that_is_killed(
     tmp_path: Path, alone: tuple[str, dict[str, bytes]]
 ) -> None:
@@ -77,6 +78,7 @@ def test_a_process_takes_over_from_one_that_is_killed(
     assert chunk_files(out) == whole
 
 
+@pytest.mark.slow
 def test_jobs_of_an_array_have_chunks_of_their_own(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -111,6 +113,7 @@ def test_a_folder_without_locks_needs_ranges(
     assert read_sweep(tmp_path / "out").stored == 1
 
 
+@pytest.mark.slow
 def test_chunks_that_nobody_finishes_are_not_waited_for_for_ever(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -141,6 +144,7 @@ def test_chunks_that_nobody_finishes_are_not_waited_for_for_ever(
     assert "8 were there, 4 computed" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_progress_without_a_terminal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

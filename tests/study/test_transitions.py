@@ -41,6 +41,7 @@ def random_cases(count: int, seed: int) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 def test_engines_agree(e62: Mechanism) -> None:
     """In random cases both engines agree within the sum of the errors that they state.
 

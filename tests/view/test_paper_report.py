@@ -138,6 +138,7 @@ def test_no_two_figures_share_an_identifier(content):
         assert used <= names
 
 
+@pytest.mark.slow
 def test_figures_are_the_same_bytes_for_the_same_numbers(study, content):
     again = published_plates(study)
     for plate, other in zip(content.plates, again, strict=False):
@@ -157,6 +158,7 @@ def test_every_panel_holds_lines_and_units(content):
             assert any("[" in text or text in ("collisions", "relative error") for text in labels)
 
 
+@pytest.mark.slow
 def test_figure_11_holds_the_motion(study):
     figure = published_plates(study)[0].figure
     data = study.studies.speed
@@ -167,6 +169,7 @@ def test_figure_11_holds_the_motion(study):
         assert np.radians(angle[~first].max()) == pytest.approx(amplitude[1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_figures_12_to_14_hold_the_studies(study):
     _, impulses, restitution, stiffness = published_plates(study)
     speed = study.studies.speed

@@ -41,6 +41,7 @@ def assert_every_panel_shows_something(figure: Figure) -> None:
         assert (panel.std(axis=0).max(axis=1) > 1.0).mean() > 0.15
 
 
+@pytest.mark.slow
 def test_a_cycle_has_five_figures(cycle: Solution, tmp_path: Path) -> None:
     files = plot_solution(cycle, tmp_path / "new" / "folder")
     names = ["motion.png", "phases.png", "transition.png", "impulses.png", "forces.png"]

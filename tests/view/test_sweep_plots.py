@@ -115,6 +115,7 @@ def test_parallel_coordinates_place_every_scenario() -> None:
     np.testing.assert_array_equal(lines.get_array(), y)
 
 
+@pytest.mark.slow
 def test_figures_of_a_sweep(folder: Path, tmp_path: Path) -> None:
     """All three for both quantities, well-formed, and they say what is missing from them."""
     names = ["duration_s", "rebound_amplitude_1"]
