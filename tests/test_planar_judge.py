@@ -18,6 +18,7 @@ from small_machines import SLED, hinge, link, machine, slide
 
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.study.stress.linkages import write_linkage
 
 MODELS = Path(__file__).parents[1] / "models"
 SHUT_FIRST = [
@@ -142,3 +143,10 @@ def test_random_chains(seed: int) -> None:
     rng = np.random.default_rng([20, seed])
     mechanism = chain(rng, 2, shaken=bool(seed % 2), tied=seed >= 2)
     agree(compare(both(mechanism), 60.0, start_index=0.0), 3)
+
+
+@pytest.mark.parametrize("number", [1, 3, slow(0), slow(10)])
+def test_random_linkages(tmp_path: Path, number: int) -> None:
+    """Linkages of the campaign; in 0 and 10 a stop rests in a collision that opens another."""
+    case = write_linkage(421, number, tmp_path / "linkage")
+    agree(compare(tmp_path / "linkage", case["speed_rpm"], case["drive"]), 3)

@@ -216,7 +216,7 @@ class Run:
         ended = stays & set(hit)
         if ended:
             self.note("rest", state.t, sorted(ended), closed=stays)
-        self._end_of_series(hit, state.closed - stays)
+        self._end_of_series(hit, state.closed - stays, -float(before[names.index(hit[0])]))
 
     def _jammed(self, rate: float) -> None:
         """Many collisions in one instant that get no slower are a jam."""
@@ -241,8 +241,14 @@ class Run:
             found.rows.jacobian[0, row] @ found.a[0] + found.rows.bias[0, row]
         )
 
-    def _end_of_series(self, hit: list[str], opened: frozenset[str]) -> None:
-        """Let stops that bounce come to rest once what is left of it is known."""
+    def _end_of_series(self, hit: list[str], opened: frozenset[str], approach: float) -> None:
+        """Let stops that bounce come to rest once what is left of it is known.
+
+        Args:
+            hit: Stops that have just closed.
+            opened: Stops that were closed before and are not now.
+            approach: Rate at which the first of them closed, positive.
+        """
         bouncing = [
             stop for stop in self.machine.stops
             if self.state.gaps.get(stop.name, (1.0, 0.0))[0] == 0.0
@@ -269,9 +275,8 @@ class Run:
             # A collision that throws stops open which were at rest: one of a series of series.
             key = hit[0], self.state.closed | opened
             last_time, last_rate = self.thrown.get(key, (math.nan, math.nan))
-            rate = -self.verdict.events[-1].before[hit[0]]
-            self.thrown[key] = self.state.t, rate
-            share, passed = rate / last_rate, self.state.t - last_time
+            self.thrown[key] = self.state.t, approach
+            share, passed = approach / last_rate, self.state.t - last_time
             known = passed * share / (1.0 - share) if 0.0 < share < 1.0 else math.inf
             remaining = max(remaining, known)
         elif remaining > _INSTANT * self.flight.turn:
