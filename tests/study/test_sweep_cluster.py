@@ -78,7 +78,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
 
     with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
         doomed, other = cluster.worker("doomed"), cluster.worker("other")
-        client.wait_for_workers(2, timeout=60)
+        client.wait_for_workers(2, timeout=180)
         names = {item["name"]: at for at, item in client.scheduler_info()["workers"].items()}
         command = subprocess.Popen(
             [*COMMAND, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
@@ -150,7 +150,7 @@ def test_workers_without_the_package_are_refused(
     with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
         cluster.worker("bare", bare=True)
         for workers in (1, 2):
-            client.wait_for_workers(workers, timeout=60)
+            client.wait_for_workers(workers, timeout=180)
             assert main([*arguments, cluster.address]) == 2
             said = capsys.readouterr().err
             assert f"1 of {workers} workers cannot compute this, such as tcp://127.0.0.1:" in said
@@ -168,7 +168,7 @@ def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
     path, out = study(tmp_path, MANY), tmp_path / "out"
     with Cluster(tmp_path) as cluster, distributed.Client(cluster.address) as client:
         doomed = [cluster.worker("one"), cluster.worker("two")]
-        client.wait_for_workers(2, timeout=60)
+        client.wait_for_workers(2, timeout=180)
         command = subprocess.Popen(
             [*IMPATIENT, "sweep", path, "--out", str(out), "--scheduler", cluster.address],
             stdout=subprocess.PIPE,
