@@ -181,7 +181,7 @@ def test_a_cluster_is_lost(tmp_path: Path, lost: str) -> None:
             process.kill()
             process.wait()
         # Dask would go on for half a minute, or for ever.
-        said, complained = command.communicate(timeout=20)
+        said, complained = command.communicate(timeout=120)
     assert command.returncode == 1, complained
     sentence = {
         "workers": f"all workers of {cluster.address} were lost, and for 2 s none came",
