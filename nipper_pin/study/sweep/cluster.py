@@ -9,6 +9,7 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.util import find_spec
 from queue import Empty, SimpleQueue
+from threading import Thread
 from typing import Any
 
 from ...arrays import FloatArray
@@ -72,45 +73,60 @@ class _Work:
     def __init__(self, client: Any, address: str, look: Callable[[], None]) -> None:
         self._client, self._address, self._look = client, address, look
         self._running: dict[str, Chunk] = {}
+        # They have to be held: the scheduler forgets what nobody wants.
+        self._held: dict[str, Any] = {}
         self._finished: SimpleQueue[Any] = SimpleQueue()
+        self._answers: SimpleQueue[tuple[str, bytes | BaseException]] = SimpleQueue()
         self._threads = sum(client.nthreads().values())
 
     def results(
         self, job_text: bytes, tasks: Iterable[tuple[Chunk, FloatArray]]
     ) -> Iterator[tuple[Chunk, bytes | DefectError]]:
         """Submit as many as the workers need, and give what comes back."""
-        # They have to be held: the scheduler forgets what nobody wants.
-        held: dict[str, Any] = {}
-        for chunk, rows in tasks:
-            while len(self._running) >= _AHEAD * max(1, self._threads):
-                future = self._next()
-                held.pop(future.key)
-                yield self._taken(future)
-            future = self._client.submit(run_chunk, job_text, chunk.start, rows, pure=False)
-            held[future.key] = future
-            self._running[future.key] = chunk
-            future.add_done_callback(self._finished.put)
-        while self._running:
-            future = self._next()
-            held.pop(future.key)
-            yield self._taken(future)
-
-    def _taken(self, future: Any) -> tuple[Chunk, bytes | DefectError]:
-        chunk = self._running.pop(future.key)
+        fetching = Thread(target=self._fetch, daemon=True)
+        fetching.start()
         try:
-            content: bytes = future.result()
-        except DefectError as defect:
-            return chunk, defect
+            for chunk, rows in tasks:
+                while len(self._running) >= _AHEAD * max(1, self._threads):
+                    yield self._next()
+                future = self._client.submit(run_chunk, job_text, chunk.start, rows, pure=False)
+                self._held[future.key] = future
+                self._running[future.key] = chunk
+                future.add_done_callback(self._finished.put)
+            while self._running:
+                yield self._next()
         finally:
-            future.release()
-        return chunk, content
+            # A released future ends the wait for its result.
+            for future in self._held.values():
+                future.release()
+            self._finished.put(None)
+            fetching.join(_LOOK_S)
 
-    def _next(self) -> Any:
-        """Wait for a chunk, and see that somebody is there to compute it."""
+    def _fetch(self) -> None:
+        """Fetch results, in a thread of its own.
+
+        A worker that dies takes with it what it has finished and not handed over: only who does
+        not wait for it sees that nobody is left to do it again.
+        """
+        while (future := self._finished.get()) is not None:
+            try:
+                self._answers.put((future.key, future.result()))
+            except BaseException as error:
+                self._answers.put((future.key, error))
+
+    def _next(self) -> tuple[Chunk, bytes | DefectError]:
+        key, answer = self._answer()
+        self._held.pop(key).release()
+        if isinstance(answer, BaseException) and not isinstance(answer, DefectError):
+            raise answer
+        return self._running.pop(key), answer
+
+    def _answer(self) -> tuple[str, bytes | BaseException]:
+        """Wait for a result, and see that somebody is there to compute it."""
         last = time.monotonic()
         while True:
             try:
-                return self._finished.get(timeout=_LOOK_S)
+                return self._answers.get(timeout=_LOOK_S)
             except Empty:
                 self._look()
             # What Dask does to come back takes it longer, and gives up what was under way.
