@@ -1,0 +1,307 @@
+"""What is said while a command works: bars on a terminal, lines elsewhere, a word on interrupt.
+
+The studies are stand-ins that report made-up progress; what a person would see is read from the
+stream that plays the terminal.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from command_probe import Probe, stand_ins
+from test_cli_options import DESIGN, FIT, STUDY
+
+from nipper_pin import Case, Window, load, simulate
+from nipper_pin.cli import main
+
+Told = Callable[..., None]
+
+
+class Terminal(io.StringIO):
+    """A stream that says that it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with studies, a wide terminal and stand-ins for all that takes long."""
+    for name, text in (("fit", FIT), ("sweep", STUDY), ("design", DESIGN)):
+        filled = text.format(title="one", name="restitution") if name != "fit" else text
+        (tmp_path / f"{name}.toml").write_text(filled, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    for name, value in (("COLUMNS", "200"), ("TERM", "xterm")):
+        monkeypatch.setenv(name, value)
+    stand_ins(Probe(monkeypatch, tmp_path / "runs"))
+
+
+def seen(text: str) -> str:
+    """What a terminal was sent, without colours and movements of the cursor."""
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text)
+
+
+def run(words: str, monkeypatch: pytest.MonkeyPatch, status: int = 0) -> str:
+    """What a command says on stderr where that is a terminal; a bar leaves nothing behind it."""
+    stream = Terminal()
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stream)
+        assert main(words.split()) == status
+    text = stream.getvalue()
+    if "━" in text:
+        # The line of the bar is deleted, and the cursor is shown again.
+        begin = text.rindex("━")
+        assert "\x1b[2K" in text[begin:]
+        assert "\x1b[?25h" in text[begin:]
+    return seen(text)
+
+
+def replaced(monkeypatch: pytest.MonkeyPatch, place: str, tell: Told, *ends: bool) -> None:
+    """Report progress first, and be interrupted afterwards or do what the stand-in does."""
+    module, _, name = place.rpartition(".")
+    done = getattr(sys.modules[module], name)
+
+    def called(*arguments: Any, **named: Any) -> Any:
+        tell(*arguments, **named)
+        if any(ends):
+            raise KeyboardInterrupt
+        return done(*arguments, **named)
+
+    monkeypatch.setattr(place, called)
+
+
+def interrupted(*_: Any, **__: Any) -> None:
+    raise KeyboardInterrupt
+
+
+def test_turns_of_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From three turns on, on a terminal alone."""
+    case = Case(speed_rpm=400.0, window=Window.CYCLE)
+    solution = simulate(load("e62"), case)
+    given: list[Any] = []
+
+    def short(_mechanism: Any, _case: Case, advance: Any) -> Any:
+        given.append(advance)
+        if advance is not None:
+            advance(2, 8)
+        return solution
+
+    monkeypatch.setattr("nipper_pin.cli.simulate.simulate", short)
+    words = "simulate --speed 400 --window cycle --json -"
+    assert re.search(r"turns ━.* 25% ", run(f"{words} --cycles 8", monkeypatch))
+    assert "turns" in run(f"{words} --cycles 3", monkeypatch)
+    assert run(f"{words} --cycles 2", monkeypatch) == ""
+    assert main([*words.split(), "--cycles", "8"]) == 0
+    assert run("simulate --json -", monkeypatch) == ""
+    assert [item is None for item in given] == [False, False, True, True, True]
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "shown"),
+    [
+        ("simulate --window cycle --cycles 8", "nipper_pin.cli.simulate.simulate", "turns"),
+        ("stress --cases 9", "nipper_pin.study.stress.run_campaign", "cases"),
+    ],
+)
+def test_how_much_there_is_to_do_is_known_at_once(
+    words: str, place: str, shown: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing of something is a share; of an unknown number there is none."""
+    monkeypatch.setattr(place, interrupted)
+    assert re.search(rf"{shown} ━.* 0% ", run(words, monkeypatch, 130))
+
+
+def test_starts_of_an_identification(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[Any] = []
+
+    def tell(*_: Any, progress: Any, **__: Any) -> None:
+        given.append(progress)
+        if progress is not None:
+            progress(1, 4, 0.123456)
+
+    import nipper_pin.study.identify  # noqa: F401
+
+    replaced(monkeypatch, "nipper_pin.study.identify.identify", tell)
+    words = "identify fit.toml --json -"
+    assert re.search(r"starts \(least cost 0\.1235\) ━.* 25% ", run(words, monkeypatch))
+    assert main(words.split()) == 0
+    assert [item is None for item in given] == [False, True]
+
+
+def test_parts_of_an_optimisation(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The bar, and how many parts an interrupt leaves, on any stream."""
+
+    def tell(*_: Any, progress: Any, **__: Any) -> None:
+        progress(3, 12)
+
+    place = "nipper_pin.study.optimise.optimise"
+    with monkeypatch.context() as patch:
+        replaced(patch, place, tell)
+        assert re.search(r"parts known so far ━.* 25% ", run("optimise design.toml", monkeypatch))
+        capsys.readouterr()
+        assert main(["optimise", "design.toml"]) == 0
+        assert capsys.readouterr().err == ""
+    replaced(monkeypatch, place, tell, True)
+    line = (
+        "nipper-pin: interrupted; 3 finished parts are in out/design: run the same command "
+        "again for the others\n"
+    )
+    assert run("optimise design.toml", monkeypatch, 130).endswith(line)
+    assert main(["optimise", "design.toml"]) == 130
+    assert capsys.readouterr().err == line
+    with monkeypatch.context() as patch:
+        patch.setattr(place, interrupted)
+        assert main(["optimise", "design.toml", "--out", "here"]) == 130
+    assert "interrupted; 0 finished parts are in here: " in capsys.readouterr().err
+
+
+def verdict(number: int, word: str = "right") -> SimpleNamespace:
+    return SimpleNamespace(number=number, word=word)
+
+
+def test_cases_of_a_campaign(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each case counts once, however often it is told, and the wrong ones are counted."""
+
+    def tell(_cases: int, _seed: int, _workers: Any, advance: Any, *_: Any, **__: Any) -> None:
+        for item in (verdict(3), verdict(1), verdict(3, "wrong"), verdict(7, "wrong")):
+            advance(item)
+
+    place = "nipper_pin.study.stress.run_campaign"
+    with monkeypatch.context() as patch:
+        replaced(patch, place, tell)
+        assert re.search(
+            r"cases, 2 wrong ━.* 25% ", run("stress --cases 12 --out kept", monkeypatch)
+        )
+        capsys.readouterr()
+        assert main(["stress", "--cases", "12"]) == 0
+        assert capsys.readouterr().err == ""
+    replaced(monkeypatch, place, tell, True)
+    begin = "nipper-pin: interrupted; 3 of 1,200 verdicts are "
+    kept = "in dir: run the same command again for the others\n"
+    for words, end in (("--out dir", kept), ("", "lost: --out keeps them\n")):
+        assert run(f"stress --cases 1200 {words}", monkeypatch, 130).endswith(begin + end)
+        assert main(["stress", "--cases", "1200", *words.split()]) == 130
+        assert capsys.readouterr().err == begin + end
+
+
+def test_bar_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Share of all scenarios, and the rate of those that were not there before."""
+    now = [100.0]
+    monkeypatch.setattr("rich.console.monotonic", lambda: now[0])
+
+    def tell(*_: Any, progress: Any, **__: Any) -> None:
+        now[0] = 104.0
+        progress(3000, 1000, 12_000)
+
+    with monkeypatch.context() as patch:
+        replaced(patch, "nipper_pin.study.sweep.run_sweep", tell)
+        assert re.search(r"scenarios ━.* 25% 500/s ", run("sweep sweep.toml", monkeypatch))
+    for done, found in ((3000, 3000), (0, 0)):
+        now[0] = 100.0
+        with monkeypatch.context() as patch:
+            replaced(
+                patch,
+                "nipper_pin.study.sweep.run_sweep",
+                lambda *_, progress, done=done, found=found, **__: progress(done, found, 12_000),
+            )
+            shown = run("sweep sweep.toml", monkeypatch)
+        assert "scenarios" in shown
+        assert "/s" not in shown
+
+
+def test_lines_of_a_sweep(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without a terminal a line every half minute: how far, how fast, and how long still."""
+    now = [1000.0]
+    monkeypatch.setattr(
+        "nipper_pin.cli.sweep.time", SimpleNamespace(monotonic=lambda: now[0])
+    )  # fmt: skip
+    calls = (
+        (1029.5, 1000, 1000, False),
+        (1030.5, 1000, 1000, True),
+        (1060.0, 2000, 1000, False),
+        (1100.0, 3500, 1000, True),
+        (1129.0, 4000, 1000, False),
+        (1200.0, 5000, 1000, True),
+    )
+    expected = []
+    for time, done, found, line in calls:
+        if line:
+            text = f"nipper-pin: {done:,} of 12,000 scenarios after {time - 1000:,.0f} s"
+            if done > found:
+                rate = (done - found) / (time - 1000.0)
+                text += f", {rate:,.3g}/s, about {(12_000 - done) / rate:,.0f} s left"
+            expected.append(text)
+
+    def tell(*_: Any, progress: Any, **__: Any) -> None:
+        for time, done, found, _line in calls:
+            now[0] = time
+            progress(done, found, 12_000)
+
+    with monkeypatch.context() as patch:
+        replaced(patch, "nipper_pin.study.sweep.run_sweep", tell)
+        assert main(["sweep", "sweep.toml"]) == 0
+    assert capsys.readouterr().err.splitlines() == expected
+    replaced(monkeypatch, "nipper_pin.study.sweep.run_sweep", tell, True)
+    now[0] = 1000.0
+    assert main(["sweep", "sweep.toml", "--out", "here"]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "nipper-pin: interrupted; 5,000 of 12,000 scenarios are in here: run the same command "
+        "again for the others"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ("benchmark --json -", "nipper_pin.study.benchmark.benchmark"),
+        ("study paper --json -", "nipper_pin.study.paper.paper_study"),
+    ],
+)
+def test_steps_of_studies(
+    words: str,
+    place: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What is being done, on a terminal alone."""
+
+    def tell(_mechanism: Any = None, say: Any = None, **_: Any) -> None:
+        say("tables 3 to 5")
+
+    __import__(place.rpartition(".")[0])
+    replaced(monkeypatch, place, tell)
+    assert run(words, monkeypatch) == "tables 3 to 5 ...\n"
+    assert main(words.split()) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_report_says_when_its_figures_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("study paper --out here", monkeypatch) == "figures ...\n"
+
+
+def test_a_reader_of_a_pipe_may_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Status 0 and a closed stderr, so that nothing more is written to it when Python ends."""
+
+    def broken(*_: Any, **__: Any) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("nipper_pin.cli.plot._run", broken)
+    stream = io.StringIO()
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stream)
+        patch.setattr("nipper_pin.view.sweep_plots.plot_sweep", broken)
+        assert main(["plot", "folder"]) == 0
+    assert stream.closed
