@@ -1,0 +1,270 @@
+"""What every command asks for where no option is given, what it writes, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from command_probe import Facts, Probe, stand_ins
+from test_cli_options import DESIGN, FIT, STUDY
+
+from nipper_pin import Mechanism, SimulationError
+from nipper_pin.cli import main
+from nipper_pin.study.stress import Campaign, Verdict
+
+CASE = {
+    "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
+    "resolution.tolerance": 1e-12, "reuse_cycles": True,
+}  # fmt: skip
+# All that is asked of the library, apart from machines and files that were read.
+ASKED: dict[str, dict[str, object]] = {
+    "simulate": {f"simulate.case.{name}": value for name, value in CASE.items()}
+    | {"simulate.mechanism.name": "e62"},
+    "view": {
+        "simulate.mechanism.name": "e62", "simulate.case.window": "cycle",
+        "simulate.case.speed_rpm": 450.0, "serve.port": 7000, "serve.browser": True,
+        "film.look.slow": 1000.0, "film.look.exaggerate": 1.0,
+    },
+    "live": {
+        "serve_live.mechanism.name": "e62", "serve_live.speed_rpm": 450.0,
+        "serve_live.port": 7001, "serve_live.browser": True,
+    },
+    "check": {
+        "check_model.mechanism.name": "e62", "check_model.speed_rpm": 450.0,
+        "check_model.start_index": 24.0, "next_steps.model": "e62",
+    },
+    "study paper": {
+        "paper_study.mechanism.name": "e62", "write_paper.folder": "out/paper",
+        "sensitivities.mechanism.name": "e62",
+    },
+    "identify {fit}": {
+        "identify.starts": 4, "identify.seed": 1, "identify.workers": None,
+        # The last of two profiles: of the second best determined number.
+        "profile.path": "b", "profile.workers": None, "write_model.folder": None,
+    },
+    "optimise {design}": {
+        "optimise.starts": 6, "optimise.seed": 1, "optimise.check": True, "optimise.points": 12,
+        "optimise.workers": None, "optimise.folder": "out/design", "write.folder": "out/design",
+        "plot_front.path": "out/design/front.svg",
+    },
+    "sweep {sweep}": {
+        "run_sweep.folder": "out/sweep", "run_sweep.workers": None, "run_sweep.scheduler": None,
+        "run_sweep.chunks": None,
+    },
+    "plot folder": {
+        "plot_sweep.folder": "folder", "plot_sweep.quantities": None, "plot_sweep.across": None,
+        "plot_sweep.upwards": None, "plot_sweep.kind": "svg", "plot_sweep.target": None,
+    },
+    "stress": {
+        "run_campaign.cases": 1000, "run_campaign.seed": 1, "run_campaign.workers": None,
+        "run_campaign.time_limit_s": 600.0, "run_campaign.folder": None,
+        "run_campaign.families.0": None,
+    },
+    "benchmark": {"benchmark.quick": False, "benchmark.repeats": None},
+}  # fmt: skip
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> dict[str, str]:
+    """Studies that commands cannot do without."""
+    texts = {"fit": FIT, "sweep": STUDY, "design": DESIGN}
+    for name, text in texts.items():
+        filled = text if name == "fit" else text.format(title="one", name="restitution")
+        (tmp_path / f"{name}.toml").write_text(filled, encoding="utf-8")
+    return {name: str(tmp_path / f"{name}.toml") for name in texts}
+
+
+@pytest.fixture
+def probe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Probe:
+    (tmp_path / "runs").mkdir()
+    found = Probe(monkeypatch, tmp_path / "runs")
+    stand_ins(found)
+    return found
+
+
+def plain(facts: Facts) -> Facts:
+    return {key: str(item) if isinstance(item, Path) else item for key, item in facts.items()}
+
+
+@pytest.mark.parametrize("words", ASKED)
+def test_what_is_asked_without_options(words: str, files: dict[str, str], probe: Probe) -> None:
+    found = plain(probe.run(words.format(**files).split()))
+    for name, value in ASKED[words].items():
+        assert found.get(name) == value, name
+    written = {key for key in found if key.startswith("file ")}
+    assert written == ({"file out/paper/report.json"} if words == "study paper" else set())
+    assert not {"write_page called", "write_gif called"} & set(found)
+
+
+@pytest.mark.parametrize(
+    ("words", "printer"),
+    [
+        ("study paper", "print_paper"),
+        ("identify {fit}", "print_fit"),
+        ("optimise {design}", "print_optimum"),
+        ("check", "print_report"),
+        ("stress", "print_campaign"),
+        ("benchmark", "print_benchmark"),
+    ],
+)
+def test_a_document_in_a_file_leaves_the_terminal_its_tables(
+    words: str, printer: str, files: dict[str, str], probe: Probe
+) -> None:
+    """The file holds the document; - prints it, and nothing else."""
+    command = words.format(**files).split()
+    document = "in run.json." if words == "stress" else "in run.json.done"
+    found = probe.run([*command, "--json", "run.json"])
+    assert found[f"{printer} called"]
+    assert found["stdout"] != "document"
+    assert any(key.startswith(document) for key in found)
+    printed = probe.run([*command, "--json", "-"])
+    assert printed["stdout"] == "document"
+    assert f"{printer} called" not in printed
+
+
+def test_files_that_were_written_are_named(
+    files: dict[str, str],
+    probe: Probe,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One line each, the figure of a front last; a front of one point has no figure."""
+    assert probe is not None
+    monkeypatch.setattr("nipper_pin.study.optimise.write", lambda *_: (Path("a"), Path("b")))
+    monkeypatch.setattr("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
+    assert main(["optimise", files["design"], "--out", "here", "--format", "png"]) == 0
+    assert capsys.readouterr().out == "a\nb\nhere/front.png\n"
+    single = SimpleNamespace(front=("one",), record=dict, contradiction="")
+    monkeypatch.setattr("nipper_pin.study.optimise.optimise", lambda *_, **__: single)
+    assert main(["optimise", files["design"]]) == 0
+    assert capsys.readouterr().out == "a\nb\n"
+    monkeypatch.setattr(
+        "nipper_pin.view.sweep_plots.plot_sweep", lambda *_, **__: [Path("x.svg"), Path("y.svg")]
+    )
+    assert main(["plot", "folder"]) == 0
+    assert capsys.readouterr().out == "x.svg\ny.svg\n"
+    monkeypatch.setattr("nipper_pin.view.paper.files.write_paper", lambda *_: [Path("r.html"), 1])
+    assert main(["study", "paper", "--out", "elsewhere"]) == 0
+    assert capsys.readouterr().out == "report: r.html\n"
+    assert main(["study", "paper", "--json", "run.json"]) == 0
+    assert "report" not in capsys.readouterr().out
+
+
+def failed(number: int, family: str, word: str, detail: str = "") -> Verdict:
+    return Verdict(number, family, word, "energy", detail, f"{number:04x}", 0.5)
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "status", "said"),
+    [
+        ([failed(k, "transitions", "right") for k in range(3)], 0, ""),
+        (
+            [failed(0, "transitions", "right"), failed(1, "t", "wrong", "x" * 400),
+             failed(2, "t", "wrong", "other")],
+            1,
+            f"nipper-pin: 2 of 3 cases are wrong, the first one number 1: {'x' * 300}\n",
+        ),
+        (
+            [failed(k, "transitions", "refused") for k in range(40)],
+            1,
+            "nipper-pin: 40 of 40 cases of the family 'transitions' are refused, where ",
+        ),
+    ],
+    ids=["right", "wrong", "refused"],
+)  # fmt: skip
+def test_a_campaign_ends_as_its_verdicts_say(
+    verdicts: list[Verdict],
+    status: int,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The table is printed in any case; then what is wrong, or refused more often than may be."""
+    campaign = Campaign(5, tuple(verdicts), 1.0)
+    monkeypatch.setattr("nipper_pin.study.stress.run_campaign", lambda *_, **__: campaign)
+    assert main(["stress"]) == status
+    out, err = capsys.readouterr()
+    assert f"{len(verdicts)} cases, seed 5" in out
+    assert err == said or (said != "" and err.startswith(said))
+    assert err.count("\n") == (1 if said else 0)
+
+
+def test_one_case_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its verdict alone is printed; refused it is no failure, wrong it is one."""
+    trial = SimpleNamespace(seed=8, number=4)
+    monkeypatch.setattr("nipper_pin.study.stress.load_trial", lambda _file: trial)
+    for word, status in (("refused", 0), ("wrong", 1)):
+        monkeypatch.setattr(
+            "nipper_pin.study.stress.judge",
+            lambda _trial, _limit, word=word: failed(4, "chain", word, "why"),
+        )
+        assert main(["stress", "--rerun", "case.json"]) == status
+        assert capsys.readouterr().out == f"case 4 (chain): {word}, energy: why\n"
+        assert main(["stress", "--rerun", "case.json", "--json", "-"]) == status
+        document = json.loads(capsys.readouterr().out)
+        assert (document["seed"], document["cases"], document[word]) == (8, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "answer"),
+    [
+        ("identify {fit}", "nipper_pin.study.identify.identify", "fit"),
+        ("optimise {design}", "nipper_pin.study.optimise.optimise", "optimum"),
+    ],
+)
+def test_what_contradicts_itself_is_printed_and_status_1(
+    words: str,
+    place: str,
+    answer: str,
+    files: dict[str, str],
+    probe: Probe,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert probe is not None
+
+    def check() -> None:
+        message = "no start arrived"
+        raise SimulationError(message)
+
+    found: dict[str, Any] = {
+        "fit": SimpleNamespace(
+            known=SimpleNamespace(ranked=list), goodness=SimpleNamespace(), check=check
+        ),
+        "optimum": SimpleNamespace(
+            front=(), record=lambda: {"done": "well"}, contradiction="no start arrived"
+        ),
+    }
+    monkeypatch.setattr(place, lambda *_, **__: found[answer])
+    assert main([*words.format(**files).split(), "--json", "-"]) == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"done": "well"}
+    assert err == "nipper-pin: no start arrived\n"
+
+
+def test_what_check_ends_with(
+    probe: Probe,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    e62: Mechanism,
+) -> None:
+    """A heading and the commands, which carry the user's own words."""
+    assert probe is not None
+    given: list[Any] = []
+
+    def next_steps(_report: Any, model: str, words: list[str], begin: list[str]) -> list[str]:
+        given.append((model, shlex.join(words), begin))
+        return ["one [bold] " + "long " * 30, "two"]
+
+    monkeypatch.setattr("nipper_pin.study.next_steps.next_steps", next_steps)
+    words = "--set preload=9.25 --set stops.jaw.restitution=0.1 --stiffness 1e4 --speed 500"
+    assert main(["check", e62.name, *words.split(), "--start-index", "20.5"]) == 0
+    assert capsys.readouterr().out == f"Next\none [bold] {'long ' * 30}\ntwo\n"
+    told = words.replace("1e4", "10000.0").replace("500", "500.0")
+    assert given == [("e62", told, ["--start-index", "20.5"])]
