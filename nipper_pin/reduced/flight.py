@@ -203,7 +203,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         if level < 0:
             # Where the motion leaves the domain the tables say nothing, and nothing converges.
             highest = 0.0
-            for j in range(LEVELS[0]):
+            for j in range(LEVELS[-1]):
                 highest = max(highest, nodes[NODE_X, j])
             return (LEFT_GAP if highest > case[HIGH] else UNRESOLVED), *failed
         changed, left = max(changed, change), max(left, missing)

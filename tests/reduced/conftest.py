@@ -1,7 +1,9 @@
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nipper_pin.mechanism import Mechanism
@@ -19,3 +21,17 @@ def model(e62: Mechanism) -> ReducedModel:
 def reference() -> dict[str, Any]:
     document: dict[str, Any] = json.loads(REFERENCE.read_text(encoding="utf-8"))
     return document["cases"]
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What is compiled as plain Python, also where one function calls another."""
+    from nipper_pin.reduced import arriving, errors_of_flight, flight, kernel, panel
+
+    for module in (arriving, errors_of_flight, flight, kernel, panel):
+        for name, function in list(vars(module).items()):
+            if hasattr(function, "py_func"):
+                monkeypatch.setattr(module, name, function.py_func)
+    # As compiled: a division by zero is infinite.
+    with np.errstate(all="ignore"):
+        yield

@@ -1,0 +1,268 @@
+"""How a machine arrives at the touch, where y'' is constant: bounces, rests, releases, errors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev
+from written_tables import level, linear, tables_of, turn_of, work_of
+
+from nipper_pin.reduced import arriving, errors_of_flight
+from nipper_pin.reduced.layout import EPS, FAILS, HOLDS, UNKNOWN
+from nipper_pin.reduced.machine import grids
+
+pytestmark = pytest.mark.usefixtures("plain")
+
+SPEED, E_N = 2.0, 0.5
+NONE = np.zeros(0)
+# y'' = -A while it flies; it is thrown with w = e |approach| speed.
+A = 4.0
+THROWN = E_N * 1.0 * SPEED
+# Travel of the first flight, and of all bounces.
+FIRST = SPEED * 2.0 * THROWN / A
+ALL = FIRST / (1.0 - E_N)
+
+
+def machine(
+    travel: float,
+    line: Any = None,
+    *,
+    high: float = 2.0,
+    a: Any = None,
+    e: float = E_N,
+    **more: Any,
+) -> Any:
+    """Tables, turn and scratch; the line is y'' at rest, by the travel."""
+    equation = level(-A / SPEED**2) if a is None else a
+    y = tables_of(equation, low=-0.5, high=high, travel=travel, approach=-1.0, **more)
+    cells, count = 4, 8
+    nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    width = travel / cells
+    push = line or (lambda u: -A + 0.0 * u)
+    waiting = np.zeros((6, cells, count))
+    for cell in range(cells):
+        values = push(width * (cell + 0.5 + 0.5 * nodes)) / SPEED**2
+        waiting[0, cell] = chebyshev.chebfit(nodes, values, count - 1)
+    turn = turn_of(restitution=e, waiting=waiting, touch=np.zeros((3, 4)))
+    work = work_of(y, most=1, line=(cells, count))
+    arriving.prepare(y, work, SPEED, 0.0, NONE, NONE)
+    arriving.line(waiting, SPEED, 0.0, NONE, NONE, work.line)
+    return y, turn, work
+
+
+def arrival(*given: Any, rest_rate: float = 0.0, **more: Any) -> Any:
+    y, turn, work = machine(*given, **more)
+    return arriving.arrives(grids(), y, turn, work, SPEED, rest_rate)
+
+
+def test_a_line_of_a_case() -> None:
+    """w^2 F0 + g Fg + sum of k (p F_k + F_ks), for each coefficient."""
+    functions = np.random.default_rng(3).normal(size=(8, 2, 5))
+    found = np.full((2, 5), np.nan)
+    k, p = np.array([20.0, 7.0]), np.array([0.3, -0.2])
+    arriving.line(functions, SPEED, 1.7, k, p, found)
+    f = functions
+    expected = SPEED**2 * f[0] + 1.7 * f[3] + 20.0 * (0.3 * f[4] + f[5])
+    np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
+    u, place = 1.2, 2.0 * (1.2 - 0.8) / 0.8 - 1.0
+    expected = chebyshev.chebval(place, found[1])
+    assert arriving.along(found, 1, 5, 0.8, u) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("travel", "rest_rate", "expected"),
+    [
+        # Twice what the bounces take has to pass before they count as over.
+        (2.2 * ALL, 0.0, HOLDS),
+        (0.9 * FIRST, 0.0, FAILS),
+        (1.2 * FIRST, 0.0, FAILS),
+        (1.6 * FIRST, 0.0, FAILS),
+        (FIRST * (1.0 + 1e-7), 0.0, UNKNOWN),
+        (FIRST * (1.0 - 1e-3), 0.0, FAILS),
+        (1.6 * FIRST, 0.6 * THROWN, HOLDS),
+        (1.4 * FIRST, 0.4 * THROWN, FAILS),
+        (0.5 * FIRST, 1.1 * THROWN, HOLDS),
+    ],
+)
+def test_bounces_after_the_opening(travel: float, rest_rate: float, expected: int) -> None:
+    """Over before the touch, in flight there, or too close to it; by their limit or by a rate."""
+    premise, u, w = arrival(travel, rest_rate=rest_rate)
+    assert premise == expected
+    if premise == FAILS:
+        # Nothing of the past is in the throw itself.
+        assert (u, w) == (0.0, pytest.approx(THROWN))
+
+
+def test_all_bounces_may_end_before_twice_their_time() -> None:
+    """Bounces that are seen to end by themselves count, too: each shortens what is left."""
+    assert arrival(1.9 * ALL)[0] == HOLDS
+
+
+@pytest.mark.parametrize(
+    ("line", "expected", "left"),
+    [
+        (lambda u: -A + 0.0 * u, HOLDS, None),
+        # Let go at 7, and not pressed again.
+        (lambda u: 2.0 * (u - 7.0), FAILS, 7.0),
+        (lambda u: 2.0 * (u - 9.999999), UNKNOWN, None),
+        (lambda u: 2.0 * (u - 10.1), HOLDS, None),
+        (lambda u: -A + 3.9 * np.exp(-0.5 * (u - 4.0) ** 2), HOLDS, None),
+    ],
+)
+def test_releases_after_a_rest(line: Any, expected: int, left: float | None) -> None:
+    """The flight at the touch begins where nothing presses any more, from rest."""
+    steep = level(0.0, count=8)
+    place = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+    steep[0, 0, :, 0] = chebyshev.chebfit(place, line(5.0 + 5.0 * place) / SPEED**2, 7)
+    premise, u, w = arrival(10.0, line, a=steep, e=0.0)
+    assert premise == expected
+    if left is not None:
+        assert (u, w) == (pytest.approx(left, abs=1e-9), 0.0)
+
+
+def test_a_stop_that_is_left_and_reached_again_rests_again() -> None:
+    """Lifted between 3 and 4 by little, and pressed shut strongly from then on."""
+
+    def push(u: Any) -> Any:
+        return 0.4 * (u - 3.0) * (4.0 - u)
+
+    steep = level(0.0, count=4)
+    place = np.cos(np.pi * (np.arange(4) + 0.5) / 4)
+    steep[0, 0, :, 0] = chebyshev.chebfit(place, push(6.0 + 6.0 * place) / SPEED**2, 3)
+    assert arrival(12.0, push, a=steep, e=0.0)[0] == HOLDS
+    short = level(0.0, count=4)
+    short[0, 0, :, 0] = chebyshev.chebfit(place, push(2.25 + 2.25 * place) / SPEED**2, 3)
+    premise, u, w = arrival(4.5, push, a=short, e=0.0)
+    assert (premise, u, w) == (FAILS, pytest.approx(3.0, abs=1e-9), 0.0)
+
+
+def test_what_the_tables_do_not_hold_is_unknown() -> None:
+    """Flights higher than they are, and more bounces than are followed."""
+    top = 0.5 * THROWN**2 / A
+    assert arrival(1.6 * FIRST, high=1.01 * top)[0] == FAILS
+    assert arrival(1.6 * FIRST, high=0.99 * top)[0] == UNKNOWN
+    assert arrival(300.0, e=1.0)[0] == UNKNOWN
+
+
+def test_a_series_under_a_changing_force_is_followed() -> None:
+    """A rest is not taken for granted where y'' changes by much until it is over."""
+    slopes = {"steepest_u": np.array([8.0, 0.0, 0.0, 0.0, 0.0, 0.0])}
+    calm = arrival(2.2 * ALL)
+    shaken = arrival(2.2 * ALL, **slopes)
+    assert (calm[0], shaken[0]) == (HOLDS, HOLDS)
+    # A release before the bounces are over comes while the body is in the air.
+    lifted = arrival(2.2 * ALL, lambda u: 3.0 * (u - 1.5 * ALL))
+    assert lifted[0] != HOLDS
+
+
+TOUCH = np.array([[0.3, 0.4, 0.02, 0.0], [0.5, 0.03, 0.0, 0.0], [-0.07, 0.01, 0.0, 0.0]])
+TOUCH_ERRORS = np.array([2e-6, 3e-6, 5e-6])
+
+
+@pytest.mark.parametrize("part", [0.7, 1.3])
+@pytest.mark.parametrize("wrong", [0.0, 1e-6])
+def test_motion_at_the_touch(part: float, wrong: float) -> None:
+    """y and y' of the flight there, taken to x and x' by the series; errors by their formulas."""
+    travel = part * FIRST
+    residual = np.array([wrong, 0.0, 0.0, 0.0, 0.0, 0.0])
+    y, turn, work = machine(travel, residual=residual, approach_residual=wrong)
+    turn = turn._replace(touch=TOUCH, touch_errors=TOUCH_ERRORS)
+    known, x, v, dx, dv = arriving.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, 0.0, 1e-12)
+    assert known
+    t, w, dt, dw = travel / SPEED, THROWN, 0.0, E_N * wrong * SPEED
+    r = wrong * SPEED**2
+    if part > 1.0:
+        T = 2.0 * w / A
+        dt, rate, _ = errors_of_flight.flight_errors(
+            work.sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
+        )
+        t, w, dw = t - T, E_N * w, E_N * rate
+    height, slope = w * t - 0.5 * A * t**2, w - A * t
+    place = (2.0 * height - 1.5) / 2.5
+    value, by_y, by_u = (chebyshev.chebval(place, row) for row in TOUCH)
+    assert x == pytest.approx(value, rel=1e-10)
+    assert v == pytest.approx(by_y * slope + by_u * SPEED, rel=1e-10)
+    fastest = max(abs(w), abs(slope))
+    dy = dw * t + 0.5 * r * t**2 + fastest * dt
+    dy_t = dw + r * t + A * dt
+    bent = dy / 2.5
+    assert dx == pytest.approx(abs(by_y) * dy + 2e-6, rel=1e-4)
+    expected = abs(by_y) * dy_t + abs(slope) * (3e-6 + abs(by_y) * bent)
+    expected += SPEED * (5e-6 + abs(by_u) * bent)
+    assert dv == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("part", "change"),
+    [
+        # The last bounce ends before the touch, by a rate or by loss of all; errors are too large.
+        (1.3, {"rest_rate": 0.6 * THROWN}),
+        (1.3, {"e": 0.0}),
+        (1.3, {"residual": np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0])}),
+        (1.3, {"high": 1e-3}),
+    ],
+)
+def test_no_motion_at_the_touch(part: float, change: dict[str, Any]) -> None:
+    """Where the machine is not in flight there, or where it is not known well, nothing is told."""
+    rate = change.pop("rest_rate", 0.0)
+    y, turn, work = machine(part * FIRST, **change)
+    found = arriving.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, rate, 1e-12)
+    assert found == (False, 0.0, 0.0, 0.0, 0.0)
+    change["rest_rate"] = rate
+
+
+@pytest.mark.parametrize("given", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-5), (1e-6, 1e-6)])
+@pytest.mark.parametrize("solver", [(0.0, 0.0), (1e-5, 0.0), (0.0, 1e-4)])
+def test_errors_of_a_flight_that_starts_above_its_stop(
+    given: tuple[float, float], solver: tuple[float, float]
+) -> None:
+    """Gronwall's lemma for errors of place and rate at its start."""
+    random = np.random.default_rng(9)
+    rows = {
+        name: random.uniform(0.1, 0.5, 6)
+        for name in ("residual", "steepest_x", "steepest_u", "largest")
+    }
+    sizes = np.zeros((4, 3))
+    tables = tables_of(level(-1.0), **rows)
+    errors_of_flight.sizes_of(tables, sizes, SPEED, 0.0, NONE, NONE)
+    T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
+    (dx, dw), (changed, left) = given, solver
+
+    def bound(name: str) -> float:
+        f = rows[name]
+        return float(SPEED**2 * f[0] + SPEED * f[1] * fastest + f[2] * fastest**2)
+
+    by_rate = SPEED * rows["largest"][1] + 2.0 * rows["largest"][2] * fastest
+    F = by_rate * T + 0.5 * bound("steepest_x") * T**2
+    e = F * changed + bound("residual") + left
+    dt = math.exp(F) * (dx + dw * T + 0.5 * e * T**2) / 1.4 + 4.0 * EPS * T
+    rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + 9.0 * dt
+    found = arriving.landed(sizes, SPEED, T, v, a, fastest, changed, left, dx, dw)
+    assert found == pytest.approx((dt, rate + 4.0 * EPS * 1.4), rel=1e-12)
+
+
+@pytest.mark.parametrize("end", [2.0, 2.6])
+def test_a_lift_behind_the_end_does_not_count(end: float) -> None:
+    """Only what lies before the end, in a part of a cell, too."""
+    line = np.zeros((3, 3))
+    # Positive from 2.5 on.
+    line[:, 0] = -1.0
+    line[2, 0], line[2, 1] = 0.0, 0.7
+    found = arriving.released(line, 3, 3, 3.0, 0.2, end)
+    assert found == pytest.approx(2.5 if end > 2.5 else end + 1.0, abs=1e-9)
+
+
+def test_a_line_with_large_terms_that_cancel_is_searched() -> None:
+    """A bound from the mean and sizes of all other terms: signs of theirs do not matter."""
+    u = np.linspace(0.0, 1.0, 1001)
+    for sign in (-1.0, 1.0):
+        line = np.array([[-1.0, sign * 0.8, sign * 0.7]])
+        values = chebyshev.chebval(2.0 * u - 1.0, line[0])
+        positive = np.flatnonzero(values > 0.0)
+        found = arriving.released(line, 1, 3, 1.0, 0.0, 1.0)
+        expected = u[positive[0]] if positive.size else 2.0
+        assert found == pytest.approx(expected, abs=2e-3)
+    assert linear(1.0, 0.0, 2.0).tolist() == [1.0, 1.0, 0.0]

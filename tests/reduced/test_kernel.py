@@ -1,0 +1,324 @@
+"""Transitions on tables with constant x'': every row, every stated error, every way to end."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial, chebyshev
+from written_tables import level, tables_of, turn_of
+
+from nipper_pin.reduced import errors_of_flight, kernel
+from nipper_pin.reduced.arrival import unknown
+from nipper_pin.reduced.layout import (
+    AMPLITUDE,
+    AMPLITUDE_ERROR,
+    ANGLE,
+    APPROACH,
+    AT_REST,
+    COLUMNS,
+    ENERGY,
+    FAILS,
+    HOLDS,
+    IMPULSE,
+    IMPULSE_ERROR,
+    LEFT_TRAVEL,
+    NOT_PRESSED,
+    RATE_ERROR,
+    REBOUND,
+    REBOUND_ERROR,
+    SEPARATION,
+    TIME,
+    TIME_ERROR,
+    TOO_MANY,
+    UNKNOWN,
+    UNTOLD,
+)
+from nipper_pin.reduced.machine import grids
+
+pytestmark = pytest.mark.usefixtures("plain")
+
+# x'' = -A at this speed; the springs and gravity have the same size and cancel.
+SPEED, A, RATE = 2.0, 12.0, -1.2
+K, P = np.array([300.0]), np.array([0.02])
+EQUATION = level(-0.25 * A, 0.0, 0.0, 6.0, -1.0, 0.0)
+TABLES: dict[str, Any] = {
+    "travel": 5.0, "approach": RATE, "touch_angle": 0.4, "sense": -1.0, "lever": 0.3,
+    "residual": np.array([1e-7, 0.0, 0.0, 0.0, 0.0, 0.0]), "approach_residual": 3e-8,
+    "inertia_residual": 2e-7, "inertia": np.array([[0.7, 0.02, 0.003]]), "low": -0.1, "high": 1.0,
+}  # fmt: skip
+E_N = 0.45
+
+
+def run(
+    tables: Any = None,
+    *,
+    e: float = E_N,
+    rest_rate: float = 0.0,
+    most: int = 24,
+    assumed: bool = True,
+    y: Any = None,
+    turn: Any = None,
+    gravity: float = 1.0,
+) -> Any:
+    """One transition: its status, its summary, its premise and its table."""
+    if tables is None:
+        tables = tables_of(EQUATION, **TABLES)
+    blank = unknown("")
+    return kernel.run_one(
+        grids(), tables, y or blank.tables, turn or blank.turn, SPEED, e, K, P, gravity, rest_rate,
+        1e-9, assumed, most,
+    )  # fmt: skip
+
+
+def expected(count: int) -> dict[int, Any]:
+    """All rows of the collisions in closed form, and their errors from one flight to the next."""
+    n = np.arange(count)
+    before = RATE * SPEED * E_N**n
+    w = -E_N * before
+    T = 2.0 * w / A
+    t = np.concatenate([[0.0], np.cumsum(T)[:-1]])
+    u = SPEED * t
+    C = chebyshev.chebval(2.0 * u / 5.0 - 1.0, TABLES["inertia"][0])
+    sizes = np.zeros((4, 3))
+    errors_of_flight.sizes_of(tables_of(EQUATION, **TABLES), sizes, SPEED, 1.0, K, P)
+    dt, dv = np.zeros(count), np.zeros(count)
+    duration, height = np.zeros(count), np.zeros(count)
+    dv[0] = 3e-8 * SPEED
+    for i in range(count):
+        duration[i], rate, height[i] = errors_of_flight.flight_errors(
+            sizes, SPEED, T[i], -w[i], -A, 0.5 * T[i], w[i], 0.0, 0.0, dt[i], E_N * dv[i]
+        )
+        if i + 1 < count:
+            dt[i + 1], dv[i + 1] = dt[i] + duration[i], rate
+    relative = 2e-7 + SPEED * dt / 5.0
+    return {
+        TIME: t, ANGLE: 0.4 - u, APPROACH: before, SEPARATION: w,
+        IMPULSE: C * (1.0 + E_N) * np.abs(before) / 0.3,
+        ENERGY: 0.5 * C * (1.0 - E_N**2) * before**2,
+        AMPLITUDE: 0.5 * w**2 / A, REBOUND: T,
+        TIME_ERROR: dt, RATE_ERROR: dv, REBOUND_ERROR: duration, AMPLITUDE_ERROR: height,
+        IMPULSE_ERROR: C * (1.0 + E_N) * (dv + np.abs(before) * relative) / 0.3,
+    }  # fmt: skip
+
+
+def test_every_row_of_a_transition_and_its_errors() -> None:
+    """Rest comes at the sum of the series; what is stated of it is the error of what was left."""
+    status, (rest, error, share, bound), premise, table = run()
+    count = table.shape[1]
+    assert (status, premise) == (AT_REST, UNKNOWN)
+    rows = expected(count)
+    assert sorted(rows) == list(range(COLUMNS))
+    for row, values in rows.items():
+        wrong = row in (TIME_ERROR, RATE_ERROR, REBOUND_ERROR, AMPLITUDE_ERROR, IMPULSE_ERROR)
+        np.testing.assert_allclose(
+            table[row], values, rtol=1e-5 if wrong else 1e-12, atol=1e-15, err_msg=str(row)
+        )
+    whole = 2.0 * -RATE * SPEED * E_N / (A * (1.0 - E_N))
+    assert rest == pytest.approx(whole, rel=1e-12)
+    ahead = whole - table[TIME, -1]
+    relative = E_N * rows[RATE_ERROR][-1] / rows[SEPARATION][-1]
+    assert error == pytest.approx(rows[TIME_ERROR][-1] + ahead * relative, rel=1e-3)
+    assert share == pytest.approx(rows[TIME][2] / whole, rel=1e-12)
+    worst = max(
+        error / whole, rows[AMPLITUDE_ERROR][0] / rows[AMPLITUDE][0],
+        *(rows[REBOUND_ERROR] / rows[REBOUND])[:2],
+    )  # fmt: skip
+    assert bound == pytest.approx(worst, rel=1e-3)
+
+
+def test_a_series_that_is_nearly_over_is_closed_by_its_sum() -> None:
+    """Two thousandth parts of what the limit needs: no extrapolation, and the same time of rest."""
+    tables = tables_of(EQUATION, **{**TABLES, "approach": -1e-8, "approach_residual": 0.0})
+    status, (rest, error, _, _), _, table = run(tables)
+    assert (status, table.shape[1]) == (AT_REST, 1)
+    assert rest == pytest.approx(2.0 * 1e-8 * SPEED * E_N / (A * (1.0 - E_N)), rel=1e-7)
+    assert 0.0 <= error < rest
+    # With slopes x'' changes during the rest of the series, which is stated.
+    steep = tables._replace(steepest_u=np.full(6, 1e5))
+    _, (_, more, _, _), _, _ = run(steep)
+    assert more > 0.5 * rest
+
+
+def test_rest_by_a_rate() -> None:
+    """It is the time of the first collision that leaves with less."""
+    rows = expected(12)
+    number = int(np.argmax(rows[SEPARATION] < 0.05))
+    status, (rest, error, _, _), _, table = run(rest_rate=0.05)
+    assert (status, table.shape[1]) == (AT_REST, number + 1)
+    assert rest == pytest.approx(rows[TIME][number], rel=1e-12)
+    assert error == pytest.approx(rows[TIME_ERROR][number], rel=1e-5)
+
+
+@pytest.mark.parametrize("rest_rate", [0.0, 0.05])
+def test_a_stop_that_is_pulled_open_does_not_rest(rest_rate: float) -> None:
+    """However slow it is: it flies on, to the end of the travel."""
+    tables = tables_of(level(0.02), **{**TABLES, "approach": -0.05})
+    status, summary, _, table = run(tables, gravity=0.0, rest_rate=rest_rate)
+    assert status == LEFT_TRAVEL
+    assert np.isnan(summary).all()
+    assert table.shape[1] == 1
+    for row in (AMPLITUDE, REBOUND, AMPLITUDE_ERROR, REBOUND_ERROR):
+        assert np.isnan(table[row, 0])
+    assert table[SEPARATION, 0] == pytest.approx(0.1 * E_N)
+
+
+@pytest.mark.parametrize(("a", "expected"), [(-3.0, AT_REST), (3.0, NOT_PRESSED)])
+def test_without_rebound(a: float, expected: int) -> None:
+    """The collision is all there is; a stop that nothing presses does not rest there."""
+    tables = tables_of(level(a), **TABLES)
+    status, (rest, error, share, bound), _, table = run(tables, e=0.0, gravity=0.0)
+    assert status == expected
+    assert table.shape[1] == 1
+    assert table[[TIME, SEPARATION, AMPLITUDE, REBOUND, AMPLITUDE_ERROR, REBOUND_ERROR], 0] == (
+        pytest.approx(0.0)
+    )
+    assert table[ENERGY, 0] == pytest.approx(0.5 * 0.683 * (RATE * SPEED) ** 2)
+    ends = (0.0, 0.0, 0.0) if a < 0.0 else (math.nan,) * 3
+    assert (rest, error, bound) == pytest.approx(ends, nan_ok=True)
+    assert math.isnan(share)
+
+
+def test_bounces_without_loss_end_by_their_number() -> None:
+    """All of them are in the table, and there is no rest."""
+    status, summary, _, table = run(e=1.0, most=4)
+    assert status == TOO_MANY
+    assert np.isnan(summary).all()
+    np.testing.assert_allclose(table[TIME], np.arange(4) * 2.0 * -RATE * SPEED / A, rtol=1e-12)
+    assert not np.isnan(table).any()
+
+
+def extrapolated(times: Any, rates: Any, changes: float) -> tuple[float, float]:
+    """The same by polynomials through the last points; what is ahead of the last one."""
+    times, rates = times[-8:] - times[-1], rates[-8:]
+    last = [
+        float(Polynomial.fit(rates[-k:], times[-k:], k - 1, domain=[-1, 1])(0.0))
+        for k in range(2, len(times) + 1)
+    ]
+    best, least, before, gained = math.inf, math.inf, 0.0, 0.0
+    for order, value in enumerate(last, start=1):
+        ratio = max(rates[-1] / rates[-order], changes)
+        error = max(abs(value - before), ratio * gained)
+        if error < least:
+            best, least = value, error
+        before, gained = value, abs(value - before)
+    return best, least
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 8, 11])
+@pytest.mark.parametrize("changes", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("bent", [[0.0], [0.5], [0.5, -0.4, 0.6], [-2.0, 9.0]])
+def test_limit_of_a_series(count: int, changes: float, bent: list[float]) -> None:
+    """Times against rates through the last eight points, order by order, to zero rate."""
+    rates = 0.9 * 0.6 ** np.arange(count)
+    times = 3.0 - Polynomial([0.0, 2.0, *bent])(rates)
+    series = np.full((3, 16), np.nan)
+    series[0, :count], series[1, :count] = times, rates
+    found, error = kernel._limit(series, count, changes)
+    best, least = extrapolated(times, rates, changes)
+    assert found == pytest.approx(best, rel=1e-9, abs=1e-12)
+    assert error == pytest.approx(least, rel=1e-6, abs=1e-12)
+    if count == 8 and len(bent) < 3:
+        assert found == pytest.approx(3.0 - times[-1], rel=1e-10)
+
+
+def test_there_is_no_limit_of_one_bounce_or_of_growing_ones() -> None:
+    series = np.array([[0.0, 1.0, 2.0], [0.5, 0.3, 0.3], [0.0, 0.0, 0.0]])
+    assert np.isinf(kernel._limit(series, 1, 0.0)).all()
+    assert np.isfinite(kernel._limit(series, 2, 0.0)).all()
+    assert np.isinf(kernel._limit(series, 3, 0.0)).all()
+
+
+@pytest.mark.parametrize("u", [-0.1, 0.0, 0.7, 1.3, 2.9, 3.0])
+def test_inertia_along_the_travel(u: float) -> None:
+    """In the cell of the travel; at the ends in the outer ones."""
+    inertia = np.array([[0.7, 0.1, 0.0, 0.02], [0.9, -0.2, 0.1, 0.0], [0.5, 0.3, 0.0, 0.1]])
+    tables = tables_of(level(-1.0, cells=3), travel=3.0, inertia=inertia)
+    cell = min(max(math.floor(u), 0), 2)
+    value = chebyshev.chebval(2.0 * (u - cell) - 1.0, inertia[cell])
+    assert kernel._inertia(tables, u) == pytest.approx(value, rel=1e-13)
+
+
+@pytest.mark.parametrize(("opening", "push", "told"), [(4.0, -1.0, True), (4.0, 1.0, False),
+                                                       (0.1, -1.0, False)])  # fmt: skip
+def test_the_premise_needs_a_stop_that_is_pressed_until_the_opening(
+    opening: float, push: float, told: bool
+) -> None:
+    """Else it is not known what the turn does, and its transition is not told; assumed it is."""
+    clamping = np.zeros((6, 2, 3))
+    clamping[0, :, 0] = push
+    waiting = np.zeros((6, 1, 2))
+    waiting[0, :, 0] = -1.0
+    turn = turn_of(opening=opening, restitution=0.0, clamping=clamping, waiting=waiting)
+    y = tables_of(level(-1.0), travel=3.0, approach=-0.2)
+    status, (rest, *_), premise, table = run(y=y, turn=turn)
+    assert status == AT_REST
+    assert premise == (HOLDS if told else UNKNOWN)
+    again = run(y=y, turn=turn, assumed=False)
+    assert again[0] == (AT_REST if told else UNTOLD)
+    assert again[2] == premise
+    assert again[3].shape[1] == (table.shape[1] if told else 0)
+    assert again[1][0] == rest if told else math.isnan(again[1][0])
+
+
+def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
+    """A body y that is thrown at the opening and is still up at the touch, with x = y / 2 + 0.01.
+
+    Then x falls from there with x'' = -A: the first collision is late, by what a fall takes.
+    """
+    waiting = np.zeros((6, 1, 2))
+    waiting[0, :, 0] = -1.0
+    touch = np.zeros((3, 3))
+    # Series on [low, high] = [-0.5, 2]: place = (2 y - 1.5) / 2.5.
+    touch[0, 0], touch[0, 1] = 0.01 + 0.5 * 0.75, 0.5 * 1.25
+    touch[1, 0], touch[2, 0] = 0.5, -0.07
+    turn = turn_of(
+        opening=4.0, restitution=0.5, clamping=np.where(np.arange(6)[:, None, None] == 0, -1.0, 0.0)
+        * np.array([1.0, 0.0]), waiting=waiting, touch=touch,
+    )  # fmt: skip
+    y = tables_of(level(-1.0), travel=0.5, approach=-1.0)
+    status, (rest, *_), premise, table = run(y=y, turn=turn, assumed=False)
+    assert (status, premise) == (AT_REST, FAILS)
+    t, w, a = 0.5 / SPEED, 0.5 * 1.0 * SPEED, SPEED**2
+    x = 0.01 + 0.5 * (w * t - 0.5 * a * t**2)
+    v = 0.5 * (w - a * t) - 0.07 * SPEED
+    fall = (v + math.sqrt(v * v + 2.0 * A * x)) / A
+    assert table[ANGLE, 0] == pytest.approx(0.4 - SPEED * fall, rel=1e-9)
+    assert table[TIME, 0] == 0.0
+    assert table[APPROACH, 0] == pytest.approx(v - A * fall, rel=1e-9)
+    assert rest == pytest.approx(2.0 * (A * fall - v) * E_N / (A * (1.0 - E_N)), rel=1e-8)
+    assert table[TIME_ERROR, 0] > 0.0
+    assert table[RATE_ERROR, 0] > 0.0
+    # As assumed it starts at the touch, and the verdict is the same; beyond the tables nothing is.
+    assumed = run(y=y, turn=turn)
+    assert (assumed[0], assumed[2]) == (AT_REST, FAILS)
+    assert assumed[3][APPROACH, 0] == pytest.approx(RATE * SPEED)
+    low = tables_of(EQUATION, **{**TABLES, "high": 0.9 * x})
+    assert run(low, y=y, turn=turn, assumed=False)[0] == UNTOLD
+
+
+def test_a_batch_is_its_cases() -> None:
+    """Every case of a batch has the numbers that it has alone."""
+    tables = tables_of(EQUATION, **TABLES)
+    blank = unknown("")
+    speed, e = np.array([2.0, 1.0, 3.0]), np.array([0.4, 0.5, 1.0])
+    k, p = np.array([[300.0], [250.0], [310.0]]), np.array([[0.02], [0.03], [0.02]])
+    gravity = np.array([1.0, 0.5, 0.9])
+    table = np.full((3, COLUMNS, 9), np.nan)
+    status, counts, premise = np.zeros((3, 3), dtype=np.int64)
+    rest = np.empty((3, 4))
+    kernel.run_batch(
+        grids(), tables, blank.tables, blank.turn, speed, e, k, p, gravity, 0.3, 1e-9, True, table,
+        status, counts, premise, rest,
+    )  # fmt: skip
+    for i in range(3):
+        one = kernel.run_one(
+            grids(), tables, blank.tables, blank.turn, speed[i], e[i], k[i], p[i], gravity[i], 0.3,
+            1e-9, True, 9,
+        )  # fmt: skip
+        assert (status[i], premise[i], counts[i]) == (one[0], one[2], one[3].shape[1])
+        np.testing.assert_array_equal(rest[i], one[1])
+        np.testing.assert_array_equal(table[i, :, : counts[i]], one[3])
+    assert status.tolist() == [AT_REST, AT_REST, LEFT_TRAVEL]
