@@ -79,7 +79,7 @@ class Trials:
         copied(root, home)
         compileall.compile_dir(self._package, quiet=2)
         compileall.compile_dir(home / "tests", quiet=2)
-        self._choice = Choice(self._package, *recorded(maps), collected(home))
+        self._choice = Choice(self._package, recorded(maps), collected(home))
         self._passing: dict[str, bool] = {}
 
     def draw(self, rooms: list[str], seed: int) -> list[Mutation]:

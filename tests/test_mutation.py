@@ -101,11 +101,13 @@ def test_tests_that_execute_a_statement_are_chosen_the_nearest_first(tmp_path: P
             ("tests/view/test_shown.py::gone", 0.1, set()),
         )
     }
-    choice = Choice(package, tests, {key, "x::y::z"}, set(list(tests)[:3]))
+    choice = Choice(package, tests, set(list(tests)[:3]))
     found = {item.after: item for item in mutations_of("view/shown.py", SOURCE)}
-    assert choice.tests(found["(-angle - low)"], 10.0) == (
-        ["tests/view/test_shown.py::c", "tests/study/test_other.py::b"], 1,
-    )  # fmt: skip
+    nearest = ["tests/view/test_shown.py::c", "tests/study/test_other.py::b"], 1
+    assert choice.tests(found["(-angle - low)"], 10.0) == nearest
+    newer = [item for item in found.values() if item.scope == ".shown" and item.key != key]
+    assert newer
+    assert choice.tests(newer[0], 10.0) == nearest
 
 
 def test_an_error_that_stops_all_tests_is_noticed(tmp_path: Path) -> None:

@@ -41,25 +41,23 @@ class Recorded:
     keys: frozenset[str]
 
 
-def recorded(files: Iterable[Path]) -> tuple[dict[str, Recorded], set[str]]:
-    """Tests that passed, and all statements that could be recorded.
+def recorded(files: Iterable[Path]) -> dict[str, Recorded]:
+    """Tests that passed.
 
     Args:
         files: Files that ``record`` wrote; later ones count more.
     """
     tests: dict[str, Recorded] = {}
-    known: set[str] = set()
     for file in files:
         with file.open(encoding="utf-8") as stream:
             keys = json.loads(next(stream))
-            known.update(keys)
             for line in stream:
                 item = json.loads(line)
                 tests.pop(item.get("test", ""), None)
                 if item.get("passed"):
                     ran = frozenset(keys[number] for number in item["keys"])
                     tests[item["test"]] = Recorded(item["test"], item["seconds"], ran)
-    return tests, known
+    return tests
 
 
 def drawn(package: Path, rooms: Iterable[str], seed: int) -> list[Mutation]:
@@ -93,13 +91,10 @@ def drawn(package: Path, rooms: Iterable[str], seed: int) -> list[Mutation]:
 class Choice:
     """Finds the tests for a mutation."""
 
-    def __init__(
-        self, package: Path, tests: dict[str, Recorded], keys: set[str], existing: set[str]
-    ) -> None:
+    def __init__(self, package: Path, tests: dict[str, Recorded], existing: set[str]) -> None:
         """Note for every statement which tests execute it; those that are gone do not count."""
         tests = {name: test for name, test in tests.items() if name in existing}
         self._tests = tests
-        self._keys = keys
         self._by_key: dict[str, set[str]] = defaultdict(set)
         for test in tests.values():
             for key in test.keys:
@@ -166,8 +161,8 @@ class Choice:
         if scope in self._compiled:
             # What runs in machine code is not recorded: any test of the room may execute it.
             return self._by_key.get(mutation.file.split("/")[0], set())
-        # In a version that was not recorded the statement may be a new one of its function.
-        return self._by_key.get(scope, set()) if mutation.key not in self._keys else set()
+        # A test of an older record may execute a statement that is newer: the nearest ones are run.
+        return self._by_key.get(scope) or self._by_key.get(mutation.file, set())
 
 
 def _names(node: ast.AST) -> set[str]:
