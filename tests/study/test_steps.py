@@ -68,3 +68,47 @@ def test_what_may_not_be_negative_is_not(path: str, value: float) -> None:
         return np.array([x * x])
 
     assert step.extrapolated(function, value)[0] == pytest.approx(2.0 * value, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "unit", "amount", "width", "sense"),
+    [
+        ("points.a.x_mm", 80.0, "mm", 1.0, 0.05, 0), ("points.a.x_mm", 0.0, "mm", 1.0, 0.05, 0),
+        ("points.a.radius_mm", 0.09, "mm", 1.0, 0.05, 1),
+        ("points.a.radius_mm", 0.11, "mm", 1.0, 0.05, 0),
+        ("links.a.gyration_mm", 0.09, "mm", 1.0, 0.05, 1),
+        ("points.a.angle_deg", 3.0, "deg", 1.0, 0.05, 0),
+        ("stops.a.restitution", 0.5, "%", 5e-3, 1e-3, 0),
+        ("stops.a.restitution", 0.0099, "0.01", 0.01, 2e-4, 0),
+        ("stops.a.restitution", 0.01, "%", 1e-4, 2e-4, 0),
+        ("stops.a.restitution", 3e-4, "0.01", 0.01, 2e-4, 1),
+        ("stops.a.restitution", 0.997, "%", 9.97e-3, 1.994e-3, -1),
+        ("stops.a.restitution", 0.995, "%", 9.95e-3, 1.99e-3, 0),
+        ("springs.a.stiffness_N_per_m", 500.0, "%", 5.0, 1.0, 0),
+        ("springs.a.stiffness_N_per_m", 9.0, "10 N/m", 10.0, 0.2, 0),
+        ("springs.a.stiffness_N_per_m", 0.3, "10 N/m", 10.0, 0.2, 1),
+        ("springs.a.stiffness_N_m_per_rad", 0.0, "0.01 N m/rad", 0.01, 2e-4, 1),
+        ("dampers.a.damping_N_s_per_m", 0.05, "0.1 N s/m", 0.1, 2e-3, 0),
+        ("dampers.a.damping_N_s_per_m", 0.0, "0.1 N s/m", 0.1, 2e-3, 1),
+        ("dampers.a.damping_N_m_s_per_rad", 0.0, "0.001 N m s/rad", 1e-3, 2e-5, 1),
+        ("springs.a.preload_N_m", -0.001, "0.01 N m", 0.01, 2e-4, 0),
+        ("springs.a.preload_N_m", -5.0, "%", -0.05, 0.01, 0),
+        ("springs.a.preload_N", 0.0, "1 N", 1.0, 0.02, 0),
+        ("links.a.inertia_kg_m2", 0.0, "1e-7 kg m2", 1e-7, 2e-9, 1),
+        ("links.a.inertia_kg_m2", 1e-3, "%", 1e-5, 2e-6, 0),
+        ("links.a.mass_kg", 5e-5, "0.1 g", 1e-4, 2e-6, 0),
+        ("links.a.mass_kg", 0.0, "0.1 g", 1e-4, 2e-6, 1),
+        ("speed_rpm", 0.5, "1 r/min", 1.0, 0.02, 0), ("speed_rpm", 0.0, "1 r/min", 1.0, 0.02, 1),
+        ("speed_rpm", 500.0, "%", 5.0, 1.0, 0),
+        ("drives.a.ratio", 0.0, "0.01", 0.01, 2e-4, 0),
+        ("drives.a.ratio", -2.0, "%", -0.02, 4e-3, 0),
+    ],
+)  # fmt: skip
+def test_units_widths_and_senses(
+    path: str, value: float, unit: str, amount: float, width: float, sense: int
+) -> None:
+    """Half widths: 0.05 mm or degrees, else 0.2 % of the value and at least 2 % of the amount."""
+    step = step_of(path, value)
+    assert (step.unit, step.sense) == (unit, sense)
+    assert step.amount == pytest.approx(amount)
+    assert step.half_width == pytest.approx(width)
