@@ -177,8 +177,7 @@ class _Painter:
         mechanism, pace = solution.mechanism, shown.pace
         image = Image.new("RGB", (_SHARP * _SIZE[0], _SHARP * _SIZE[1]), "white")
         draw = ImageDraw.Draw(image)
-        title = textwrap.shorten(mechanism.title or mechanism.name, 100, placeholder=" ...")
-        self._put(draw, (_LEFT, 12), title, self._strong)
+        self._put(draw, (_LEFT, 12), self._title(mechanism.title or mechanism.name), self._strong)
         self._put(draw, (_LEFT, 34), case_text(solution), self._small, _PALE)
         left, top, right, bottom = _BAR
         starts = pace.playback_at(np.array([item.t_start for item in solution.phases]))
@@ -188,6 +187,14 @@ class _Painter:
         for line, text in enumerate(textwrap.wrap(note(shown), _NOTE_COLUMNS)):
             self._put(draw, (_LEFT, bottom + 8 + 14 * line), text, self._small, _PALE)
         return image
+
+    def _title(self, text: str) -> str:
+        """As much of a title as stands in one line."""
+        room, count = _SHARP * (_BAR[2] - _LEFT), len(text)
+        while self._strong.getlength(text) > room:
+            count -= 1
+            text = textwrap.shorten(text, count, placeholder=" ...")
+        return text
 
     def _say(self, draw: ImageDraw.ImageDraw, frame: int, colour: str) -> None:
         """Phase, numbers, last collision, and the place in the film."""
