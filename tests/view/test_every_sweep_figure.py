@@ -1,0 +1,304 @@
+"""All that the figures of a sweep show: places, colours, scales, words, and files.
+
+Made-up sweeps whose means have a closed form, so that every line and level is known.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+
+from nipper_pin import InputError, UnknownNameError
+from nipper_pin.study.sweep import SweepTable
+from nipper_pin.view import sweep_plots
+from nipper_pin.view.sweep_plots import _Parameter, plot_sweep
+
+Array = Any
+
+
+def axis(name: str, low: float, high: float, **more: object) -> dict[str, object]:
+    return {"name": name, "path": name, "low": low, "high": high, "scale": "linear", "values": [],
+            **more}  # fmt: skip
+
+
+def made_up(axes: list[dict[str, object]], **columns: Array) -> SweepTable:
+    n = len(next(iter(columns.values())))
+    return SweepTable(
+        title="a title", model="a model", axes=tuple(axes), quantities=("y", "z"), scenarios=3 * n,
+        stored=2 * n, table=pa.table({"collisions": np.arange(n), **columns}),
+    )  # fmt: skip
+
+
+def grid() -> SweepTable:
+    """y = 100 a + log10(b) on a grid of 3 by 4, with one value missing; z is y backwards."""
+    a, b = np.meshgrid([1.0, 2.0, 4.0], [1.0, 10.0, 100.0, 1000.0], indexing="ij")
+    y = (100.0 * a + np.log10(b)).ravel()
+    y[5] = np.nan
+    return made_up(
+        [axis("a", 1.0, 4.0, values=[1.0, 2.0, 4.0], path="springs.a.rate_N_per_m"),
+         axis("b", 1.0, 1e3, values=[1.0, 10.0, 100.0, 1e3], scale="log")],
+        a=a.ravel(), b=b.ravel(), y=y, z=y[::-1],
+    )  # fmt: skip
+
+
+def parameters(table: SweepTable) -> list[_Parameter]:
+    return [_Parameter.of(table, place) for place in range(len(table.axes))]
+
+
+def column(table: SweepTable, name: str = "y") -> Array:
+    return np.array(table.table[name].to_numpy(), dtype=float)
+
+
+def below(figure: Figure) -> list[str]:
+    return figure.get_suptitle().splitlines()
+
+
+def test_parameters_and_their_cells() -> None:
+    """Values of a grid are cells of their own; samples have 4 to 24 of about twelve values.
+
+    Cells divide the range evenly, on a logarithmic scale by equal ratios.
+    """
+    a, b = parameters(grid())
+    assert (a.name, a.label, a.log, b.label, b.log) == ("a", "a (rate_N_per_m)", False, "b", True)
+    np.testing.assert_array_equal(a.centres, [1.0, 2.0, 4.0])
+    np.testing.assert_array_equal(a.cell, np.repeat([0, 1, 2], 4))
+    np.testing.assert_array_equal(b.cell, np.tile([0, 1, 2, 3], 3))
+    for count, cells in ((12, 4), (191, 4), (300, 5), (12 * 64, 8), (12 * 24**2 * 4, 24)):
+        # As many different values, each of them twice.
+        x = np.tile(np.linspace(2.0, 32.0, count), 2)
+        for scale in ("linear", "log"):
+            table = made_up([axis("x", 2.0, 32.0, scale=scale)], x=x, y=x)
+            (item,) = parameters(table)
+            assert len(item.centres) == cells
+            edges = np.linspace(2.0, 32.0, cells + 1)
+            middle = 0.5 * (edges[1:] + edges[:-1])
+            if scale == "log":
+                edges = np.geomspace(2.0, 32.0, cells + 1)
+                middle = np.sqrt(edges[1:] * edges[:-1])
+            np.testing.assert_allclose(item.centres, middle, rtol=1e-12)
+            for cell in range(cells):
+                inside = item.x[item.cell == cell]
+                assert inside.min() >= edges[cell] * (1.0 - 1e-12)
+                assert inside.max() <= edges[cell + 1] * (1.0 + 1e-12)
+            assert item.cell.max() == cells - 1
+
+
+def test_main_effects() -> None:
+    """A panel for each parameter, two in a row, with its scale and label, all by one axis."""
+    table = grid()
+    y = column(table)
+    figure = sweep_plots.main_effects(table, parameters(table), "y", y)
+    assert below(figure)[0] == "Main effects on y"
+    for axes, name, label, scale in zip(
+        figure.axes, "ab", ("a (rate_N_per_m)", "b"), ("linear", "log"), strict=True
+    ):
+        x = column(table, name)
+        assert (axes.get_xlabel(), axes.get_xscale()) == (label, scale)
+        (line,) = axes.get_lines()
+        np.testing.assert_array_equal(line.get_xdata(), np.unique(x))
+        (band,) = [item for item in axes.collections if isinstance(item, PolyCollection)]
+        corners = band.get_paths()[0].vertices
+        for value, mean in zip(np.unique(x), line.get_ydata(), strict=True):
+            part = y[(x == value) & np.isfinite(y)]
+            assert mean == pytest.approx(part.mean(), rel=1e-12)
+            edges = corners[corners[:, 0] == value, 1]
+            ends = [edges.min(), edges.max()]
+            assert ends == pytest.approx(np.percentile(part, [10, 90]), rel=1e-12)
+    assert [axes.get_ylabel() for axes in figure.axes] == ["y", ""]
+    assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
+    places = [axes.get_subplotspec().rowspan.start for axes in figure.axes]
+    assert places == [0, 0]
+    # An odd one leaves a place empty; one alone has the whole width.
+    more = sweep_plots.main_effects(table, [*parameters(table), parameters(table)[0]], "y", y)
+    assert [axes.axison for axes in more.axes] == [True, True, True, False]
+    assert [axes.get_ylabel() for axes in more.axes[:3]] == ["y", "", "y"]
+    assert more.get_figheight() > figure.get_figheight()
+    assert len(sweep_plots.main_effects(table, parameters(table)[:1], "y", y).axes) == 1
+
+
+def test_parallel_coordinates() -> None:
+    """Every scenario with a value crosses each axis at its place, and is coloured by the last."""
+    table = grid()
+    y = column(table)
+    figure = sweep_plots.parallel_coordinates(table, parameters(table), "y", y)
+    axes, bar = figure.axes
+    assert below(figure)[0] == "y over all parameters; 11 scenarios drawn"
+    (lines,) = [item for item in axes.collections if isinstance(item, LineCollection)]
+    known = np.isfinite(y)
+    a, b = column(table, "a")[known], column(table, "b")[known]
+    size = (y[known] - y[known].min()) / np.ptp(y[known])
+    wanted = np.stack([(a - 1.0) / 3.0, np.log10(b) / 3.0, size], axis=1)
+    segments = np.array(lines.get_segments())
+    np.testing.assert_allclose(segments[:, :, 1], wanted, atol=1e-12)
+    assert (segments[:, :, 0] == [0.0, 1.0, 2.0]).all()
+    np.testing.assert_array_equal(lines.get_array(), y[known])
+    assert (lines.norm.vmin, lines.norm.vmax) == (y[known].min(), y[known].max())
+    assert bar.get_ylabel() == "y"
+    assert lines.get_rasterized()
+    # An upright line at each place, its least value below and its largest above.
+    assert [line.get_xdata()[0] for line in axes.lines] == [0.0, 1.0, 2.0]
+    ends = [(1.0, 4.0), (1.0, 1000.0), (y[known].min(), y[known].max())]
+    for place, (low, high) in enumerate(ends):
+        foot, head = (text for text in axes.texts if text.get_position()[0] == place)
+        assert float(foot.get_text()) == pytest.approx(low, rel=1e-3)
+        assert float(head.get_text()) == pytest.approx(high, rel=1e-3)
+        assert foot.get_position()[1] < 0.0
+        assert head.get_position()[1] > 1.0
+        assert (foot.get_va(), head.get_va()) == ("top", "bottom")
+    labels = [text.get_text() for text in axes.get_xticklabels()]
+    assert [re.sub(r"\s", "", text) for text in labels] == ["a(rate_N_per_m)", "b", "y"]
+    assert max(len(line) for text in labels for line in text.splitlines()) <= 18
+    assert list(axes.get_xticks()) == [0.0, 1.0, 2.0]
+    assert len(axes.get_yticks()) == 0
+    assert axes.get_xlim()[0] < 0.0
+    assert axes.get_xlim()[1] > 2.0
+    assert axes.get_ylim()[0] < 0.0
+    assert axes.get_ylim()[1] > 1.0
+
+
+def test_of_many_scenarios_fifteen_hundred_are_drawn() -> None:
+    """Different ones, from all over the sweep, and of one value a line half-way."""
+    x = np.linspace(0.0, 1.0, 4000)
+    table = made_up([axis("x", 0.0, 1.0), axis("k", 5.0, 5.0)], x=x, k=np.full(4000, 5.0), y=x * x)
+    figure = sweep_plots.parallel_coordinates(table, parameters(table), "y", x * x)
+    (lines,) = [item for item in figure.axes[0].collections if isinstance(item, LineCollection)]
+    drawn = np.array(lines.get_segments())[:, :, 1]
+    assert below(figure)[0] == "y over all parameters; 1,500 scenarios drawn"
+    assert len(np.unique(drawn[:, 0])) == 1500
+    np.testing.assert_allclose(drawn[:, 2], drawn[:, 0] ** 2, atol=1e-9)
+    np.testing.assert_array_equal(drawn[:, 1], 0.5)
+    # A share of 0.375 of each tenth, by chance within 5 standard deviations.
+    share = np.histogram(drawn[:, 0], 10, (0.0, 1.0))[0] / 400.0
+    assert np.abs(share - 0.375).max() < 5.0 * math.sqrt(0.375 * 0.625 / 400.0)
+
+
+def test_level_lines() -> None:
+    """Levels over both parameters, upright where their values say so, filled and labelled."""
+    table = grid()
+    y = column(table)
+    y[5] = 201.0
+    figure = sweep_plots.level_lines(table, *parameters(table), "y", y)
+    axes, bar = figure.axes
+    assert below(figure)[0] == "Level lines of y"
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("a (rate_N_per_m)", "b")
+    assert bar.get_ylabel() == "y"
+    filled, lines = [item for item in axes.collections if isinstance(item, QuadContourSet)]
+    assert filled.filled
+    assert not lines.filled
+    np.testing.assert_array_equal(filled.levels, lines.levels)
+    assert len(filled.levels) > 8
+    assert (filled.zmin, filled.zmax) == (y.min(), y.max())
+    # Between two values of a the mean goes evenly from 100 a to the next, and b adds up to 3.
+    checked = 0
+    for level, path in zip(lines.levels, lines.get_paths(), strict=True):
+        for a, b in path.vertices:
+            cell = np.searchsorted([1.0, 10.0, 100.0, 1000.0], b, side="right") - 1
+            low, high = 10.0 ** min(cell, 2), 10.0 ** min(cell + 1, 3)
+            wanted = 100.0 * a + math.log10(low) + (b - low) / (high - low)
+            assert level == pytest.approx(wanted, abs=1.1)
+            checked += 1
+    assert checked > 20
+    assert axes.texts
+    # Turned round, both axes with their scales change places.
+    other = sweep_plots.level_lines(table, *parameters(table)[::-1], "y", y).axes[0]
+    assert (other.get_xscale(), other.get_yscale()) == ("log", "linear")
+    assert other.get_xlim() == axes.get_ylim()
+
+
+@pytest.mark.parametrize(
+    "y", [np.full(12, 7.0), np.where(np.arange(12) < 2, np.arange(12.0), np.nan)]
+)
+def test_a_field_without_levels_is_shown_by_its_cells(y: Array) -> None:
+    """One value everywhere, or two alone."""
+    table = grid()
+    axes = sweep_plots.level_lines(table, *parameters(table), "y", y).axes[0]
+    (mesh,) = axes.collections
+    assert isinstance(mesh, QuadMesh)
+    found = np.ma.filled(mesh.get_array(), np.nan).reshape(4, 3)
+    np.testing.assert_array_equal(found, y.reshape(3, 4).T)
+    single = made_up(
+        [axis("a", 1.0, 1.0, values=[1.0]), axis("b", 1.0, 4.0, values=[1.0, 2.0, 4.0])],
+        a=np.ones(3), b=np.array([1.0, 2.0, 4.0]), y=np.arange(3.0),
+    )  # fmt: skip
+    axes = sweep_plots.level_lines(single, *parameters(single), "y", np.arange(3.0)).axes[0]
+    assert isinstance(axes.collections[0], QuadMesh)
+
+
+def test_what_stands_above() -> None:
+    """What it is of, title and model, how many scenarios are there, taken and without value."""
+    table = grid()
+    y = column(table)
+    lines = below(sweep_plots.level_lines(table, *parameters(table), "y", y))
+    assert lines == [
+        "Level lines of y", "a title", "a model",
+        "24 of 36 scenarios, 12 of them taken, 1 of them without a value",
+    ]  # fmt: skip
+    whole = made_up(list(table.axes), a=column(table, "a"), b=column(table, "b"), y=y)
+    object.__setattr__(whole, "stored", 12)
+    object.__setattr__(whole, "title", "")
+    y[5] = 0.0
+    lines = below(sweep_plots.main_effects(whole, parameters(whole), "y", y))
+    assert lines == ["Main effects on y", "a model", "12 of 36 scenarios"]
+    means = "Level lines of y, means of cells and other parameters"
+    third = made_up([*table.axes, axis("c", 1.0, 1.0, values=[1.0])], a=column(table, "a"),
+                    b=column(table, "b"), c=np.ones(12), y=y)  # fmt: skip
+    sampled = made_up([table.axes[0], axis("b", 1.0, 1e3, scale="log")], a=column(table, "a"),
+                      b=column(table, "b"), y=y)  # fmt: skip
+    for other in (third, sampled):
+        assert below(sweep_plots.level_lines(other, *parameters(other)[:2], "y", y))[0] == means
+
+
+def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For each quantity three files in their format and folder; the first one without a choice."""
+    read: list[tuple[Any, ...]] = []
+    drawn: list[tuple[str, str]] = []
+    table = grid()
+
+    def read_sweep(*arguments: Any) -> SweepTable:
+        read.append(arguments)
+        return table
+
+    def levels(_sweep: Any, across: _Parameter, upwards: _Parameter, *_: Any) -> Figure:
+        drawn.append((across.name, upwards.name))
+        return Figure()
+
+    monkeypatch.setattr(sweep_plots, "read_sweep", read_sweep)
+    monkeypatch.setattr(sweep_plots, "level_lines", levels)
+    for name in ("main_effects", "parallel_coordinates"):
+        monkeypatch.setattr(sweep_plots, name, lambda *_: Figure())
+    found = plot_sweep(tmp_path / "sweep")
+    home = tmp_path / "sweep" / "plots"
+    subjects = ("main_effects", "parallel", "level_lines")
+    assert found == [home / f"{item}_y.svg" for item in subjects]
+    assert all(b"<svg" in path.read_bytes() for path in found)
+    assert read == [(tmp_path / "sweep", 1_000_000)]
+    found = plot_sweep(
+        "sweep", quantities=["z", "collisions"], across="b", kind="png", target=tmp_path / "here"
+    )
+    assert found == [
+        tmp_path / "here" / f"{item}_{name}.png" for name in ("z", "collisions")
+        for item in subjects
+    ]  # fmt: skip
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in found)
+    plot_sweep("sweep", upwards="a", target=tmp_path / "here")
+    assert drawn == [("a", "b"), ("b", "a"), ("b", "a"), ("b", "a")]
+    with pytest.raises(UnknownNameError, match="no quantity named 'w'"):
+        plot_sweep("sweep", quantities=["w"], target=tmp_path / "here")
+    table = made_up(list(table.axes), a=column(table, "a"), b=column(table, "b"),
+                    y=np.full(12, np.nan))  # fmt: skip
+    with pytest.raises(InputError, match="no scenario has a value of y; see the column message"):
+        plot_sweep("sweep", target=tmp_path / "here")
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="cannot be made a folder"):
+        plot_sweep("sweep", target=tmp_path / "file")
+    assert len(list((tmp_path / "here").iterdir())) == 9
