@@ -188,13 +188,10 @@ def impact_condition(
     Returns:
         The condition number in the 2-norm; infinite if rows depend on one another.
     """
-    moving = [i for i in range(system.body.nv) if i not in system.held_coordinates]
+    moving, mass = _moving_mass(system, q)
     rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
     if not len(rows):
         return 1.0
-    mass = system.body.mass_matrix(q)[np.ix_(moving, moving)]
-    if not system.held:
-        mass[np.diag_indices(len(moving))] += system.drive_armature[moving]
     matrix = rows @ np.linalg.solve(mass, rows.T)
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
@@ -202,6 +199,32 @@ def impact_condition(
         return np.inf
     size = np.sqrt(diagonal)
     return float(np.linalg.cond(matrix / size / size[:, None]))
+
+
+def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatArray:
+    """Roots of the diagonal of M^-1 at stops, shape (stops,): they make impulses comparable.
+
+    An impulse times this is the root of twice the energy that it gives to a machine at rest whose
+    loops are open [sqrt(J)], whatever the unit of the coordinate is.
+
+    Args:
+        system: The system; held drives do not yield.
+        q: Configuration, shape (nv,).
+        stops: Coordinates of the stops.
+    """
+    moving, mass = _moving_mass(system, q)
+    rows = np.eye(system.body.nv)[list(stops)][:, moving]
+    diagonal = np.einsum("ij,ji->i", rows, np.linalg.solve(mass, rows.T))
+    return np.asarray(np.sqrt(np.maximum(diagonal, 0.0)))
+
+
+def _moving_mass(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
+    """Coordinates that impulses move, and their mass matrix with the inertia of the shafts."""
+    moving = [i for i in range(system.body.nv) if i not in system.held_coordinates]
+    mass = system.body.mass_matrix(q)[np.ix_(moving, moving)]
+    if not system.held:
+        mass[np.diag_indices(len(moving))] += system.drive_armature[moving]
+    return moving, mass
 
 
 def _outcome(

@@ -20,7 +20,7 @@ from ..dynamics.system import System
 from .deviations import Deviations
 from .event import Event, EventKind
 from .let_go import release_error
-from .linear_maps import RATE, LinearMaps, of_rates, pushing
+from .linear_maps import RATE, ImpactMap, LinearMaps, of_rates, pushing
 from .segment import Segment
 from .unresolved import round_off
 
@@ -37,17 +37,21 @@ class EventError:
 
     Attributes:
         time: Of its time [s].
-        impulse: Of its impulse and rates, relative [-].
+        impulse: Of the rates and the impulse of its first stop, ``event.stops[0]``, relative [-]:
+            the one that a collision is listed with. At a release, of the collision before.
         since: Of the time since the event before it [s].
+        impulses: Of every impulse that the event lists in ``P_N``, by stop and in its unit
+            [N m s or N s]. An impulse beside a much larger one has at least the round-off of that.
     """
 
     time: float
     impulse: float
     since: float
+    impulses: dict[str, float]
 
 
 # Where drives determine the motion, or nothing has happened yet.
-_FRESH = EventError(0.0, RATE, 0.0)
+_FRESH = EventError(0.0, RATE, 0.0, {})
 
 
 def event_errors(
@@ -200,7 +204,8 @@ def _struck(
     index = system.mechanism.stop(event.stops[0]).index
     rate = float(event.v_before[index])
     if rate == 0.0:
-        return before.deviations, before.error
+        impulses = {name: before.error.impulse * abs(P) for name, P in event.P_N.items()}
+        return before.deviations, replace(before.error, impulses=impulses)
     impact = maps.impact(event)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
     most = before.error.time + flown
@@ -216,11 +221,28 @@ def _struck(
     found = found.within(index, 0.0)
     relative = found.size(nv + index) / abs(rate)
     found = found.within(nv + index, abs(rate))
+    impulses = dict.fromkeys(event.P_N, 0.0)
     if stops := pushing(system, event):
-        pushed = np.abs(impact.pushes @ found.states).sum(axis=1)
-        relative = max(relative, float(pushed[0]) / abs(event.P_N[stops[0].name])) + impact.lost
+        pushed = _pushed(system, event, impact, found)
+        first, size = stops[0].name, abs(event.P_N[stops[0].name])
+        relative = max(relative, pushed[first] / size) + impact.lost * (impact.beside[first] / size)
+        impulses = _with_round_off(event, impact, pushed)
         found = found.through(impact.matrix).joined(impact.own)
-    return found.merged(), EventError(time, min(relative, 1.0), since)
+    return found.merged(), EventError(time, min(relative, 1.0), since, impulses)
+
+
+def _pushed(
+    system: System, event: Event, impact: ImpactMap, before: Deviations
+) -> dict[str, float]:
+    """What deviations before an event make of its impulses [N m s or N s], by stop."""
+    sizes = np.abs(impact.pushes @ before.states).sum(axis=1).tolist()
+    names = [stop.name for stop in pushing(system, event)]
+    return dict(zip(names, sizes, strict=True))
+
+
+def _with_round_off(event: Event, impact: ImpactMap, pushed: dict[str, float]) -> dict[str, float]:
+    """The same with the round-off of the impulses; all stops of an event, pushing or not."""
+    return {name: pushed.get(name, 0.0) + impact.lost * impact.beside[name] for name in event.P_N}
 
 
 def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
@@ -241,27 +263,30 @@ def _rested(
     left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)
     index = system.mechanism.stop(event.stops[0]).index
     rate = float(event.v_before[index])
+    impulses = dict.fromkeys(event.P_N, 0.0)
     if rate != 0.0 and pushing(system, event):
         # What is left of the series lasts in proportion to its rate.
         beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
         shorter = beyond * deviations.states[system.body.nv + index] / rate
         late, left = late + shorter, left + shorter
-        deviations = deviations.through(maps.impact(event).matrix)
+        impact = maps.impact(event)
+        impulses = _with_round_off(event, impact, _pushed(system, event, impact, deviations))
+        deviations = deviations.through(impact.matrix)
         deviations = deviations.joined(maps.left_out(event, beyond)).merged()
     limit = _LIMIT * event.series_error
     time, since = (float(np.abs(item).sum()) + limit for item in (late, left))
-    return deviations, EventError(time, before.error.impulse, since)
+    return deviations, EventError(time, before.error.impulse, since, impulses)
 
 
 def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
     """Errors of a release, from the deviations there; it changes none of them."""
     event, segment, flown = arrival.event, arrival.last, arrival.flown
     if segment is None or flown <= 0.0:
-        return before.error
+        return replace(before.error, impulses={})
     rows = system.constraint_set(segment.closed)
     index = system.mechanism.stop(event.stops[0]).index
     if index not in rows.stops:
-        return before.error
+        return replace(before.error, impulses={})
     late = release_error(system, rows, segment.panels[-1], event.t, before.deviations, index)
     late = min(late, flown) + _CLOCK * event.t
-    return EventError(late, before.error.impulse, late + before.error.time)
+    return EventError(late, before.error.impulse, late + before.error.time, {})

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.impact import impact_condition
+from ..dynamics.impact import impact_condition, impulse_sizes
 from ..dynamics.system import System
 from ..errors import SingularConfigurationError
 from ..mechanism import Stop
@@ -54,7 +54,9 @@ class ImpactMap(NamedTuple):
         own: Deviations after it that it makes itself.
         pushes: Deviations of impulses by those before, shape (stops, 2 nv).
         rates: Velocities and accelerations before, shape (2 nv,).
-        lost: Relative round-off: the digits that the impact matrix loses.
+        lost: Relative round-off of the largest impulse: the digits that the impact matrix loses.
+        beside: Round-off of each impulse in units of ``lost``: of the largest one itself, and of
+            those beside it as much in energy [N m s or N s], by name of the stop.
     """
 
     matrix: FloatArray
@@ -62,6 +64,7 @@ class ImpactMap(NamedTuple):
     pushes: FloatArray
     rates: FloatArray
     lost: float
+    beside: dict[str, float]
 
 
 class LinearMaps:
@@ -163,7 +166,25 @@ class LinearMaps:
         rough = lost * np.abs(event.delta)
         rough[struck] = 0.0
         own = Deviations.independent(np.zeros_like(rough), rough)
-        return ImpactMap(matrix, own, pushes, np.concatenate([event.v_before, a]), lost)
+        rates = np.concatenate([event.v_before, a])
+        return ImpactMap(matrix, own, pushes, rates, lost, self._beside(event))
+
+    def _beside(self, event: Event) -> dict[str, float]:
+        """One system of equations gives all impulses: each has the round-off of the largest."""
+        names = list(event.P_N)
+        columns = [self._system.mechanism.stop(name).index for name in names]
+        try:
+            sizes = impulse_sizes(self._system, event.q, columns)
+        except np.linalg.LinAlgError:
+            return dict.fromkeys(names, NOTHING_KNOWN)
+        pushed = np.abs(np.array(list(event.P_N.values())))
+        energies = pushed * sizes
+        largest = float(energies.max(initial=0.0))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            others = np.nan_to_num(largest / sizes, nan=0.0, posinf=NOTHING_KNOWN)
+        # Of the largest one to the last bit.
+        found = np.where(energies == largest, pushed, others)
+        return dict(zip(names, found.tolist(), strict=True))
 
 
 def of_rates(

@@ -37,7 +37,8 @@ from nipper_pin.study.stress import (
     trial,
     violations,
 )
-from nipper_pin.study.stress.agreement import engines_agree, same_bits, within_errors
+from nipper_pin.study.stress.agreement import same_bits, within_errors
+from nipper_pin.study.stress.engines import engines_agree
 from nipper_pin.study.stress.store import Store
 
 SEED = 7

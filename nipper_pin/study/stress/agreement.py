@@ -1,4 +1,4 @@
-"""What must hold between two solutions of one case: twice the same, twice as fine, two engines."""
+"""What must hold between two solutions of one case: twice the same, twice as fine, mirrored."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...errors import InputError
+from ...hybrid.accuracy import EventError
 from ...hybrid.event import Event, EventKind
 from ...hybrid.solution import Solution
-from ...hybrid.triggers import SIMULTANEOUS
 from .invariants import Violation
 from .looking import EPS
 
@@ -70,7 +69,6 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
     """Differences beyond this share of the stated errors of both."""
     first, second = list(coarse.events), list(fine.events)
     clock = 16.0 * EPS * max((event.t for event in first + second), default=0.0)
-    instant = SIMULTANEOUS * coarse.shaft.period
     i = j = 0
     while i < len(first) and j < len(second):
         one, other = first[i], second[j]
@@ -84,11 +82,11 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             if not apart <= allowed:
                 text = f"event {one.number}: times differ by {apart:.3g} s"
                 yield Violation(kind, f"{text}, stated {allowed:.3g} s")
-            relative = share * (errors[0].impulse + errors[1].impulse) + 64.0 * EPS
             # What has moved for no more than round-off of the clock strikes with round-off.
             counts = one.kind is EventKind.COLLISION and max(one.t, other.t) > clock
-            texts = list(_impulses(one, other, relative)) if counts else []
-            if texts and not _left_over(one, first, instant):
+            texts = list(_impulses(one, other, errors, share)) if counts else []
+            # Two events nearer than the clock tells them apart are in one instant.
+            if texts and not _left_over(one, first, clock):
                 yield from (Violation(kind, text) for text in texts)
             i, j = i + 1, j + 1
         elif _ends_series(one, other):
@@ -132,44 +130,15 @@ def _left_over(hit: Event, events: list[Event], instant: float) -> bool:
     return max(map(abs, hit.P_N.values())) <= _ROUND_OFF * largest
 
 
-def _impulses(one: Event, other: Event, relative: float) -> Iterator[str]:
-    """Impulses of one collision in two solutions."""
+def _impulses(
+    one: Event, other: Event, errors: tuple[EventError, EventError], share: float
+) -> Iterator[str]:
+    """Impulses of one collision in two solutions: each has a stated error of its own."""
     for name, impulse in one.P_N.items():
         against = other.P_N.get(name, 0.0)
-        size = max(abs(impulse), abs(against))
-        if not abs(impulse - against) <= relative * size:
-            text = f"event {one.number}: impulses {impulse:.6g} and {against:.6g}"
-            yield f"{text}, stated {relative:.3g} of them"
-
-
-def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
-    """A transition by the reduced engine, within the errors that both state; None if it refuses."""
-    from ...reduced import Status, build, transitions, unfit
-
-    mechanism, case = direct.mechanism, direct.case
-    if unfit(mechanism, case.drive) is not None:
-        return None
-    stop = mechanism.transition_stop
-    try:
-        model = build(mechanism)
-    except InputError:
-        return None
-    batch = transitions(
-        model,
-        speed_rpm=np.array([case.speed_rpm]),
-        restitution=np.array([mechanism.stop(stop).restitution]),
-        stiffness=np.array([[spring.stiffness for spring in mechanism.springs]]),
-        preload=np.array([[spring.preload for spring in mechanism.springs]]),
-        rest_rate=case.rest_rate,
-        tolerance=max(tolerance, 1e-12),
-        max_collisions=case.max_collisions,
-    )
-    if Status(int(batch.status[0])) is not Status.AT_REST or not direct.transitions:
-        return None
-    found = direct.transitions[-1].duration
-    last = direct.events[-1]
-    stated = _AGREED * (direct.errors[last.number - 1].time + float(batch.duration_error[0]))
-    off = abs(found - float(batch.duration[0]))
-    if off <= stated + 16.0 * EPS * (found + 1e-6 * direct.shaft.period):
-        return []
-    return [Violation("engines", f"durations differ by {off:.3g} s, stated {stated:.3g} s")]
+        stated = share * sum(error.impulses.get(name, 0.0) for error in errors)
+        # Numbers have digits of their own, whatever is stated of them.
+        stated += 64.0 * EPS * max(abs(impulse), abs(against))
+        if not abs(impulse - against) <= stated:
+            text = f"event {one.number}: impulses of {name} {impulse:.6g} and {against:.6g}"
+            yield f"{text} differ by {abs(impulse - against):.3g}, stated {stated:.3g}"

@@ -16,7 +16,8 @@ from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.simulate import simulate
 from ...hybrid.solution import Outcome
-from .agreement import bits, engines_agree, mirror_images, same_bits, within_errors
+from .agreement import bits, mirror_images, same_bits, within_errors
+from .engines import engines_agree
 from .invariants import Violation, violations
 from .space import Trial
 
