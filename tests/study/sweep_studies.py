@@ -45,6 +45,33 @@ values = [2.0, 2.2, 2.4]
 [parameters.speed_rpm]
 values = [450.0, 650.0]
 """
+FULL = """
+model = "e62"
+chunk = 3
+quantities = ["duration_s", "rebound_amplitude_1"]
+[case]
+speed_rpm = 512.5
+drive = "inertial"
+rest_rate = 2e-4
+tolerance = 1e-3
+max_collisions = 77
+[set]
+"stops.steeve.restitution" = 0.21
+[samples]
+method = "latin_hypercube"
+count = 6
+seed = 9
+[parameters.restitution]
+low = 0.1
+high = 0.3
+[parameters.preload]
+low = 9.0
+high = 16.0
+points = 3
+scale = "log"
+[parameters."links.top_nipper.mass_kg"]
+values = [1.4, 1.1]
+"""
 
 
 def study(folder: Path, text: str, name: str = "study") -> str:

@@ -86,7 +86,7 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     step = 1 if most is None else -(-int(document["scenarios"]) // most)
     # Every k-th scenario has to meet all values of the grids: k shares no factor with them.
     sizes = 2 * math.prod(len(axis["values"]) or 1 for axis in document["axes"])
-    while step > 1 and math.gcd(step, sizes) > 1:
+    while math.gcd(step, sizes) > 1:
         step += 1
     parts, stored = [], 0
     for file in files:
