@@ -1,0 +1,253 @@
+"""From a mechanism to its tables: every number of a model by the direct engine, and refusals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev
+from written_tables import bounded
+
+from nipper_pin import Case, InputError, Resolution, load, simulate
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid.solution import Solution
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.reduced import ReducedModel, build, sampling, unfit
+from nipper_pin.reduced.arrival import found_opening
+from nipper_pin.reduced.functions import Sampler
+
+RPM = 450.0
+SPEED = RPM * math.tau / 60.0
+
+
+@pytest.fixture(scope="module")
+def turn(e62: Mechanism) -> Solution:
+    case = Case(speed_rpm=RPM, window="cycle", resolution=Resolution(tolerance=1e-12))
+    return simulate(e62, case)
+
+
+@pytest.fixture(scope="module")
+def system(e62: Mechanism) -> System:
+    return System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad))
+
+
+def sampler_of(system: System, name: str) -> Sampler:
+    stop = system.mechanism.stop(name)
+    return Sampler(system, sampling._split(system, stop.index, name), stop.index, ())
+
+
+def hits(turn: Solution, stop: str) -> Any:
+    return next(item for item in turn.collisions if item.stop == stop)
+
+
+def travel_of(e62: Mechanism, angle: float) -> float:
+    cylinder = e62.cylinder
+    return float(cylinder.sense * (angle - cylinder.angle_at_touch_rad) % math.tau)
+
+
+def test_every_number_of_a_model(model: ReducedModel, e62: Mechanism, turn: Solution) -> None:
+    """Those of its mechanism, and rate and opening as a simulated turn has them."""
+    jaw = e62.stop("jaw")
+    assert (model.name, model.stop) == ("e62", "jaw")
+    assert (model.springs, model.other_stops) == (("steeve",), ("steeve",))
+    assert model.touch_angle_rad == e62.cylinder.angle_at_touch_rad
+    assert (model.sense, model.lever, model.restitution) == (-1, jaw.lever, jaw.restitution)
+    assert model.stiffness.tolist() == [9000.0]
+    assert model.preload == pytest.approx([0.011])
+    assert (model.gravity_m_s2, model.tolerance) == (9.81, 1e-11)
+    first = hits(turn, "jaw")
+    assert model.approach_rate * SPEED == pytest.approx(first.approach_rate, rel=1e-9)
+    assert 1e-17 < model.approach_residual < 1e-13
+    opening = hits(turn, "steeve")
+    assert model.travel_rad == pytest.approx(travel_of(e62, opening.cylinder_angle), abs=1e-9)
+    assert -0.1 * model.gap_max < model.gap_low < -0.05 * model.gap_max
+    # Ballistic from half of the rate at one and a half times the rated speed, and a quarter more.
+    rate = 0.5 * 1.5 * model.approach_rate * SPEED
+    fast = System(e62, ShaftMotion(e62, 1.5 * SPEED, e62.cylinder.angle_at_touch_rad))
+    q = np.zeros((1, len(e62.joints)))
+    sampler = sampler_of(fast, "jaw")
+    n, m = sampler.rates(np.zeros(1), q)
+    a = fast.accelerations(
+        fast.shaft.driven(np.zeros(1)), q, m - rate * n, fast.constraint_set(frozenset())
+    )
+    assert model.gap_max == pytest.approx(1.25 * rate**2 / (2.0 * -a[0, jaw.index]), rel=1e-6)
+
+
+@pytest.mark.parametrize("waiting", [False, True])
+def test_bounds_of_values_and_slopes(model: ReducedModel, waiting: bool) -> None:
+    """By another grid: neither of them holds the very worst points, edges are on both."""
+    tables = model.arrival.tables if waiting else model.tables
+    found = bounded(tables)
+    for name in ("largest", "steepest_x", "steepest_u"):
+        np.testing.assert_allclose(getattr(tables, name), getattr(found, name), rtol=5e-2)
+    assert (tables.residual > 0.0).all()
+    assert (tables.residual < 1e-7 * tables.largest).all()
+    assert 0.0 < tables.inertia_residual < 1e-7
+
+
+def test_tables_between_opening_and_touch(
+    model: ReducedModel, e62: Mechanism, turn: Solution
+) -> None:
+    """Where they begin, how far they reach, and the collision that throws the jaw open."""
+    tables, steeve = model.arrival.tables, e62.stop("steeve")
+    opening = hits(turn, "steeve")
+    at = travel_of(e62, opening.cylinder_angle)
+    assert (model.arrival.why, model.arrival.asked) == ("", True)
+    assert model.arrival.turn.known == 1.0
+    assert model.arrival.turn.opening == pytest.approx(at, abs=1e-9)
+    assert tables.travel == pytest.approx(math.tau - at, abs=1e-9)
+    assert tables.approach * SPEED == pytest.approx(opening.approach_rate, rel=1e-8)
+    assert 1e-17 < tables.approach_residual < 1e-13
+    assert model.arrival.turn.restitution == steeve.restitution
+    assert (tables.sense, tables.lever) == (-1.0, steeve.lever)
+    assert tables.touch_angle == e62.cylinder.angle_at_touch_rad
+    assert tables.low == pytest.approx(-tables.high / 16.0)
+    # As high as the steeve goes with the jaw in the touch configuration.
+    n, _ = sampler_of(
+        System(e62, ShaftMotion(e62, 1.0, e62.cylinder.angle_at_touch_rad)), "jaw"
+    ).rates(np.zeros(1), np.zeros((1, len(e62.joints))))
+    assert tables.high == pytest.approx(n[0, steeve.index] * model.gap_max, rel=1e-12)
+    assert tables.gaps.shape[0] == 0
+
+
+@pytest.mark.parametrize("name", ["jaw", "steeve"])
+@pytest.mark.parametrize("share", [0.03, 0.4, 0.77, 0.99])
+def test_what_presses_the_stops(
+    model: ReducedModel, e62: Mechanism, name: str, share: float
+) -> None:
+    """x'' at x = x' = 0 while the jaw clamps, y'' at y = y' = 0 while the steeve waits."""
+    arrival, speed = model.arrival.turn, 50.0
+    series, begin, length = (
+        (arrival.clamping, 0.0, arrival.opening)
+        if name == "jaw"
+        else (arrival.waiting, arrival.opening - math.tau, math.tau - arrival.opening)
+    )
+    fast = System(e62, ShaftMotion(e62, speed, e62.cylinder.angle_at_touch_rad))
+    sampler = sampler_of(fast, name)
+    u = begin + share * length
+    q = sampler.grid(np.array([u / speed]), np.zeros(1))[0]
+    _, m = sampler.rates(np.array([u / speed]), q)
+    a = fast.accelerations(
+        fast.shaft.driven(np.array([u / speed])), q, m, fast.constraint_set(frozenset())
+    )
+    cells = series.shape[1]
+    cell = int(share * cells)
+    f = chebyshev.chebval(2.0 * (share * cells - cell) - 1.0, series[:, cell].T)
+    found = f[0] * speed**2 + f[3] + 9000.0 * (0.011 * f[4] + f[5])
+    assert found == pytest.approx(a[0, e62.stop(name).index], rel=1e-7)
+    assert ((arrival.residual > 0.0) & (arrival.residual < 1e-7 * np.abs(f).max())).all()
+
+
+def test_the_jaw_at_the_touch_by_the_steeve(model: ReducedModel, system: System) -> None:
+    """Its coordinate and both derivatives, by differences of closed configurations."""
+    tables, turn = model.arrival.tables, model.arrival.turn
+    sampler, jaw = sampler_of(system, "steeve"), system.mechanism.stop("jaw").index
+    assert turn.touch.shape[0] == 3
+    assert ((turn.touch_errors > 0.0) & (turn.touch_errors < 1e-9)).all()
+    step = 1e-4
+    for y in (0.0, 0.3 * tables.high, 0.9 * tables.high):
+        place = (2.0 * y - tables.low - tables.high) / (tables.high - tables.low)
+        x, by_y, by_u = (chebyshev.chebval(place, row) for row in turn.touch)
+        around = sampler.grid(np.zeros(1), np.array([y - step, y, y + step]))[0, :, jaw]
+        assert x == pytest.approx(around[1], rel=1e-9, abs=1e-12)
+        assert by_y == pytest.approx((around[2] - around[0]) / (2.0 * step), rel=1e-4)
+        later, before = (
+            sampler.grid(np.array([u]), np.array([y]))[0, 0, jaw] for u in (step, -step)
+        )
+        assert by_u == pytest.approx((later - before) / (2.0 * step), rel=1e-4, abs=1e-7)
+
+
+def test_the_opening_is_found_to_round_off(system: System, e62: Mechanism) -> None:
+    sampler = sampler_of(system, "jaw")
+    opening = found_opening(sampler, e62.stop("steeve"))
+    assert opening is not None
+    assert abs(e62.stop("steeve").gap(opening.q[0])) < 1e-14
+    (row,) = sampler.along(np.array([opening.travel]), np.zeros(1), np.zeros((1, len(e62.joints))))
+    np.testing.assert_allclose(opening.q, row, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("field", "words"), [("tabulated_springs", "table of spring A"), ("dampers", "damper A")]
+)
+def test_what_has_other_elements_is_unfit(e62: Mechanism, field: str, words: str) -> None:
+    """They are told by their names."""
+    why = unfit(replace(e62, **{field: (replace(e62.springs[0], name="A"),)}))
+    assert why == f"the reduced engine has linear springs on joints only, no {words}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"transition_stop": "steeve"}, "stop 'steeve' is closed in the initial phase"),
+        ({"initial_phase": 3}, "leaves a freedom: its velocity does not follow"),
+        ({"drives": ()}, "one degree of freedom in flight, and 3 are left"),
+    ],
+)
+def test_what_moves_otherwise_is_unfit(e62: Mechanism, changes: dict[str, Any], words: str) -> None:
+    """In the third phase all stops are open."""
+    assert e62.phase(3).closed == frozenset()
+    assert words in str(unfit(replace(e62, **changes)))
+
+
+def test_stops_elsewhere_and_on_drives_are_unfit(e62: Mechanism) -> None:
+    jaw, steeve = (e62.stop(name) for name in ("jaw", "steeve"))
+    upper = replace(e62, stops=(jaw, replace(steeve, sense=-1.0, contact=None)))
+    assert "lower stops at coordinate zero, and 'steeve' is another" in str(unfit(upper))
+    driven = replace(e62, stops=(replace(jaw, index=e62.drives[0].index), steeve))
+    assert "stop 'jaw' is on a driven coordinate" in str(unfit(driven))
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "allowed"),
+    [
+        ({"travel_rad": 0.0}, "travel_rad", "0 to 2 pi"),
+        ({"travel_rad": -1.0}, "travel_rad", "0 to 2 pi"),
+        ({"travel_rad": 6.29}, "travel_rad", "0 to 2 pi"),
+        ({"travel_rad": math.nan}, "travel_rad", "0 to 2 pi"),
+        ({"gap_max": 0.0}, "gap_max", "above zero"),
+        ({"gap_max": math.inf}, "gap_max", "above zero"),
+        ({"tolerance": 0.9e-13}, "tolerance", "1e-13 to 1e-3"),
+        ({"tolerance": 1.1e-3}, "tolerance", "1e-13 to 1e-3"),
+        ({"tolerance": math.nan}, "tolerance", "1e-13 to 1e-3"),
+    ],
+)
+def test_domains_that_cannot_be(
+    e62: Mechanism, given: dict[str, float], key: str, allowed: str
+) -> None:
+    """Name, value and limits, in the evidence and in the words."""
+    with pytest.raises(InputError) as caught:
+        build(e62, **given)  # type: ignore[arg-type]
+    value = given[key]
+    evidence = caught.value.evidence
+    assert (evidence["key"], evidence["allowed"]) == (key, allowed)
+    assert repr(evidence["value"]) == repr(value)
+    assert str(caught.value) == f"reduced model: {key} = {value!r} cannot be used: {allowed}"
+
+
+def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
+    """At their limits tolerances are allowed; what is given is taken."""
+    model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02, turn=False)
+    assert (model.tolerance, model.travel_rad, model.gap_max) == (1e-3, 1.0, 0.02)
+    assert model.gap_low == -0.02 / 16.0
+    assert model.tables.steepest_u == pytest.approx(bounded(model.tables).steepest_u, rel=5e-2)
+    assert (model.arrival.why, model.arrival.asked) == (
+        "the rest of the turn was not sampled",
+        True,
+    )
+    assert model.arrival.turn.known == 0.0
+
+
+def test_a_machine_that_opens_at_its_touch_is_refused() -> None:
+    """Run the other way round, the jaw moves away; a spring that pulls presses nothing shut."""
+    back = load("e62", {"cylinder.direction": "counter-clockwise"})
+    with pytest.raises(InputError, match="'jaw' is not closing in the touch configuration") as told:
+        build(back)
+    assert told.value.evidence["stop"] == "jaw"
+    assert told.value.evidence["rate"] == pytest.approx(-build(load("e62")).approach_rate)
+    with pytest.raises(InputError, match=r"not pressed shut .* at 1.5 times the rated") as told:
+        build(load("e62", {"springs.steeve.preload_length_mm": -60.0}))
+    assert told.value.evidence == {"stop": "jaw"}
