@@ -1,0 +1,168 @@
+"""What a browser gets from the servers of both pages, and how they begin and end."""
+
+from __future__ import annotations
+
+import _thread
+import http.client
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from io import StringIO
+from typing import Any
+
+import pytest
+
+from nipper_pin import Mechanism
+from nipper_pin.view.scene.server import serve
+
+PAGE = "<!DOCTYPE html>\n<p>\N{GREEK SMALL LETTER PSI}</p>"
+
+
+class Output(StringIO):
+    """A stream that counts how often it is flushed."""
+
+    flushed = 0
+
+    def flush(self) -> None:
+        self.flushed += 1
+
+
+@pytest.fixture
+def output() -> Output:
+    return Output()
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch, output: Output) -> list[tuple[str, int]]:
+    """Addresses that a browser was sent to, and how often stdout was flushed before."""
+    found: list[tuple[str, int]] = []
+    monkeypatch.setattr(
+        "webbrowser.open", lambda address: found.append((address, output.flushed)) or True
+    )
+    return found
+
+
+@pytest.fixture
+def port() -> int:
+    with closing(socket.socket()) as trial:
+        trial.bind(("127.0.0.1", 0))
+        return int(trial.getsockname()[1])
+
+
+@pytest.fixture
+def beside() -> Iterator[Callable[[Callable[[], Any]], list[Any]]]:
+    """Ask a server from beside it, and press Ctrl-C; the answers, or what went wrong."""
+    threads: list[threading.Thread] = []
+    over = threading.Event()
+
+    def start(ask: Callable[[], Any]) -> list[Any]:
+        found: list[Any] = []
+
+        def work() -> None:
+            try:
+                found.append(ask())
+            except Exception as error:
+                found.append(error)
+            if not over.is_set():
+                _thread.interrupt_main()
+
+        threads.append(threading.Thread(target=work))
+        threads[-1].start()
+        return found
+
+    yield start
+    over.set()
+    for thread in threads:
+        thread.join()
+
+
+def get(port: int, path: str) -> tuple[int, dict[str, str], bytes]:
+    """Status, headers and body, as soon as the server is there."""
+    until = time.monotonic() + 30.0
+    while True:
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30.0)
+        try:
+            connection.request("GET", path)
+            reply = connection.getresponse()
+            return reply.status, dict(reply.getheaders()), reply.read()
+        except ConnectionRefusedError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.02)
+        finally:
+            connection.close()
+
+
+@pytest.mark.parametrize("browser", [True, False])
+def test_the_page_of_a_scene(
+    browser: bool,
+    port: int,
+    output: Output,
+    opened: list[tuple[str, int]],
+    beside: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """At one address, whatever follows a question mark, not to be kept; nothing else is there."""
+    paths = ("/", "/?again", "/other")
+    answers = beside(lambda: [get(port, path) for path in paths])
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", output)
+        serve(PAGE, port, browser=browser)
+    assert isinstance(answers[0], list), answers
+    first, again, other = answers[0]
+    assert again[0] == first[0] == 200
+    assert again[2] == first[2] == PAGE.encode()
+    assert other[0] == 404
+    assert PAGE.encode() not in other[2]
+    assert first[1]["Content-Type"] == "text/html; charset=utf-8"
+    assert first[1]["Content-Length"] == str(len(PAGE.encode()))
+    assert first[1]["Cache-Control"] == "no-store"
+    address = f"http://127.0.0.1:{port}/"
+    assert output.getvalue() == f"the scene is at {address} ; Ctrl-C ends\n\n"
+    assert opened == ([(address, 1)] if browser else [])
+    # Requests are not reported, and the port is free again.
+    assert capfd.readouterr().err == ""
+    with closing(socket.socket()) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        trial.bind(("127.0.0.1", port))
+
+
+@pytest.mark.parametrize("browser", [True, False])
+def test_the_live_page(
+    browser: bool,
+    port: int,
+    output: Output,
+    opened: list[tuple[str, int]],
+    e62: Mechanism,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Built with the sliders of the model, announced, opened if asked, and stopped at the end."""
+    pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+    from nipper_pin.view.live import serve as module
+
+    said: list[Any] = []
+
+    class Page:
+        def __init__(self, server: Any, mechanism: Mechanism, controls: Any) -> None:
+            said.append((server.get_port(), mechanism.name, controls[0].start))
+            stop = server.stop
+            monkeypatch.setattr(server, "stop", lambda: (said.append("stopped"), stop()))
+
+        def run(self) -> None:
+            said.append("run")
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "Page", Page)
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", output)
+        module.serve_live(e62, 432.0, port, browser=browser)
+    assert said == [(port, "e62", 432.0), "run", "stopped"]
+    address = f"http://127.0.0.1:{port}/"
+    assert output.getvalue() == f"the page is at {address} ; Ctrl-C ends\n\n"
+    assert [item for item, _ in opened] == ([address] if browser else [])
+    assert all(flushed >= 1 for _, flushed in opened)
+    assert output.flushed >= 1
