@@ -1,0 +1,295 @@
+"""What a campaign reads off the texts of a model, and what their mirror images are, by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from nipper_pin.study.stress import looking, model_invariants, rebound_invariants
+from nipper_pin.study.stress.from_text import Text
+from nipper_pin.study.stress.mirror import mirrored
+from nipper_pin.study.stress.parts import Source
+
+INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
+# Two chains of hinges and slides about skew axes, and a link that is fixed to one of them.
+TREE = f"""<robot name="tree"><link name="frame"/>
+<link name="one"><inertial><origin xyz="0.1 0.2 -0.3" rpy="0.4 -0.5 0.6"/><mass value="2.5"/>
+{INERTIA}</inertial></link>
+<link name="two"><inertial><mass value="0.7"/>{INERTIA}</inertial></link>
+<link name="three"><inertial><origin xyz="0 0.3 0.1"/><mass value="1.2"/>{INERTIA}</inertial></link>
+<link name="tail"><inertial><origin xyz="0.3 0 0" rpy="0 0 1.1"/><mass value="0.4"/>{INERTIA}
+</inertial></link>
+<joint name="a" type="continuous"><parent link="frame"/><child link="one"/>
+<origin xyz="0.5 -0.1 0.2" rpy="0.3 0.2 -0.9"/><axis xyz="1 2 -2"/></joint>
+<joint name="b" type="prismatic"><parent link="one"/><child link="two"/>
+<origin xyz="0.2 0.4 0.1" rpy="-0.7 0.1 0.5"/><axis xyz="0 3 4"/>
+<limit lower="-9" upper="9" effort="9" velocity="9"/></joint>
+<joint name="c" type="continuous"><parent link="two"/><child link="three"/>
+<origin xyz="0 0.3 0.2"/><axis xyz="-1 1 0.5"/></joint>
+<joint name="tail_fixed" type="fixed"><parent link="three"/><child link="tail"/>
+<origin xyz="0.2 0.1 0.4" rpy="0.2 0.3 0.4"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize("order", [["a", "b", "c"], ["c", "a", "b"]])
+def test_inertias_of_a_tree_in_space(order: list[str]) -> None:
+    """Mass matrix and weight by Pinocchio's recursions, in any order of the coordinates."""
+    model = pin.buildModelFromXML(TREE)
+    # A hinge without limits is a point of the circle there.
+    model.gravity.linear = np.array([0.0, 0.0, -7.5])
+    data = model.createData()
+    q = {"a": 0.8, "b": -0.35, "c": 2.1}
+    pin_q = np.array([math.cos(0.8), math.sin(0.8), -0.35, math.cos(2.1), math.sin(2.1)])
+    matrix = pin.crba(model, data, pin_q)
+    matrix = np.triu(matrix) + np.triu(matrix, 1).T
+    weight = pin.computeGeneralizedGravity(model, data, pin_q)
+    places = ["abc".index(name) for name in order]
+    text = Text(TREE, {"gravity_m_s2": 7.5}, order)
+    found = text.inertias(np.array([q[name] for name in order]))
+    assert found.mass_matrix == pytest.approx(matrix[np.ix_(places, places)], abs=1e-13)
+    assert found.weight == pytest.approx(weight[places], abs=1e-13)
+
+
+def test_sizes_of_weights_and_the_block_of_a_slot() -> None:
+    """Two masses on a hinge at (3, 4) and (-3, 0); the block slides from where the pin is."""
+
+    def link(name: str, mass: float, place: str) -> str:
+        return (
+            f'<link name="{name}"><inertial><origin xyz="{place}"/><mass value="{mass}"/>'
+            '<inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        )
+
+    def fixed(name: str, parent: str, place: str) -> str:
+        return (
+            f'<link name="{name}"/><joint name="{name}_f" type="fixed"><parent link="{parent}"/>'
+            f'<child link="{name}"/><origin xyz="{place}" rpy="0 -0.5 0"/></joint>'
+        )
+
+    urdf = (
+        '<robot name="r"><link name="frame"/>'
+        + link("arm", 2.0, "3 0 4") + link("back", 5.0, "-3 0 0")
+        + '<joint name="h" type="continuous"><parent link="frame"/><child link="arm"/>'
+        '<axis xyz="0 -1 0"/></joint><joint name="back_f" type="fixed"><parent link="arm"/>'
+        '<child link="back"/></joint>' + fixed("slot", "arm", "1 0 0")
+        + fixed("pin", "frame", "2 0 1")
+        + "</robot>"
+    )  # fmt: skip
+    still = Text(urdf, {"gravity_m_s2": 10.0}, ["h"]).inertias(np.zeros(1))
+    # The sizes of 2 * 3 and 5 * 3, and no less for heights that do not count: 2 * 4 beside 2 * 3.
+    assert still.weight == pytest.approx([10.0 * (2.0 * 3.0 - 5.0 * 3.0)])
+    assert still.weight_size == pytest.approx([10.0 * (2.0 * 4.0 + 5.0 * 3.0)])
+    assert still.mass_matrix == pytest.approx(np.array([[2.0 * 25.0 + 5.0 * 9.0]]))
+    for axis, towards in (("x", (math.cos(0.5), math.sin(0.5))),
+                          ("z", (-math.sin(0.5), math.cos(0.5)))):  # fmt: skip
+        closure = {"frame_a": "slot", "frame_b": "pin", "slot_axis": axis, "block_mass_kg": 0.25}
+        text = Text(urdf, {"gravity_m_s2": 10.0, "closures": {"s": closure}}, ["h", "s"])
+        along = 1.0 * towards[0] + 1.0 * towards[1] + 0.5
+        x, z = 1.0 + along * towards[0], along * towards[1]
+        found = text.inertias(np.array([0.0, 0.5]))
+        # A hinge counts counter-clockwise: it moves (x, z) by (-z, x).
+        cross = -z * towards[0] + x * towards[1]
+        matrix = [[95.0 + 0.25 * (x * x + z * z), 0.25 * cross], [0.25 * cross, 0.25]]
+        assert found.mass_matrix == pytest.approx(np.array(matrix))
+        assert found.weight == pytest.approx([-90.0 + 2.5 * x, 2.5 * towards[1]])
+
+
+def element(**values: Any) -> Any:
+    return SimpleNamespace(**values)
+
+
+DOCUMENT: dict[str, Any] = {
+    "springs": {
+        "strut": {"frame_a": "a", "stiffness_N_per_m": 5.0, "free_length_mm": 120.0},
+        "push": {"coordinate_mm": [-10.0, 20.0], "force_N": [3.0, 4.0]},
+        "twist": {"coordinate_deg": [-90.0, 180.0], "torque_N_m": [5.0, 6.0]},
+        "coil": {"stiffness_N_m_per_rad": 7.0, "preload_deg": 90.0},
+        "bar": {"stiffness_N_per_m": 8.0, "preload_length_mm": 11.0},
+    },
+    "dampers": {"oil": {"joint": "h", "damping_N_s_per_m": 0.5},
+                "gas": {"damping_N_m_s_per_rad": 0.75}},
+    "stops": {"low": {"restitution": 0.25, "at_deg": 45.0},
+              "high": {"restitution": 0.5, "at_mm": 30.0, "side": "upper"}},
+    "drives": {"main": {"reflected_inertia_kg_m2": 2.0, "shaft_frequency_hz": 10.0,
+                        "shaft_damping_ratio": 0.125, "law": "screw"},
+               "stiff": {"reflected_mass_kg": 3.0}},
+}  # fmt: skip
+
+
+def machine(**changes: Any) -> Any:
+    """The machine of the document."""
+    rows = [
+        element(name="push", characteristic=element(coordinate=[-0.01, 0.02], force=[3.0, 4.0])),
+        element(name="twist", characteristic=element(coordinate=[-math.pi / 2, math.pi],
+                                                     force=[5.0, 6.0])),
+    ]  # fmt: skip
+    given = {
+        "description": DOCUMENT, "tabulated_springs": rows,
+        "springs": [element(name="coil", stiffness=7.0, preload=math.pi / 2),
+                    element(name="bar", stiffness=8.0, preload=0.011)],
+        "dampers": [element(name="oil", damping=0.5)],
+        "struts": [element(name="strut", kind="spring", stiffness=5.0, free_length=0.12,
+                           damping=9.0),
+                   element(name="gas", kind="damper", stiffness=1.0, free_length=2.0,
+                           damping=0.75)],
+        "stops": [element(name="low", restitution=0.25, at=math.pi / 4, sense=1.0),
+                  element(name="high", restitution=0.5, at=0.03, sense=-1.0)],
+        "drives": [element(name="main", reflected_inertia=2.0, shaft_frequency_hz=10.0,
+                           shaft_damping_ratio=0.125),
+                   element(name="stiff", reflected_inertia=3.0, shaft_frequency_hz=0.0,
+                           shaft_damping_ratio=0.0)],
+    }  # fmt: skip
+    return element(**{**given, **changes})
+
+
+def test_numbers_of_elements() -> None:
+    """Of the document in SI units, and of the machine; they are the same."""
+    wanted = {
+        "spring strut": (5.0, 0.12), "spring push": (-0.01, 0.02, 3.0, 4.0),
+        "spring twist": (-math.pi / 2, math.pi, 5.0, 6.0), "spring coil": (7.0, math.pi / 2),
+        "spring bar": (8.0, 0.011), "damper oil": (0.5,), "damper gas": (0.75,),
+        "stop low": (0.25, math.pi / 4, 1.0), "stop high": (0.5, 0.03, -1.0),
+        "drive main": (2.0, 10.0, 0.125), "drive stiff": (3.0, 0.0, 0.0),
+    }  # fmt: skip
+    for found in (model_invariants._told(machine()), model_invariants._found(machine())):
+        assert list(sorted(found)) == sorted(wanted)
+        for name, numbers in wanted.items():
+            assert found[name] == pytest.approx(numbers, rel=1e-15)
+
+
+def full() -> Source:
+    """A model that has everything that can be mirrored."""
+    urdf = (
+        '<robot name="m"><link name="frame"><visual><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/>'
+        '</visual></link><joint name="turns" type="continuous"><origin xyz="4 0 5"/>'
+        '<axis xyz="0 -1 0"/></joint><joint name="swings" type="revolute"><axis xyz="0 -1 0"/>'
+        '</joint><joint name="slides" type="prismatic"><axis xyz="0.6 0 0.8"/></joint></robot>'
+    )
+    springs = {
+        "coil": {"joint": "turns", "stiffness_N_m_per_rad": 2.0, "preload_deg": 10.0},
+        "bar": {"joint": "slides", "stiffness_N_per_m": 2.0, "preload_length_mm": 10.0},
+        "block": {"joint": "slot", "coordinate_mm": [-1.0, 2.0, 4.0], "force_N": [-7.0, 1.0, 9.0]},
+        "other": {"joint": "upright", "preload_length_mm": 3.0},
+        "twist": {"joint": "swings", "coordinate_deg": [-1.0, 5.0], "torque_N_m": [2.0, 3.0]},
+        "straight": {"joint": "slides", "coordinate_mm": [-1.0, 5.0], "force_N": [2.0, 3.0]},
+        "sled": {"joint": "slot", "preload_length_mm": 6.0},
+        "strut": {"frame_a": "a", "free_length_mm": 4.0},
+    }
+    stops = {
+        "low": {"joint": "turns", "at_deg": 20.0}, "high": {"joint": "swings", "side": "upper"},
+        "own": {"joint": "slides", "side": "upper", "at_mm": 3.0},
+        "slot": {"joint": "slot", "side": "lower", "at_mm": 2.0},
+    }  # fmt: skip
+    drives = {
+        "even": {"law": "constant_speed", "ratio": 2.0},
+        "waves": {"law": "fourier", "mean_rad": 0.5, "cosine_rad": [1.0, -2.0], "sine_rad": [3.0]},
+        "screw": {"law": "screw", "lead_mm_per_turn": 4.0},
+    }
+    closures = {"slot": {"slot_axis": "x"}, "upright": {"slot_axis": "z"}, "pin": {}}
+    document: dict[str, Any] = {
+        "springs": springs, "stops": stops, "drives": drives, "closures": closures,
+    }  # fmt: skip
+    return Source("m", urdf, document, "there")
+
+
+def test_mirror_image() -> None:
+    """Each key that changes its sign or its side, and no other."""
+    source = full()
+    image = mirrored(source)
+    assert image is not None
+    assert source == full()
+    assert (image.name, image.folder) == ("m", "there")
+    wanted = full().description
+    wanted["springs"]["coil"]["preload_deg"] = -10.0
+    wanted["springs"]["block"] |= {"coordinate_mm": [-4.0, -2.0, 1.0], "force_N": [-9.0, -1.0, 7.0]}
+    wanted["springs"]["twist"] |= {"coordinate_deg": [-5.0, 1.0], "torque_N_m": [-3.0, -2.0]}
+    wanted["springs"]["sled"]["preload_length_mm"] = -6.0
+    wanted["stops"]["low"] |= {"side": "upper", "at_deg": -20.0}
+    wanted["stops"]["high"]["side"] = "lower"
+    wanted["stops"]["slot"] |= {"side": "upper", "at_mm": -2.0}
+    wanted["drives"]["even"]["ratio"] = -2.0
+    wanted["drives"]["waves"] |= {
+        "mean_rad": -0.5, "cosine_rad": [-1.0, 2.0], "sine_rad": [-3.0],
+    }  # fmt: skip
+    assert image.description == wanted
+    root = ElementTree.fromstring(image.urdf)
+
+    def numbers(path: str, key: str) -> list[list[float]]:
+        return [[float(x) for x in item.get(key, "").split()] for item in root.iterfind(path)]
+
+    assert numbers(".//origin", "xyz") == [[-1, 2, 3], [-4, 0, 5]]
+    assert numbers(".//origin", "rpy") == [[0.1, -0.2, 0.3], []]
+    assert numbers(".//axis", "xyz") == [[0, -1, 0], [0, -1, 0], [-0.6, 0, 0.8]]
+
+
+@pytest.mark.parametrize("change", ["law", "contact"])
+def test_what_has_no_mirror_image(change: str) -> None:
+    source = full()
+    if change == "law":
+        source.description["drives"]["even"]["law"] = "oscillating_guide"
+    else:
+        source.description["stops"]["low"]["contact"] = {}
+    assert mirrored(source) is None
+    assert mirrored(replace(source, description={})) is not None
+
+
+@pytest.mark.parametrize(
+    ("count", "most", "places"),
+    [(0, 3, []), (1, 3, [0]), (3, 3, [0, 1, 2]), (4, 3, [0, 2, 3]), (9, 3, [0, 4, 8]),
+     (9, 4, [0, 3, 5, 8]), (2, 9, [0, 1])],
+)  # fmt: skip
+def test_places_that_are_looked_at(count: int, most: int, places: list[int]) -> None:
+    found = looking.some(count, most)
+    assert len(found) == len(places)
+    assert found[:1] + found[-1:] == places[:1] + places[-1:]
+    assert all(abs(one - other) <= 1 for one, other in zip(found, places, strict=True))
+
+
+def test_what_is_beyond_a_limit() -> None:
+    assert [*looking.beyond("x", 1.0, 1.0)] == []
+    assert [*looking.beyond("x", 1.25, 1.0)] == ["x: 1.25, at most 1"]
+    assert [*looking.beyond("x", math.nan, 1.0)] == ["x: nan, at most 1"]
+
+
+def test_panels_that_are_looked_at() -> None:
+    """Three of the panels of a segment, each with five times; copies of a turn once."""
+    panels = [SimpleNamespace(a=object()) for _ in range(7)]
+    pieces = [(panel, float(n), n + 0.5) for n, panel in enumerate(panels)]
+    one = SimpleNamespace(pieces=lambda: iter(pieces[:5]))
+    copy = SimpleNamespace(pieces=lambda: iter(pieces[4:]))
+    run: Any = SimpleNamespace(segments=[one, copy])
+    found = [*looking.looked_at(run)]
+    assert [(item[0] is one, panels.index(item[1])) for item in found] == [
+        (True, 0), (True, 2), (True, 4), (False, 5), (False, 6),
+    ]  # fmt: skip
+    assert found[1][2].tolist() == [2.0, 2.125, 2.25, 2.375, 2.5]
+
+
+def test_highest_gap_of_a_motion() -> None:
+    """A parabola's top to 1e-9 of its height; that of the higher of two stretches; or an end."""
+
+    def gap(t: np.ndarray) -> np.ndarray:
+        first = 0.3 - 5.0 * (t - 0.123) ** 2
+        second = 0.5 - 90.0 * (t - 0.876) ** 2
+        return np.where(t <= 0.5, first, second)
+
+    stop: Any = SimpleNamespace(gaps=lambda q: q)
+    trajectory = SimpleNamespace(
+        evaluate=lambda t, left: SimpleNamespace(q=gap(t - (1e-12 if left else -1e-12)))
+    )
+    segments = [SimpleNamespace(t_start=t) for t in (0.0, 0.5, 1.0)]
+    run: Any = SimpleNamespace(trajectory=trajectory, segments=segments)
+    assert rebound_invariants._highest(run, stop, 0.0, 1.0) == pytest.approx(0.5, rel=1e-9)
+    assert rebound_invariants._highest(run, stop, 0.0, 0.5) == pytest.approx(0.3, rel=1e-9)
+    assert rebound_invariants._highest(run, stop, 0.2, 0.4) == pytest.approx(
+        0.3 - 5.0 * 0.077**2, rel=1e-9
+    )
+    assert rebound_invariants._highest(run, stop, 0.0, 0.1) == pytest.approx(
+        0.3 - 5.0 * 0.023**2, rel=1e-9
+    )
