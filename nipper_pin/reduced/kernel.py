@@ -58,8 +58,6 @@ def _limit(series: FloatArray, count: int, changes: float) -> tuple[float, float
     """Extrapolate times to zero rate by Neville's scheme."""
     first = max(0, count - _POINTS)
     size = count - first
-    if size < 2:
-        return np.inf, np.inf
     for i in range(first, count - 1):
         if series[1, i + 1] >= series[1, i]:
             return np.inf, np.inf

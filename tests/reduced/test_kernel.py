@@ -26,6 +26,7 @@ from nipper_pin.reduced.layout import (
     IMPULSE_ERROR,
     LEFT_TRAVEL,
     NOT_PRESSED,
+    OTHER_STOP,
     RATE_ERROR,
     REBOUND,
     REBOUND_ERROR,
@@ -109,6 +110,8 @@ def test_every_row_of_a_transition_and_its_errors() -> None:
     status, (rest, error, share, bound), premise, table = run()
     count = table.shape[1]
     assert (status, premise) == (AT_REST, UNKNOWN)
+    # A limit is looked for from a thousandth of the fastest rebound on: 0.45^9.
+    assert count == 10
     rows = expected(count)
     assert sorted(rows) == list(range(COLUMNS))
     for row, values in rows.items():
@@ -132,14 +135,44 @@ def test_every_row_of_a_transition_and_its_errors() -> None:
 def test_a_series_that_is_nearly_over_is_closed_by_its_sum() -> None:
     """Two thousandth parts of what the limit needs: no extrapolation, and the same time of rest."""
     tables = tables_of(EQUATION, **{**TABLES, "approach": -1e-8, "approach_residual": 0.0})
-    status, (rest, error, _, _), _, table = run(tables)
+    status, (rest, error, share, _), _, table = run(tables)
     assert (status, table.shape[1]) == (AT_REST, 1)
+    assert math.isnan(share)
     assert rest == pytest.approx(2.0 * 1e-8 * SPEED * E_N / (A * (1.0 - E_N)), rel=1e-7)
     assert 0.0 <= error < rest
+    # Four times as much is ahead: more than a turn times the tolerance.
+    assert run(tables._replace(approach=-4e-8))[3].shape[1] > 1
     # With slopes x'' changes during the rest of the series, which is stated.
     steep = tables._replace(steepest_u=np.full(6, 1e5))
     _, (_, more, _, _), _, _ = run(steep)
     assert more > 0.5 * rest
+
+
+def test_the_limit_under_a_force_that_grows() -> None:
+    """x'' = -A (1 + u / 2): each bounce is a cubic, followed here until nothing is left."""
+    equation = EQUATION.copy()
+    equation[0, 0, 0, 0], equation[0, 0, 1, 0] = -0.25 * A * 2.25, -0.25 * A * 1.25
+    status, (rest, error, *_), _, table = run(tables_of(equation, **TABLES))
+    t, w = 0.0, -RATE * SPEED * E_N
+    while w > 1e-14:
+        a = -A * (1.0 + 0.5 * SPEED * t)
+        # w + a T / 2 - A T^2 / 6 = 0.
+        flight = np.roots([-A / 6.0, 0.5 * a, w])
+        T = float(flight[flight > 0.0].real.min())
+        t, w = t + T, -E_N * (w + a * T - 0.5 * A * T**2)
+    assert status == AT_REST
+    assert rest == pytest.approx(t, rel=1e-8)
+    assert abs(rest - t) <= error < 1e-6
+    assert table.shape[1] < 16
+
+
+def test_another_stop_may_be_closed_at_the_touch_only() -> None:
+    """The gap of the other stop grows with the travel from zero; it counts from then on."""
+    gaps = np.zeros((1, 1, 3, 3))
+    gaps[0, 0, 0, 0] = gaps[0, 0, 1, 0] = 0.3
+    assert run(tables_of(EQUATION, gaps=gaps, **TABLES))[0] == AT_REST
+    gaps[0, 0, 0, 0] -= 0.02
+    assert run(tables_of(EQUATION, gaps=gaps, **TABLES))[0] == OTHER_STOP
 
 
 def test_rest_by_a_rate() -> None:
@@ -231,13 +264,13 @@ def test_there_is_no_limit_of_one_bounce_or_of_growing_ones() -> None:
     assert np.isinf(kernel._limit(series, 3, 0.0)).all()
 
 
-@pytest.mark.parametrize("u", [-0.1, 0.0, 0.7, 1.3, 2.9, 3.0])
+@pytest.mark.parametrize("u", [-0.1, 0.0, 0.7, 1.3, 3.5, 3.6])
 def test_inertia_along_the_travel(u: float) -> None:
     """In the cell of the travel; at the ends in the outer ones."""
     inertia = np.array([[0.7, 0.1, 0.0, 0.02], [0.9, -0.2, 0.1, 0.0], [0.5, 0.3, 0.0, 0.1]])
-    tables = tables_of(level(-1.0, cells=3), travel=3.0, inertia=inertia)
-    cell = min(max(math.floor(u), 0), 2)
-    value = chebyshev.chebval(2.0 * (u - cell) - 1.0, inertia[cell])
+    tables = tables_of(level(-1.0, cells=3), travel=3.6, inertia=inertia)
+    cell = min(max(math.floor(u / 1.2), 0), 2)
+    value = chebyshev.chebval(2.0 * (u / 1.2 - cell) - 1.0, inertia[cell])
     assert kernel._inertia(tables, u) == pytest.approx(value, rel=1e-13)
 
 
@@ -297,6 +330,9 @@ def test_a_machine_that_arrives_in_flight_falls_onto_its_stop_first() -> None:
     assert assumed[3][APPROACH, 0] == pytest.approx(RATE * SPEED)
     low = tables_of(EQUATION, **{**TABLES, "high": 0.9 * x})
     assert run(low, y=y, turn=turn, assumed=False)[0] == UNTOLD
+    vague = y._replace(residual=np.array([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    told = run(y=vague, turn=turn, assumed=False)
+    assert (told[0], told[2]) == (UNTOLD, UNKNOWN)
 
 
 def test_a_batch_is_its_cases() -> None:

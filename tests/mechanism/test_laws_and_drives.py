@@ -1,0 +1,267 @@
+"""Drive laws and tables: units, gear trains, knots, defaults, and every row that is refused."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from nipper_pin.errors import InputError, ModelError, UnknownNameError
+from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table, description
+from nipper_pin.mechanism.cams import Cam
+from nipper_pin.mechanism.cylinder import Cylinder
+from nipper_pin.mechanism.drives import check_table
+from nipper_pin.mechanism.elements import Characteristic
+from nipper_pin.mechanism.laws import extreme_angle
+from tests.small_machines import hinge, link, machine, slide
+
+TURN = [math.radians(angle) for angle in range(0, 361, 45)]
+SWING = [0.1 * math.sin(angle) for angle in TURN[:-1]] + [0.0]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"angles": TURN[:5] + TURN[8:], "values": SWING[:6]}, "found 6 angles and 6 coordinates"),
+        ({"values": SWING[:-1]}, "at least 7 rows .* found 9 angles and 8 coordinates"),
+        ({"place": (3, "values", math.nan)}, "row 4 of the drive table holds a value"),
+        ({"place": (0, "angles", -math.inf)}, "row 1 of the drive table holds a value"),
+        ({"place": (5, "angles", TURN[4])}, "row 6 of the drive table has 180 after 180 deg"),
+        ({"place": (2, "angles", math.radians(30.0))}, "row 3 of .* has 30 after 45 deg"),
+        ({"place": (8, "angles", math.radians(359.0))}, "360 deg apart; it spans 359 deg"),
+        ({"place": (8, "angles", TURN[8] + 1.1e-9)}, "it spans 360 deg"),
+        ({"place": (8, "angles", TURN[8] - 1.1e-9)}, "it spans 360 deg"),
+        ({"place": (8, "values", 0.25)}, "found 0 and 0.25"),
+        ({"place": (8, "values", -1.1e-9)}, "need the same coordinate"),
+        ({}, ""),
+        ({"place": (8, "angles", TURN[8] + 0.9e-9)}, ""),
+        ({"place": (8, "values", -0.9e-9)}, ""),
+        ({"angles": TURN[:4] + TURN[6:], "values": SWING[:4] + SWING[6:]}, ""),
+    ],
+)
+def test_tables_of_drives(change: dict[str, Any], words: str) -> None:
+    """Rows are counted from 1; ends may differ by a billionth."""
+    rows = {"angles": list(TURN), "values": list(SWING)}
+    if "place" in change:
+        row, column, value = change["place"]
+        rows[column][row] = value
+    else:
+        rows |= change
+    if not words:
+        check_table(rows["angles"], rows["values"])
+        return
+    with pytest.raises(InputError, match=words) as caught:
+        check_table(rows["angles"], rows["values"])
+    assert caught.value.evidence == {"rows": len(rows["angles"])}
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "words"),
+    [
+        ([0.0], [1.0], "found 1 coordinates and 1 forces"),
+        ([0.0, 1.0], [1.0], "found 2 coordinates and 1 forces"),
+        ([0.0, 1.0], [1.0, math.nan], "row 2 of the spring table holds"),
+        ([0.0, 1.0], [-2e15, 1.0], r"row 1 .* at most 1e\+15"),
+        ([-2e15, 1.0], [0.0, 1.0], "row 1 of the spring table holds"),
+        ([0.0, 2e15], [0.0, 1.0], "row 2 of the spring table holds"),
+        ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], "row 3 of the spring table does not"),
+        ([0.0, -1.0, 1.0], [0.0, 1.0, 2.0], "row 2 of the spring table does not"),
+        ([0.0, 1.0, 1.0 + 5e-13], [0.0, 1.0, 2.0], "rows 2 and 3 of the spring table are too near"),
+        ([0.0, 1.0, 1.0 + 2e-12], [0.0, 1.0, 2.0], ""),
+        ([-1e15, 1e15], [-1e15, 1e15], ""),
+    ],
+)
+def test_tables_of_springs(x: list[float], y: list[float], words: str) -> None:
+    if not words:
+        assert Characteristic(coordinate=tuple(x), force=tuple(y)).ends == (x[0], x[-1])
+        return
+    with pytest.raises(InputError, match=words) as caught:
+        Characteristic(coordinate=tuple(x), force=tuple(y))
+    assert caught.value.evidence == {"rows": len(x)}
+
+
+def test_force_and_energy_of_a_straight_table() -> None:
+    """Rows on a line give the line, and beyond the ends for the length of the table, then no more.
+
+    The energy is the integral from the first row.
+    """
+    rows = Characteristic(coordinate=(-1.0, 0.0, 2.0), force=(1.0, 3.0, 7.0))
+    assert rows.reach == (-4.0, 5.0)
+    x = np.array([-1.0, 0.5, 2.0, 4.0, 5.0])
+    np.testing.assert_allclose(rows.forces(x), 3.0 + 2.0 * x, rtol=1e-14)
+    np.testing.assert_allclose(rows.forces(np.array([-9.0, 9.0])), [-5.0, 13.0], rtol=1e-14)
+    np.testing.assert_allclose(rows.energies(x), 3.0 * (x + 1.0) + x**2 - 1.0, rtol=1e-13)
+
+
+def test_a_series_with_more_sines_than_cosines_or_the_other_way_round() -> None:
+    psi = np.linspace(-3.0, 9.0, 41)
+    for cosine, sine in (((0.3,), (0.1, -0.2, 0.05)), ((0.1, 0.2, 0.3), ()), ((), ())):
+        value, first, second = Fourier(mean=0.7, cosine=cosine, sine=sine).evaluate(psi)
+        terms = [(n, c, 0.0) for n, c in enumerate(cosine, 1)]
+        terms += [(n, 0.0, s) for n, s in enumerate(sine, 1)]
+        waves = [(n, c * np.cos(n * psi), s * np.sin(n * psi)) for n, c, s in terms]
+        slopes = [(n, -c * np.sin(n * psi), s * np.cos(n * psi)) for n, c, s in terms]
+        zero = 0.0 * psi
+        np.testing.assert_allclose(value, sum((c + s for _, c, s in waves), zero + 0.7), atol=1e-14)
+        np.testing.assert_allclose(
+            first, sum((n * (c + s) for n, c, s in slopes), zero), atol=1e-14
+        )
+        expected = sum((-n * n * (c + s) for n, c, s in waves), zero)
+        np.testing.assert_allclose(second, expected, atol=1e-13)
+
+
+def test_knots_of_laws() -> None:
+    """Rows of a table but for the first, which is the last; of a cam ends and inner joints."""
+    table = Table(cylinder_angle_rad=tuple(TURN), coordinate=tuple(SWING))
+    assert table.knots_rad == tuple(TURN[1:])
+    assert Geared(of=table, ratio=3.0).knots_rad == table.knots_rad
+    assert ConstantSpeed(ratio=2.0).knots_rad == Fourier(mean=0.0).knots_rad == ()
+    cam = {"lift": 1.0, "start_rad": 0.2, "rise_rad": 1.6, "dwell_rad": 0.5, "return_rad": 0.8}
+    ends = (0.2, 1.8, 2.3, 3.1)
+    assert Cam(motion="cycloidal", **cam).knots_rad == pytest.approx(ends)
+    inner = (0.2, 0.4, 1.6, 1.8, 2.3, 2.4, 3.0, 3.1)
+    assert Cam(motion="modified_sine", **cam).knots_rad == pytest.approx(inner)
+    full = {**cam, "dwell_rad": math.tau - 2.4}
+    assert Cam(motion="cycloidal", **full).knots_rad[-1] == pytest.approx(0.2 + math.tau)
+    with pytest.raises(InputError, match="together they have 366 deg") as caught:
+        Cam(motion="cycloidal", **{**cam, "dwell_rad": math.radians(366.0) - 2.4})
+    assert caught.value.evidence["total_rad"] == pytest.approx(math.radians(366.0))
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.4, 2.0, 4.0, 6.2])
+@pytest.mark.parametrize("kind", ["minimum", "maximum"])
+def test_extremes_of_a_series(phase: float, kind: Any) -> None:
+    """Of sin(psi - phase): a quarter of a turn behind or before its zero, in [0, 2 pi)."""
+    law = Fourier(mean=1.0, cosine=(-math.sin(phase),), sine=(math.cos(phase),))
+    expected = (phase + (0.5 if kind == "maximum" else 1.5) * math.pi) % math.tau
+    assert extreme_angle(law, kind) == pytest.approx(expected, abs=1e-9)
+    assert extreme_angle(Fourier(mean=1.0, cosine=(4e-10,)), kind) is None
+    assert extreme_angle(Fourier(mean=1.0, cosine=(6e-10,)), kind) is not None
+    assert extreme_angle(ConstantSpeed(ratio=1e-9), kind) is None
+
+
+SHAFTS = [link("a"), hinge("a", "frame", "a"), link("b"), hinge("b", "frame", "b"),
+          link("c"), hinge("c", "frame", "c"), link("s"), slide("s", "frame", "s")]  # fmt: skip
+
+
+def driven(**drives: Any) -> Mechanism:
+    return machine(SHAFTS, 4, drives=drives)
+
+
+def test_gear_trains_and_screws() -> None:
+    """Ratios multiply, whatever the order of the drives; a lead is travel for a turn."""
+    mechanism = driven(
+        last={"joint": "c", "law": "geared", "of": "middle", "ratio": -3.0},
+        middle={"joint": "b", "law": "geared", "of": "first", "ratio": 0.5},
+        first={"joint": "a", "law": "fourier", "mean_rad": 0.3, "sine_rad": [0.2]},
+        screw={"joint": "s", "law": "screw", "lead_mm_per_turn": 5.0},
+    )
+    assert [item.name for item in mechanism.drives] == ["last", "middle", "first", "screw"]
+    psi = np.array([0.4, 7.0])
+    wave = 0.3 + 0.2 * np.sin(psi)
+    values = [item.law.evaluate(psi)[0] for item in mechanism.drives]
+    expected = [-1.5 * wave, 0.5 * wave, wave, 5e-3 * psi / math.tau]
+    np.testing.assert_allclose(values, expected, rtol=1e-13)
+    (series, ratios), (screw, alone) = mechanism.drive_trains
+    assert series is mechanism.drives[2].law
+    assert screw is mechanism.drives[3].law
+    assert ratios.tolist() == [[-1.5, 0.5, 1.0, 0.0]]
+    assert alone.tolist() == [[0.0, 0.0, 0.0, 1.0]]
+    at_touch = [-0.45, 0.15, 0.3, 0.0]
+    assert [item.law_at_touch for item in mechanism.drives] == pytest.approx(at_touch)
+    np.testing.assert_allclose(mechanism.drive_offsets[:, 0].sum(0), [-x for x in at_touch])
+    assert mechanism.drives[0].missing == (
+        "reflected_inertia_kg_m2", "shaft_frequency_hz", "shaft_damping_ratio",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("drives", "key", "value", "allowed"),
+    [
+        ({"x": ("a", "y"), "y": ("b", "x")}, "drives.y.of", "x", "a chain of gears must start at"),
+        ({"x": ("a", "y"), "y": ("b", "z"), "z": ("c", "y")}, "drives.z.of", "y", "not geared"),
+    ],
+)
+def test_circles_of_gears(drives: dict[str, Any], key: str, value: str, allowed: str) -> None:
+    tables = {
+        name: {"joint": joint, "law": "geared", "of": of, "ratio": 2.0}
+        for name, (joint, of) in drives.items()
+    }
+    with pytest.raises(ModelError) as caught:
+        driven(**tables)
+    evidence = caught.value.evidence
+    assert (evidence["file"], evidence["key"], evidence["value"]) == ("small.toml", key, value)
+    assert allowed in evidence["allowed"]
+
+
+def test_gears_of_nothing() -> None:
+    with pytest.raises(UnknownNameError, match=r"small.toml: drives.x.of: .*'y'; known: x"):
+        driven(x={"joint": "a", "law": "geared", "of": "y", "ratio": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("drive", "key", "value"),
+    [
+        ({"law": "table", "cylinder_angle_deg": [0.0, 360.0], "coordinate_rad": [0.0, 0.0]},
+         "cylinder_angle_deg", "2 rows"),
+        ({"law": "cam", "motion": "cycloidal", "lift_deg": 3.0, "rise_deg": 200.0,
+          "return_deg": 150.0, "dwell_deg": 20.0}, "dwell_deg", 20.0),
+        ({"law": "oscillating_guide", "crank_radius_mm": 30.0, "crank_axis_mm": [0.0, 40.0],
+          "guide_axis_mm": [30.0, 0.0], "guide_offset_mm": 20.5}, "guide_offset_mm", 20.5),
+        ({"law": "oscillating_guide", "crank_radius_mm": 50.0, "crank_axis_mm": [0.0, 40.0],
+          "guide_axis_mm": [30.0, 0.0]}, "crank_radius_mm", 50.0),
+    ],
+)  # fmt: skip
+def test_the_number_that_spoils_a_law_is_named(
+    drive: dict[str, Any], key: str, value: object
+) -> None:
+    """A crank as long as its distance does not swing; 20 mm is the least distance of the pin."""
+    with pytest.raises(ModelError) as caught:
+        driven(x={"joint": "a", **drive})
+    assert caught.value.evidence["key"] == f"drives.x.{key}"
+    assert caught.value.evidence["value"] == value
+
+
+def test_limits_of_a_guide_in_words() -> None:
+    """Lengths in millimetres in the words, in metres in the evidence."""
+    guide = {"joint": "a", "law": "oscillating_guide", "crank_axis_mm": [0.0, 40.0]}
+    with pytest.raises(ModelError, match=r"offset of -21 mm jams .* smaller than 20 mm"):
+        driven(x={**guide, "crank_radius_mm": 30.0, "guide_axis_mm": [30.0, 0.0],
+                  "guide_offset_mm": -21.0})  # fmt: skip
+    with pytest.raises(ModelError, match="a crank of 51 mm, 50 mm from the guide axis"):
+        driven(x={**guide, "crank_radius_mm": 51.0, "guide_axis_mm": [30.0, 0.0]})
+
+
+def test_what_a_description_need_not_say() -> None:
+    """Defaults, each of its own meaning: first extreme, lower side, no offset, dwell or start."""
+    given: dict[str, Any] = {
+        "rated_speed_rpm": 1.0, "direction": "clockwise", "angle_at_touch_deg": 0.0,
+        "reference_index": 0.0, "joint": "a", "restitution": 0.0, "crank_radius_mm": 1.0,
+        "crank_axis_mm": (0.0, 0.0), "guide_axis_mm": (0.0, 2.0), "motion": "cycloidal",
+        "rise_deg": 1.0, "return_deg": 1.0,
+    }  # fmt: skip
+    expected = {
+        "CylinderDescription": {"reference_extreme": "minimum", "reference_drive": None},
+        "OscillatingGuideDrive": {"guide_offset_mm": 0.0, "shaft_frequency_hz": None},
+        "CamDrive": {"dwell_deg": 0.0, "start_deg": 0.0, "lift_mm": None, "lift_deg": None},
+        "FourierDrive": {"mean_rad": 0.0, "mean_mm": 0.0, "cosine_mm": (), "sine_rad": ()},
+        "StopDescription": {"side": "lower", "at_mm": None, "at_deg": None, "contact": None},
+    }
+    for name, values in expected.items():
+        kind = getattr(description, name)
+        needed = {item.name for item in msgspec.structs.fields(kind) if item.required}
+        found = kind(**{key: value for key, value in given.items() if key in needed})
+        assert {key: getattr(found, key) for key in values} == values
+
+
+def test_the_index_goes_round_in_forty() -> None:
+    """Both ways, whichever way the cylinder turns."""
+    for sense in (1, -1):
+        cylinder = Cylinder(angle_at_touch_rad=0.0, sense=sense, rated_speed_rpm=60.0,
+                            reference_angle_rad=0.7, reference_index=24.0)  # fmt: skip
+        assert cylinder.index_from_angle(0.7) == pytest.approx(24.0)
+        assert cylinder.index_from_angle(0.7 + sense * math.pi) == pytest.approx(4.0)
+        assert cylinder.angle_from_index(34.0) == pytest.approx(0.7 + sense * 0.5 * math.pi)
