@@ -15,6 +15,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import plate_frames
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
@@ -36,6 +37,7 @@ from nipper_pin.view.paper.canvas import Plate
 from nipper_pin.view.paper.report import Material, report_html
 from nipper_pin.view.paper.summary import print_paper
 from nipper_pin.view.paper.supplements import Supplements
+from nipper_pin.view.paper.terms import terms
 
 GIVEN = published()
 Array = Any
@@ -413,6 +415,46 @@ def test_counts_are_those_of_geometric_series(study: PaperStudy) -> None:
 
 
 # Figures.
+
+
+def test_frames_of_the_figures(study: PaperStudy) -> None:
+    """Labels, scales, letters, legends and limits of every panel, and lines that only guide."""
+    plates = question_figures.question_plates(study)
+    names = ["thresholds", "drives", "stop_force", "fixed_step", "shares", "designs"]
+    plate_frames.check(plates, names, terms(study).mark)
+    figures = {item.name: item.figure for item in plates}
+    assert [axes.lines[-1].get_xdata() for axes in figures["drives"].axes] == [[1.0, 1.0]] * 2
+    assert figures["stop_force"].axes[0].lines[-1].get_ydata() == [0.0, 0.0]
+    steps = figures["fixed_step"]
+    words = ["first rebound time", "second rebound time", "first amplitude", "transition time"]
+    entries = [text.get_text() for text in steps.legends[0].get_texts()]
+    assert entries == [*words, "order 1"]
+    for axes in steps.axes:
+        x, y = (np.asarray(values) for values in axes.lines[-1].get_data())
+        assert list(x) == [STEPS[0], STEPS[-1]]
+        assert y[0] / y[1] == pytest.approx(x[0] / x[1], rel=1e-12)
+    for axes in figures["thresholds"].axes[:1]:
+        assert all(tick == round(tick) for tick in axes.get_yticks())
+
+
+def test_values_on_the_lines_of_the_map(study: PaperStudy) -> None:
+    """Each stands on its line, inside of the frame; those of times and of indices apart."""
+    figure = question_figures._designs(study).figure
+    for base, axes in zip((2.0, 3.0, 4.0), figure.axes[:3], strict=True):
+        found: dict[bool, list[float]] = {True: [], False: []}
+        for text in axes.texts:
+            (speed, e), value = text.get_position(), float(text.get_text())
+            ms = base + 10.0 * e + 0.01 * (speed - 400.0)
+            values = (40.0 * ms * 1e-3 * speed / 60.0, ms)
+            of_index = abs(values[0] - value) < abs(values[1] - value)
+            assert min(abs(item - value) for item in values) < 0.06
+            found[of_index].append(speed)
+            assert 400.0 < speed < 700.0
+            assert RESTITUTIONS[0] + 0.01 < e < RESTITUTIONS[-1] - 0.01
+        assert len(found[False]) >= 3
+        assert len(found[True]) >= 1
+        # Indices to the left, times to the right, as far as their lines go.
+        assert np.median(found[True]) < 550.0 < np.median(found[False])
 
 
 def test_figure_of_thresholds(study: PaperStudy) -> None:

@@ -9,10 +9,13 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from dataclasses import replace
 from typing import Any, cast
+from xml.etree import ElementTree
 
 import numpy as np
+import plate_frames
 import pyarrow as pa
 import pytest
 from judge import Judge
@@ -34,7 +37,8 @@ from nipper_pin.study.stated import Stated
 from nipper_pin.study.sweep import SweepTable
 from nipper_pin.study.work_precision import Row
 from nipper_pin.view import benchmark_report, sweep_plots
-from nipper_pin.view.paper import question_figures
+from nipper_pin.view.paper import kinematic_figures, published_figures, question_figures
+from nipper_pin.view.paper.canvas import Plate, new_figure, plate
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
 from nipper_pin.view.paper.supplements import sensitivity_plate, sensitivity_table
@@ -47,6 +51,7 @@ from nipper_pin.view.paper.tables import (
     ratio_table,
     rest_table,
 )
+from nipper_pin.view.paper.terms import terms
 
 GIVEN = published()
 # Peaks are read from 200 places a flight; last digits of the reduced and the direct engine.
@@ -406,6 +411,103 @@ def test_kinematic_figures(study: PaperStudy, e62: Mechanism) -> None:
 
 def unit_in(label: str) -> str:
     return label.rpartition("[")[2].rstrip("]")
+
+
+def in_caption(text: str, pattern: str) -> list[float]:
+    """Numbers of a caption."""
+    found = re.search(pattern.replace("#", r"(-?[\d.]+)"), text)
+    assert found is not None, pattern
+    return [float(item) for item in found.groups()]
+
+
+def test_frames_and_captions(
+    study: PaperStudy, e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Labels, scales, letters, legends and limits of every panel; numbers below the figures."""
+    for room in (published_figures, kinematic_figures):
+        monkeypatch.setattr(
+            room, "plate",
+            lambda name, title, caption, figure: Plate(name, title, caption, figure, "", b""),
+        )  # fmt: skip
+    turn = kinematics(e62, GIVEN.speeds_rpm)
+    complete = replace(study, kinematics=turn)
+    plates = [*published_plates(complete), *kinematic_plates(complete)]
+    names = ["figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops"]
+    plate_frames.check(plates, names, terms(study).mark)
+    panels = {item.name: item.figure.axes for item in plates}
+    caption = {item.name: item.caption for item in plates}
+    rests = [float(axes.lines[2].get_xdata()[0]) for axes in panels["figure_11"]]
+    told = in_caption(caption["figure_11"], "limit of the series: #, #, # ms")
+    assert told == pytest.approx(rests, abs=6e-4)
+    impulses = np.array([line.get_ydata()[:2] for line in panels["figure_12"][0].lines])
+    told = in_caption(caption["figure_12"], "first impulses, #, #, # N s")
+    assert told == pytest.approx(impulses[:, 0].tolist(), abs=6e-4)
+    share = impulses[:, 1] / impulses[:, 0]
+    told = in_caption(caption["figure_12"], "The second is # to # of the first; .* e = #")
+    assert told == pytest.approx([share.min(), share.max(), GIVEN.common_restitution], abs=6e-4)
+    rates = [1e-3 * k for k in GIVEN.stiffnesses]
+    for name, ticks in (("figure_13", list(GIVEN.restitutions)), ("figure_14", rates)):
+        speed = in_caption(caption[name], "against the (?:restitution|spring rate) at # r/min")
+        assert speed == [GIVEN.common_speed_rpm]
+        for axes in panels[name]:
+            assert axes.get_xticks() == pytest.approx(ticks)
+        counts = panels[name][1]
+        assert all(tick == round(tick) for tick in counts.get_yticks())
+        for line, threshold in zip(counts.lines, (1e-3, 0.02, 0.06), strict=True):
+            kind = study.studies.restitution if name == "figure_13" else study.studies.stiffness
+            wanted = [
+                1 + int(np.sum(rates[np.isfinite(rates)] >= threshold)) for rates in kind.rates
+            ]
+            assert list(line.get_xdata()) == pytest.approx(ticks)
+            assert list(line.get_ydata()) == wanted
+            assert line.get_label() == f"threshold {threshold:g} rad/s"
+    crosses = [line for line in panels["figure_14"][0].lines if line.get_marker() == "x"]
+    for line, place, key in zip(crosses, (0, 1), ("first", "second"), strict=True):
+        grown = 1.0 + GIVEN.ratios[f"stiffness.{key}_rebound_time_change"]
+        wanted = 1e3 * study.studies.stiffness.times[0, place] * grown
+        assert line.get_xydata()[0] == pytest.approx([1e-3 * GIVEN.stiffnesses[-1], wanted])
+    for name in ("guide", "links", "both_stops"):
+        for axes in panels[name]:
+            spans = [(item.get_x(), item.get_x() + item.get_width()) for item in axes.patches]
+            assert spans == [
+                pytest.approx((0.0, turn.opening_index)), pytest.approx((turn.closing_index, 40.0))
+            ]  # fmt: skip
+            assert axes.get_xlim() == (0.0, 40.0)
+    angle = np.asarray(panels["guide"][0].lines[0].get_ydata())
+    fast = np.asarray(panels["guide"][2].lines[-1].get_ydata())
+    told = in_caption(caption["guide"], "swings by # degrees .* at # r/min its .* reaches # rad")
+    wanted = [float(np.ptp(angle)), GIVEN.speeds_rpm[-1], float(np.abs(fast).max())]
+    assert told == pytest.approx(wanted, rel=5e-4)
+    assert in_caption(caption["links"], "acceleration at # r/min") == [GIVEN.speeds_rpm[0]]
+    words = [text.get_text() for text in plates[5].figure.legends[0].get_texts()]
+    assert sorted(words) == sorted(link.replace("_", " ") for link in e62.links)
+    jaw, stroke = (np.asarray(axes.lines[0].get_ydata()) for axes in panels["both_stops"][:2])
+    told = in_caption(
+        caption["both_stops"],
+        "at # r/min as .* at index # and would open at #; it opens to # degrees, .* by # mm",
+    )
+    wanted = [turn.speed_rpm, turn.closing_index, turn.opening_index, jaw.max(), stroke.max()]
+    assert told == pytest.approx(wanted, rel=3e-3)
+
+
+def test_a_figure_as_files() -> None:
+    """As an element of a page and as documents: named, without size, date and shared names."""
+    figure = new_figure(2.0, "estimates")
+    figure.subplots().plot([1.0, 2.0])
+    made = plate("some_name", "A title", "words", figure)
+    root = ElementTree.fromstring(made.inline_svg)
+    assert (root.get("role"), root.get("aria-label")) == ("img", "A title")
+    assert root.get("viewBox")
+    assert root.get("width") is root.get("height") is None
+    names = [item.get("id") for item in root.iter() if item.get("id")]
+    assert names
+    assert all(str(name).startswith("some_name-") for name in names)
+    assert not list(root.iter("{*}metadata"))
+    assert "<dc:date>" not in made.svg
+    assert "A title" in made.svg
+    assert made.pdf.startswith(b"%PDF")
+    assert b"CreationDate" not in made.pdf
+    assert figure.get_size_inches()[1] == 2.0
 
 
 @pytest.mark.slow
