@@ -1,0 +1,354 @@
+"""Remarks of an optimisation, tables that a narrow terminal shows, and what is drawn of a solid."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from nipper_pin import InputError, Mechanism, Solution, load, simulate
+from nipper_pin.cli import main
+from nipper_pin.hybrid.case import Case
+from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.study.benchmark import Benchmark
+from nipper_pin.study.optimise import Optimum
+from nipper_pin.study.work_precision import Row
+from nipper_pin.view import benchmark_report, optimise_report, plots
+from nipper_pin.view.benchmark_files import work_precision_figure
+from nipper_pin.view.export import _motion
+from nipper_pin.view.front_plot import front_figure
+from nipper_pin.view.live.settings import knobs
+from nipper_pin.view.scene import Look, film
+from nipper_pin.view.scene.flat import colours, flat
+from nipper_pin.view.scene.solids import FIXED, Solid
+
+
+def printed(work: Callable[[Console], None], width: int = 300) -> str:
+    stream = io.StringIO()
+    work(Console(file=stream, width=width))
+    return stream.getvalue()
+
+
+# Optimisations.
+
+
+def search(**others: Any) -> Optimum:
+    """Descents of which some end at the least value, some beside it and one outside."""
+    ends = ((4.0, True), (4.000001, True), (4.1, True), (3.0, False))
+    found = {
+        "descents": [SimpleNamespace(aim=aim, feasible=kept) for aim, kept in ends],
+        "seed": 19, "evaluations": 12_345, "wall_s": 6.789, "no_machine": (),
+        "engines": {"reduced": 12_000, "direct": 300, "turn": 5}, "check": None, "check_gain": 0.0,
+    }  # fmt: skip
+    return cast("Optimum", SimpleNamespace(**{**found, **others}))
+
+
+def test_remarks_on_a_search() -> None:
+    """Descents that end at the best, points by engine, what the check found, and lost samples."""
+    tell: Any = optimise_report._search
+    lines = printed(lambda console: tell(search(), console)).splitlines()
+    assert lines == [
+        "2 of 4 descents (seed 19) end there; 12,345 points in 6.79 s",
+        "of them 12,000 by the reduced engine, 300 by the direct engine, 5 by whole turns, "
+        "40 without a usable machine",
+    ]
+    check = SimpleNamespace(evaluations=7_654)
+    for gain, words in ((0.0, "found nothing better"), (1e-6, "found nothing better"),
+                        (0.01234, "found a design better by 1.23 %")):  # fmt: skip
+        optimum = search(check=check, check_gain=gain, no_machine=("it jams", "no root"))
+        lines = printed(lambda console, shown=optimum: tell(shown, console)).splitlines()
+        assert lines[2:] == [
+            f"differential evolution (7,654 points) {words}",
+            "some samples make no machine: it jams", "some samples make no machine: no root",
+        ]  # fmt: skip
+
+
+def front(*paths: str, points: int = 3) -> Optimum:
+    parameters = [SimpleNamespace(name=path, low=1.0, high=3.0) for path in paths]
+    designs = tuple(
+        SimpleNamespace(
+            values={"duration_s": 0.5 + k, "clamping_force_N": 80.0 - k},
+            numbers={path: 1.5 + 0.25 * k + place for place, path in enumerate(paths)},
+            z=[0.25 * (k + 1), 0.9 - 0.3 * k],
+        )
+        for k in range(points)
+    )
+    problem = SimpleNamespace(
+        title="a title " * 20, parameters=parameters, limits=["a <= 1", "b >= 2"],
+        aims=[SimpleNamespace(quantity="duration_s"), SimpleNamespace(quantity="clamping_force_N")],
+        units={"duration_s": "s", "clamping_force_N": "N"},
+    )  # fmt: skip
+    before = SimpleNamespace(inside=True, values={"duration_s": 9.0, "clamping_force_N": 70.0})
+    return cast("Optimum", SimpleNamespace(front=designs, problem=problem, before=before))
+
+
+def test_tables_of_fronts() -> None:
+    """Last words of paths where these differ; one design that is best by both is no conflict."""
+    tell: Any = optimise_report._front
+    for paths, headings in (
+        (("springs.a.rate", "stops.b.restitution"), ["rate", "restitution"]),
+        (("springs.a.rate", "springs.b.rate"), ["springs.a.rate", "springs.b.rate"]),
+    ):
+        found = front(*paths)
+        text = printed(lambda console, shown=found: tell(shown.front, shown, console))
+        assert text.startswith("Pareto front\n")
+        rows = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
+        assert rows[1][-2:] == headings
+        assert [[float(cell) for cell in row] for row in rows[3:6]] == [
+            [0.5 + k, 80.0 - k, 1.5 + 0.25 * k, 2.5 + 0.25 * k] for k in range(3)
+        ]
+    single = front("a", points=1)
+    text = printed(lambda console: tell(single.front, single, console))
+    assert text == "No conflict: one design is the best by duration_s and by clamping_force_N\n"
+
+
+def test_what_stands_around_a_front() -> None:
+    """Title and limits, legends, one colour and mark a number, and places between 0 and 1."""
+    optimum = front("a", "b")
+    figure = front_figure(optimum)
+    lines = figure.get_suptitle().splitlines()
+    assert max(map(len, lines)) <= 92
+    text = " ".join(lines)
+    assert text.startswith("a title a title")
+    assert text.replace("\N{NO-BREAK SPACE}", " ").endswith("limits: a <= 1; b >= 2")
+    above, below = figure.axes
+    words = [[item.get_text() for item in axes.get_legend().get_texts()] for axes in figure.axes]
+    assert words == [["front", "the model"], ["a, 1 to 3", "b, 1 to 3"]]
+    assert above.lines[1].get_linestyle() == "None"
+    assert below.get_ylabel() == "place in its bounds"
+    assert above.get_xlabel() == ""
+    for axes in figure.axes:
+        looks = [(line.get_color(), line.get_marker()) for line in axes.lines]
+        assert len({colour for colour, _ in looks}) == len({mark for _, mark in looks}) == 2
+    low, high = below.get_ylim()
+    assert -0.2 < low < 0.0
+    assert 1.0 < high < 1.2
+    assert above.get_shared_x_axes().joined(above, below)
+    none = replace_limits(optimum)
+    assert front_figure(none).get_suptitle().endswith("limits: none")
+
+
+def replace_limits(optimum: Optimum) -> Optimum:
+    problem = SimpleNamespace(**{**vars(optimum.problem), "limits": []})
+    return cast("Optimum", SimpleNamespace(**{**vars(optimum), "problem": problem}))
+
+
+# Benchmarks.
+
+
+def row(engine: str, setting: str, start: float) -> Row:
+    return Row(engine, setting, start, start + 1.0, start + 2.0, start + 3.0, 30, 2e-13 * start,
+               7e-13 * start, evaluations=212)  # fmt: skip
+
+
+def test_tables_of_narrow_and_wide_terminals() -> None:
+    """Below 140 columns less is shown; an engine's name stands in its first row alone."""
+    rows = [row("direct", "1e-12", 11.0), row("direct", "1e-8", 22.0), row("other", "1e-8", 33.0)]
+    sheet = benchmark_report._errors("Engines", rows)
+    costs = [
+        {"what": "a", "wall_ms": 1.5, "cut_pins": 7, "fastest_ms": 1.25, "held_energy_balance": 0.5,
+         "inertial_energy_balance": 0.25},
+    ]  # fmt: skip
+    result = SimpleNamespace(
+        engines=rows, accuracy=[], stated=[], peers=[row("one (by hand)", "1e-6", 44.0)],
+        reduced=None, skips=[], imports=SimpleNamespace(pinocchio_ms=1.0, added_ms=2.0,
+        used_ms=3.0, ratio=4.0), unavailable=("a peer: no bounce",), quick=False,
+        environment={"date": "d", "platform": "p", "processor": "c", "cores": 6, "python": "3",
+                     "cores_allowed": None, "load_average": None, "threads": {}, "versions": {}},
+        cost={name: costs for name in ("cycle", "phases", "parts", "collisions", "turns", "links",
+                                       "memory")},
+    )  # fmt: skip
+    found = cast("Benchmark", result)
+    texts = {
+        width: printed(lambda console: benchmark_report.print_benchmark(found, console), width)
+        for width in (139, 140)
+    }
+    shown = {
+        139: ["engine", "setting", "ms", "spread", "worst of four", "transition", "trajectory",
+              "evaluations"],
+        140: list(sheet.headings),
+    }  # fmt: skip
+    for width, text in texts.items():
+        assert text.splitlines()[:2] == ["d, full run", "p, c, 6 cores (all allowed)"]
+        assert text.endswith("Not measured: a peer: no bounce\n")
+        lines = text.splitlines()
+        begin = next(k for k, line in enumerate(lines) if line.startswith("Engines: one"))
+        words = " ".join(lines[begin + 1 : begin + 3]).split()
+        headings = {word for word in words if word[0].isalnum()}
+        assert headings == set(" ".join(shown[width]).split())
+        cells = [line.split() for line in lines[begin + 2 : begin + 6] if "1e-" in line]
+        assert [cell[0] for cell in cells] == ["direct", "1e-8", "other"]
+        for cell, item in zip(cells, rows, strict=True):
+            values = cell[cell.index(item.setting) + 1 :]
+            assert float(values[0]) == item.wall_ms
+            assert len(values) == len(shown[width]) - 2
+        assert ("cut pins" in text) == (width == 140)
+        assert ("version" in text) == (width == 140)
+    text = benchmark_report.markdown(found)
+    assert text.endswith("\n\nNot measured: a peer: no bounce\n")
+    assert "\n| --- | --- |" + " ---: |" * 11 + "\n| direct | 1e-12 |" in text
+    assert "### Engines: one transition, 650 r/min, e = 0.2\n\n| engine | setting |" in text
+
+
+def test_lines_of_work_against_precision() -> None:
+    """Our own engines thick and whole, others thin and dashed; the legend has their looks."""
+    names = ["direct", "reduced", "reduced, batch", "a peer (by hand)", "b peer", "c peer"]
+    found = SimpleNamespace(
+        engines=[row(name, "1", 2.0 + k) for k, name in enumerate(names[:3])],
+        peers=[row(name, "1", 5.0 + k) for k, name in enumerate(names[3:])],
+        environment={"date": "2026-01-02T03", "processor": "chip"},
+    )  # fmt: skip
+    figure = work_precision_figure(cast("Benchmark", found))
+    (axes,) = figure.axes
+    lines, handles = axes.lines, figure.legends[0].legend_handles
+    assert [line.get_linestyle() for line in lines] == ["-"] * 3 + ["--"] * 3
+    own, others = ({line.get_linewidth() for line in part} for part in (lines[:3], lines[3:]))
+    assert min(own) > max(others)
+    looks = [(to_hex(line.get_color()), line.get_marker()) for line in lines]
+    assert len(set(looks)) == 6
+    for line, handle in zip(lines, handles, strict=True):
+        assert (handle.get_color(), handle.get_marker()) == (line.get_color(), line.get_marker())
+        assert handle.get_linestyle() == line.get_linestyle()
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert axes.get_title() == "One transition of the jaw, 650 r/min, e = 0.2 (2026-01-02, chip)"
+
+
+# Machines.
+
+
+def test_the_gallery_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    """One line a machine, titles below one another."""
+    assert main(["new", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    width = max(len(name) for name in GALLERY) + 2
+    assert lines == [name.ljust(width) + draw().title for name, draw in GALLERY.items()]
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_machine_of_the_gallery_says_where_its_numbers_come_from(
+    known: bool, tmp_path: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its source, or that it is an invention; and commands that can be pasted."""
+    name = next(name for name, draw in GALLERY.items() if bool(draw().known) == known)
+    drawing = GALLERY[name]()
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "some_press", "--from", name]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        f"some_press: {drawing.title}",
+        f"  {drawing.known if known else drawing.invented}",
+        "It runs as it stands:",
+        "  nipper-pin check some_press",
+        "  nipper-pin simulate some_press --window cycle",
+        "  nipper-pin view some_press --window cycle --html some_press.html",
+    ]
+
+
+def test_sliders_need_the_transition_stop(e62: Mechanism) -> None:
+    """It is enough alone, and no other stop stands in for it."""
+    jaw, steeve = (e62.stop(name) for name in ("jaw", "steeve"))
+    assert knobs(replace(e62, stops=(jaw,)), 650.0)
+    with pytest.raises(InputError, match="no transition stop"):
+        knobs(replace(e62, stops=(steeve,)), 650.0)
+
+
+# Runs.
+
+
+def test_which_figures_a_run_has(
+    cycle: Solution, transition: Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None of what did not happen."""
+    for name in ("motion", "phase", "transition", "impulse", "force"):
+        monkeypatch.setattr(plots, f"{name}_figure", lambda *_: Figure())
+    every = ["motion", "phases", "transition", "impulses", "forces"]
+    assert list(plots._figures(cycle)) == every
+    assert list(plots._figures(transition)) == every[:4]
+    dead = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
+    assert list(plots._figures(dead)) == ["impulses"]
+
+
+def test_rows_of_the_motion(transition: Solution) -> None:
+    """A hundred places evenly over each stretch between events, both its ends among them."""
+    _, rows = _motion(transition)
+    found = [(float(row[0]), row[1]) for row in rows]
+    stretches = [item for item in transition.segments if item.t_end > item.t_start]
+    assert len(found) == 100 * len(stretches)
+    for place, segment in enumerate(stretches):
+        part = found[100 * place : 100 * place + 100]
+        wanted = np.linspace(segment.t_start, segment.t_end, 100)
+        np.testing.assert_allclose([t for t, _ in part], wanted, rtol=1e-14)
+        assert [side for _, side in part] == ["right"] * 99 + ["left"]
+
+
+@pytest.mark.parametrize("values", [{"slow": 1.0}, {"slow": 1e5}, {"exaggerate": 50.0}])
+def test_looks_up_to_their_ends(values: dict[str, float]) -> None:
+    assert Look(**values)
+    with pytest.raises(InputError, match=r"cannot be used: 1 to (50|100000)$|: 1 to 1e\+05"):
+        Look(**{key: 1.001 * value if value > 1.0 else 0.999 for key, value in values.items()})
+
+
+# Solids.
+
+
+def block(turned: float, depth: float = 0.0, body: int = FIXED) -> Solid:
+    """A box of 2 x 4 x 6 that is turned about the vertical."""
+    place = np.eye(4)
+    c, s = math.cos(turned), math.sin(turned)
+    place[:2, :2], place[1, 3] = [[c, -s], [s, c]], depth
+    return Solid("block", body, "box", (2.0, 4.0, 6.0), None, place, np.ones(3), (0.2, 0.4, 0.8))
+
+
+def test_light_and_edges_of_a_solid(transition: Solution) -> None:
+    """Seen along y: 55 % of the colour where a face is seen from its edge, all of it in front.
+
+    Edges have only one of the faces that are seen, and are black; what is behind comes first.
+    """
+    shown = film(transition, Look(slow=20.0))
+    angle = math.radians(30.0)
+    found = flat(shown, [block(angle)])
+    faces = [k for k, item in enumerate(found.items) if len(item) == 3]
+    wanted = sorted([0.55 + 0.45 * math.cos(angle), 0.55 + 0.45 * math.sin(angle)] * 2)
+    assert sorted(found.light[faces]) == pytest.approx(wanted, rel=1e-12)
+    edges = [item for item in found.items if len(item) == 2]
+    assert len(edges) == 6
+    assert all(found.light[k] == 0.0 for k in range(len(found.items)) if k not in faces)
+    # Flat in front: one face, its edges drawn after it.
+    front = flat(shown, [block(0.0)])
+    assert [len(item) for item in front.items] == [3, 3, 2, 2, 2, 2]
+    assert sorted(front.light) == pytest.approx([0.0] * 4 + [1.0] * 2)
+    # A face that turns by less than 2 % of its normal to the eye is seen from its edge.
+    for turn, count in ((math.asin(0.019), 2), (math.asin(0.021), 4)):
+        both = flat(shown, [block(turn)])
+        assert sum(len(item) == 3 for item in both.items) == count
+    pair = flat(shown, [block(0.0, depth=-3.0), block(0.0, depth=3.0)])
+    assert list(pair.solid) == [1] * 6 + [0] * 6
+    assert list(pair.body) == [FIXED] * 16
+    shades = colours(front, [block(0.0)], [], (1.0, 1.0, 1.0))
+    assert shades == ["#3366cc"] * 2 + ["#000000"] * 4
+    assert colours(front, [block(0.0)], [FIXED], (1.0, 0.5, 0.0))[0] == "#ff8000"
+
+
+def test_corners_of_round_solids(transition: Solution) -> None:
+    """Cylinders of 32 corners an end and spheres of nine rings have their radius and length."""
+    shown = film(transition, Look(slow=20.0))
+    rod = replace(block(0.0), kind="cylinder", sizes=(0.5, 3.0))
+    points = flat(shown, [rod]).points
+    assert len(points) == 64
+    assert points.max(axis=0) == pytest.approx([0.5, 1.5])
+    assert points.min(axis=0) == pytest.approx([-0.5, -1.5])
+    points = flat(shown, [replace(block(0.0), kind="sphere", sizes=(0.7,))]).points
+    assert len(points) == 9 * 32 + 2
+    assert points.max(axis=0) == pytest.approx([0.7, 0.7])
+    assert np.linalg.norm(points, axis=1).max() == pytest.approx(0.7)
+    heights = np.unique(points[:, 1].round(9))
+    assert heights == pytest.approx(0.7 * np.cos(np.pi * np.arange(10, -1, -1) / 10.0), abs=1e-9)
