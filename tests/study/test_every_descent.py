@@ -109,8 +109,8 @@ def test_a_descent_and_its_price(sources: list[Source]) -> None:
     """Least 2 + 3 x + 4 y^2 with 1.5 + 2 x - y at least 2.5.
 
     More of y asks for more of x, so the bound y = 0 holds, and x = 1/2. There the gradient
-    (3, 0) is 1.5 times that of the limit, (2, -1), and 1.5 times that of the bound, (0, 1): by one second
-    more the rebound rises by 1.5, and by the bound's unit, of a range of 2, by 0.75.
+    (3, 0) is 1.5 times that of the limit, (2, -1), and 1.5 times that of the bound, (0, 1): by
+    one second more the rebound rises by 1.5, and by the bound's unit, of a range of 2, by 0.75.
     """
     asking = problem(Limit(quantity=TIME, side="low", value=2.5))
     by = Scales(2.0, (0.5,))
