@@ -1,0 +1,309 @@
+"""Every finding of ``check``: its record, masses by shapes, clearances, and what to do next."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, replace
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from nipper_pin import Case, Mechanism, Solution, Window, simulate
+from nipper_pin.errors import SimulationError
+from nipper_pin.mechanism import collision_model
+from nipper_pin.study import check, masses
+from nipper_pin.study.check import Extreme, ModelReport, check_model
+from nipper_pin.study.interference import Clearance, clearances
+from nipper_pin.study.masses import LinkMass
+from nipper_pin.study.next_steps import next_steps
+
+
+@pytest.fixture(name="turn", scope="module")
+def one_turn(e62: Mechanism) -> Solution:
+    return simulate(e62, Case(speed_rpm=650.0, window=Window.CYCLE))
+
+
+@pytest.fixture(name="report", scope="module")
+def of_the_turn(e62: Mechanism) -> ModelReport:
+    return check_model(e62, 650.0)
+
+
+def index(run: Solution, t: float) -> float:
+    return run.mechanism.cylinder.index_from_angle(float(run.shaft.angle(t)))
+
+
+def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None:
+    """Each key, from the model and from the turn that was walked."""
+    record = report.record()
+    places = {joint.index: joint.name for joint in e62.joints}
+    jaw, steeve = e62.stop("jaw"), e62.stop("steeve")
+    contact = jaw.contact
+    assert contact is not None
+    hits = [item for item in turn.collisions if item.stop == "jaw"]
+    release = next(item for item in turn.events if item.kind.value == "release")
+    assert record == {
+        "model": "e62", "title": e62.title, "speed_rpm": 650.0, "start_index": 24.0,
+        "links": list(e62.links), "mobility": 3, "driven": 2,
+        "masses_kg": {
+            joint.child: e62.model.inertias[e62.model.getJointId(joint.name)].mass
+            for joint in e62.joints
+        },
+        "joints": [asdict(item) for item in e62.joints],
+        "closures": [asdict(item) for item in e62.closures],
+        "stops": {
+            "jaw": {"joint": places[jaw.index], "side": "lower", "at": 0.0,
+                    "restitution": jaw.restitution},
+            "steeve": {"joint": places[steeve.index], "side": "lower", "at": 0.0,
+                       "restitution": steeve.restitution},
+        },
+        "contacts": {
+            "jaw": {"point_m": contact.point.tolist(), "normal": contact.normal.tolist(),
+                    "lever_m": contact.lever_m,
+                    "closing_coordinate": contact.closing_coordinate},
+        },
+        "condition": asdict(report.condition), "impact_condition": asdict(report.impact_condition),
+        "clearances": [{**asdict(item), "interferes": False} for item in report.clearances],
+        "closing_index": pytest.approx(hits[0].index),
+        "opening_index": report.opening_index,
+        "releases": [{"stop": "steeve", "index": pytest.approx(index(turn, release.t))}],
+        "smallest_stop_force_N": {
+            name: asdict(report.stop_force[name]) for name in ("jaw", "steeve")
+        },
+        "smallest_stop_moment_N_m": {},
+        "outcome": turn.outcome.value, "no_transition": "", "provenance": dict(e62.provenance),
+    }  # fmt: skip
+    assert report.struck == {"jaw", "steeve"}
+    opened = next(
+        item for item in turn.events
+        if item.t > hits[-1].t and "jaw" in item.closed_before and "jaw" not in item.closed_after
+    )  # fmt: skip
+    assert report.opening_index == pytest.approx(index(turn, opened.t))
+    upper = replace(steeve, sense=-1.0, at=-0.02)
+    other = replace(report, mechanism=replace(e62, stops=(jaw, upper)))
+    assert other.record()["stops"]["steeve"]["side"] == "upper"
+    assert other.record()["stops"]["steeve"]["at"] == -0.02
+    bare = replace(jaw, contact=None)
+    moment = replace(report, mechanism=replace(e62, stops=(bare, steeve))).record()
+    assert list(moment["smallest_stop_moment_N_m"]) == ["jaw"]
+    assert list(moment["smallest_stop_force_N"]) == ["steeve"]
+    assert moment["contacts"] == {}
+
+
+def test_least_forces_of_stops(report: ModelReport, turn: Solution) -> None:
+    """No force of a walk of its own, phase by phase, is below; nor is the index elsewhere."""
+    lowest: dict[str, tuple[float, float]] = {}
+    for item in turn.phases:
+        inner = 1e-6 * (item.t_end - item.t_start)
+        times = np.linspace(item.t_start + inner, item.t_end - inner, 150)
+        if item.t_end - item.t_start < 1e-6:
+            continue
+        forces = turn.trajectory.reactions(times).contacts
+        for name in item.closed:
+            least = int(np.argmin(forces[name]))
+            found = (float(forces[name][least]), float(times[least]))
+            lowest[name] = min(lowest.get(name, (math.inf, 0.0)), found)
+    for name, (force, t) in lowest.items():
+        assert report.stop_force[name].value == pytest.approx(force, abs=0.02 * 100.0)
+        assert report.stop_force[name].index == pytest.approx(index(turn, t), abs=0.2)
+
+
+def test_conditions(report: ModelReport, turn: Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The largest over the turn and where it is; one where there are no closures."""
+    times = np.linspace(*turn.trajectory.span, 240)
+    _, jacobian = turn.system.body.closures(turn.trajectory.evaluate(times).q)
+    free = [i for i in range(7) if i not in turn.system.driven]
+    found = [np.linalg.cond(item[:, free]) for item in jacobian]
+    place = int(np.argmax(found))
+    assert report.condition.value == pytest.approx(found[place], rel=1e-6)
+    assert report.condition.index == pytest.approx(index(turn, times[place]), abs=1e-6)
+    told: list[tuple[float, float]] = []
+
+    def condition(_system: Any, q: np.ndarray, _rows: Any, _stops: Any) -> float:
+        told.append((2.0 + q[0], 0.0))
+        return 2.0 + float(q[0])
+
+    monkeypatch.setattr(check, "impact_condition", condition)
+    worst = check._worst_impact_condition(turn)
+    assert worst.value == max(value for value, _ in told)
+    at = turn.trajectory.evaluate(np.linspace(*turn.trajectory.span, 4001)).q[:, 0]
+    # Nodes of panels and a fine grid see the same smooth largest angle.
+    assert worst.value == pytest.approx(2.0 + at.max(), rel=1e-3)
+    monkeypatch.setattr(check, "impact_condition", lambda *_: 0.5)
+    assert check._worst_impact_condition(turn) == Extreme(1.0, pytest.approx(24.0))  # type: ignore[arg-type]
+
+
+def test_why_there_is_no_transition(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Case] = []
+
+    def refused(_: Mechanism, case: Case) -> None:
+        asked.append(case)
+        words = "no such transition"
+        raise SimulationError(words)
+
+    monkeypatch.setattr(check, "simulate", refused)
+    assert check._no_transition(e62, 512.5) == "no such transition"
+    assert asked == [Case(speed_rpm=512.5)]
+
+
+@pytest.mark.parametrize(
+    ("text", "volume"),
+    [
+        ('<box size="0.1 0.2 0.5"/>', 0.01), ('<sphere radius="0.3"/>', 0.036 * math.pi),
+        ('<cylinder radius="0.2" length="0.5"/>', 0.02 * math.pi), ('<mesh filename="a"/>', None),
+    ],
+)  # fmt: skip
+def test_volumes_of_shapes(text: str, volume: float | None) -> None:
+    found = masses._volume(ElementTree.fromstring(text))
+    assert found == (None if volume is None else pytest.approx(volume))
+
+
+def test_masses_with_what_is_fixed() -> None:
+    """Shapes of a link and of what is fixed to it, to any depth, add up; a mesh hides them."""
+
+    def link(name: str, *shapes: str) -> str:
+        parts = "".join(f"<collision><geometry>{item}</geometry></collision>" for item in shapes)
+        return f'<link name="{name}">{parts}</link>'
+
+    def fixed(child: str, parent: str) -> str:
+        return (f'<joint name="{child}_f" type="fixed"><parent link="{parent}"/>'
+                f'<child link="{child}"/></joint>')  # fmt: skip
+
+    box = '<box size="0.1 0.1 0.1"/>'
+    urdf = (
+        "<robot>" + link("a", box, box) + link("b", box) + link("c", box) + link("d", box)
+        + link("e", box, '<mesh filename="m"/>', box) + link("f")
+        + fixed("b", "a") + fixed("c", "b") + "</robot>"
+    )  # fmt: skip
+    weights = {"ja": 8.0, "jd": 0.25, "je": 3.0, "jf": 4.0}
+    model = SimpleNamespace(
+        getJointId=lambda name: name,
+        inertias={name: SimpleNamespace(mass=mass) for name, mass in weights.items()},
+    )
+    joints = [SimpleNamespace(name=f"j{name}", child=name) for name in "adef"]
+    machine: Any = SimpleNamespace(urdf=urdf, model=model, joints=joints)
+    assert masses.link_masses(machine) == (
+        LinkMass("a", 8.0, pytest.approx(2000.0)), LinkMass("d", 0.25, pytest.approx(250.0)),  # type: ignore[arg-type]
+        LinkMass("e", 3.0, None), LinkMass("f", 4.0, None),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("mass", "density", "doubt"),
+    [
+        (1.0, 4.9e5, ""), (1.0, 5.1e5, "5.1e+05 kg/m3 by its shapes is far denser than any metal"),
+        (999.0, None, ""), (1001.0, None, "more than a machine's link weighs"),
+        (1001.0, 1.0, "more than a machine's link weighs"),
+    ],
+)  # fmt: skip
+def test_doubts_about_masses(mass: float, density: float | None, doubt: str) -> None:
+    assert LinkMass("x", mass, density).doubt == doubt
+
+
+def test_clearances_are_those_of_pinocchio(e62: Mechanism, turn: Solution) -> None:
+    """Every pair of links that share no joint, at the times that are looked at, all shapes."""
+    found = {(item.link_a, item.link_b): item for item in clearances(turn, samples=12)}
+    start, end = turn.trajectory.span
+    events = [item.t for item in turn.events if start <= item.t <= end]
+    times = np.unique([*np.linspace(start, end, 12), *events])
+    geometry, names = collision_model(e62)
+    link_of = {shape: link for link, shapes in names.items() for shape in shapes}
+    adjacent = {frozenset((joint.parent, joint.child)) for joint in e62.joints}
+    jaw = next(joint for joint in e62.joints if joint.index == e62.stop("jaw").index)
+    lips = frozenset((jaw.parent, jaw.child))
+    items = list(geometry.geometryObjects)
+    pairs = [
+        (a, b) for a in range(len(items)) for b in range(a + 1, len(items))
+        if link_of[items[a].name] != link_of[items[b].name]
+        and (
+            frozenset((link_of[items[a].name], link_of[items[b].name])) not in adjacent
+            or frozenset((link_of[items[a].name], link_of[items[b].name])) == lips
+        )
+    ]  # fmt: skip
+    for pair in pairs:
+        geometry.addCollisionPair(pin.CollisionPair(*pair))
+    data, shapes = e62.model.createData(), geometry.createData()
+    near: dict[frozenset[str], dict[float, float]] = {}
+    for t, q in zip(times, turn.trajectory.evaluate(times).q, strict=True):
+        pin.computeDistances(e62.model, data, geometry, shapes, q)
+        place = round(index(turn, t), 6)
+        for (a, b), result in zip(pairs, shapes.distanceResults, strict=True):
+            links = frozenset((link_of[items[a].name], link_of[items[b].name]))
+            of_pair = near.setdefault(links, {})
+            of_pair[place] = min(of_pair.get(place, math.inf), result.min_distance)
+    told = {frozenset(key): item for key, item in found.items()}
+    # Links of closures' pins share a joint, too.
+    assert set(told) <= {key for key, values in near.items() if min(values.values()) < 0.02}
+    assert len(told) >= 3
+    for key, item in told.items():
+        assert item.distance_m == pytest.approx(min(near[key].values()), abs=2e-6)
+        assert item.distance_m == pytest.approx(near[key][round(item.index, 6)], abs=2e-6)
+        assert item.may_touch is (key == lips)
+    distances = [item.distance_m for item in clearances(turn, samples=12)]
+    assert distances == sorted(distances)
+
+
+def test_what_interferes() -> None:
+    """Overlaps by more than the distance computation is good for."""
+    for distance, wrong in ((-0.9e-6, False), (-1.1e-6, True), (0.0, False)):
+        item = Clearance("a", "s", "b", "t", distance, 3.0, may_touch=False)
+        assert item.interferes is wrong
+
+
+def report_of(e62: Mechanism, **changes: Any) -> ModelReport:
+    given: dict[str, Any] = {
+        "mechanism": e62, "speed_rpm": 512.5, "start_index": 24.0,
+        "condition": Extreme(1.0, 2.0), "impact_condition": Extreme(3.0, 4.0), "clearances": (),
+        "closing_index": 34.0, "opening_index": 8.0, "releases": (), "stop_force": {},
+        "outcome": "done", "struck": frozenset(), "no_transition": "",
+    }  # fmt: skip
+    return ModelReport(**{**given, **changes})
+
+
+def test_what_to_do_next(e62: Mechanism) -> None:
+    """Each thing that is missing by its sentence, then the commands with the user's words."""
+    transition = "Run next: nipper-pin simulate 'my model' --speed 500"
+    turn = "Then: nipper-pin simulate 'my model' --speed 500 --window cycle --start-index 3"
+    view = "Look at it: nipper-pin view 'my model' --speed 500 --start-index 3 --html e62.html"
+    words: dict[str, Any] = {"given": ["--speed", "500"], "start": ["--start-index", "3"]}
+
+    def steps(**changes: Any) -> tuple[str, ...]:
+        return next_steps(report_of(changes.pop("mechanism", e62), **changes), "my model", **words)
+
+    assert steps() == (transition, turn, view)
+    assert steps(no_transition="too many stops") == ("No transition: too many stops", turn, view)
+    assert steps(closing_index=None) == (
+        "Missing: stop jaw is not struck in a turn at 512.5 r/min: look at the motion (view), then "
+        "at the drive laws and angle_at_touch_deg", turn, view,
+    )  # fmt: skip
+    assert steps(opening_index=None)[0] == (
+        "Missing: stop jaw does not open again within the turn: look at the motion (view), then at "
+        "the stop that should lift it"
+    )
+    pair = [Clearance("a", one, "b", "t", -1e-3, 3.0, may_touch=False) for one in ("z", "s", "z")]
+    assert steps(clearances=(*pair, replace(pair[0], shape_a="far", distance_m=0.1)))[0] == (
+        "Missing: links overlap: s with t, z with t; move the shapes or the points"
+    )
+    assert steps(mechanism=replace(e62, shortcuts={"stiffness": "x"}))[0] == (
+        "Missing: --restitution of the command line mean nothing yet: add [shortcuts]"
+    )
+    assert steps(mechanism=replace(e62, shortcuts={}))[0].startswith(
+        "Missing: --restitution and --stiffness of"
+    )
+    assert steps(mechanism=replace(e62, provenance={}))[0] == (
+        "Missing: no number says where it comes from: add [provenance]"
+    )
+    bare = replace(e62, drives=(), stops=(), transition_stop="", shortcuts={}, phases=())
+    found = steps(mechanism=bare, closing_index=None, opening_index=None)
+    assert found == (
+        "Missing: nothing drives it: add [drives.NAME] with the joint and a law",
+        "Missing: nothing can collide: add [stops.NAME] with the joint that it limits and a "
+        "restitution, and name it in transition_stop and in a phase", turn, view,
+    )  # fmt: skip
+    full = replace(bare, drives=e62.drives)
+    alone = steps(mechanism=full, closing_index=None, no_transition="none")
+    assert alone[-2:] == (turn, view)
+    assert len(alone) == 3
