@@ -21,10 +21,10 @@ import nipper_pin.study.stress as stress
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.stress import CHECKS, invariants, violations
-from nipper_pin.study.stress.looking import looked_at
+from nipper_pin.study.stress.looking import Shown, looked_at
 
 _FILES = ("invariants", "impact_invariants", "element_invariants", "model_invariants",
-          "rebound_invariants")  # fmt: skip
+          "rebound_invariants", "flight_invariants")  # fmt: skip
 # A doctored solution is beyond its limit by at most this factor.
 _NEAR = 100.0
 
@@ -229,45 +229,45 @@ def motion(p: Patient) -> None:
     changed = list(p.chain.segments)
     locked(changed)
     p.texts += [v.detail for v in violations(replace(p.chain, segments=tuple(changed)))]
-    true = invariants.forces_at
+    true = invariants.shown
     of = p.cycle.mechanism.stop("jaw").index
     reach = p.cycle.system.body.reach_m
     eps = np.finfo(float).eps
 
-    def seen(change: Callable[..., Any], solution: Solution) -> None:
+    def seen(change: Callable[[Shown], Shown], solution: Solution) -> None:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(invariants, "forces_at", lambda *a: change(*true(*a)))
+            patch.setattr(invariants, "shown", lambda *a: change(true(*a)))
             p.look("motion", solution)
 
-    def infinite(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        return q, v + np.inf, a, forces
+    def infinite(at: Shown) -> Shown:
+        return at._replace(v=at.v + np.inf)
 
-    def open_closure(q: Any, v: Any, a: Any, forces: Any) -> Any:
+    def open_closure(at: Shown) -> Shown:
         # The steeve's rod is moved, a stop's coordinate is not.
-        q = q.copy()
+        q = at.q.copy()
         q[:, 0] += 3000.0 * eps * reach
-        return q, v, a, forces
+        return at._replace(q=q)
 
-    def drifting(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        v = v.copy()
+    def drifting(at: Shown) -> Shown:
+        v = at.v.copy()
         v[:, 0] += 1e-9 * np.abs(v).max()
-        return q, v, a, forces
+        return at._replace(v=v)
 
-    def ajar(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        q = q.copy()
+    def ajar(at: Shown) -> Shown:
+        q = at.q.copy()
         q[:, [stop.index for stop in p.cycle.mechanism.stops]] += 1e-300
-        return q, v, a, forces
+        return at._replace(q=q)
 
-    def inside(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        q = q.copy()
+    def inside(at: Shown) -> Shown:
+        q = at.q.copy()
         q[:, of] -= np.abs(q[:, of]).min() + 2e-12
-        return q, v, a, forces
+        return at._replace(q=q)
 
-    def unbalanced(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        return q, v, a, replace(forces, la_g=forces.la_g * (1.0 + 1e-7))
+    def unbalanced(at: Shown) -> Shown:
+        return at._replace(closures=at.closures * (1.0 + 1e-7))
 
-    def pulling(q: Any, v: Any, a: Any, forces: Any) -> Any:
-        return q, v, a, replace(forces, la_N=-1e-4 * np.abs(forces.la_N))
+    def pulling(at: Shown) -> Shown:
+        return at._replace(stops={name: -1e-4 * np.abs(x) for name, x in at.stops.items()})
 
     for change in (infinite, open_closure, drifting, ajar, inside, unbalanced, pulling):
         seen(change, p.cycle)

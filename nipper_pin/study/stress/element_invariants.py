@@ -1,4 +1,4 @@
-"""What must hold of springs, dampers and flights: found anew from places, rates and tables."""
+"""What must hold of springs and dampers: found anew from places, rates and tables."""
 
 from __future__ import annotations
 
@@ -9,21 +9,12 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...dynamics.system import System
-from ...hybrid.collocation import evaluate, nodes
-from ...hybrid.panel import Panel, state_at
-from ...hybrid.roughness import roughness
 from ...hybrid.solution import Solution
 from ...mechanism import Strut
 from .looking import EPS, beyond, looked_at
 
 # Share of a power that its terms may miss.
 _POWER = 1e-9
-# Twice integrated, the coefficient of degree k is divided by (2 k)^2; the defect of an interpolant
-# between its nodes is a few times the coefficients that are left out, more at kinks of tables.
-_LEFT_OUT = 40.0
-# An iteration may end in eight times the round-off of its forces; between nodes it is more by the
-# Lebesgue constant, at most 1 + 2 log(N) / pi.
-_NOISE = 8.0 * 3.7
 
 
 def elements(solution: Solution) -> Iterator[str]:
@@ -33,10 +24,10 @@ def elements(solution: Solution) -> Iterator[str]:
     velocities, where the engine has Jacobians. Tables stay between their rows and their ends.
     """
     mechanism, system = solution.mechanism, solution.system
-    for segment, panel, t in looked_at(solution):
+    for segment, _, t in looked_at(solution):
         where = f"segment at {segment.t_start:.9g} s"
-        state = state_at(system, system.constraint_set(segment.closed), panel, t)
-        for q, v in zip(state.q, state.v, strict=True):
+        motion = solution.trajectory.evaluate(t)
+        for q, v in zip(motion.q, motion.v, strict=True):
             terms = [-s.stiffness * (s.preload + q[s.index]) * v[s.index]
                      for s in mechanism.springs]  # fmt: skip
             lost = [damper.damping * v[damper.index] ** 2 for damper in mechanism.dampers]
@@ -116,46 +107,3 @@ def _line(system: System, strut: Strut, q: FloatArray, v: FloatArray) -> tuple[f
     fastest = float(np.abs(v).max()) * max(reach, 1.0)
     error = 64.0 * EPS * fastest * (1.0 + reach / max(length, EPS * reach))
     return length, float(line @ moving) / length if length else 0.0, error
-
-
-def flights(solution: Solution) -> Iterator[str]:
-    """Between their nodes flights obey the equations of motion as well as they are resolved."""
-    system, tolerance = solution.system, solution.case.resolution.tolerance
-    for segment, panel, t in looked_at(solution):
-        if not panel.integrated:
-            continue
-        rows = system.constraint_set(segment.closed)
-        # Times at equal distances are nodes where there are four, seven or thirteen of them.
-        between = panel.t + panel.h * nodes(panel.order).between
-        t = np.append(t, between[(t[0] < between) & (between < t[-1])])
-        q, v, _, motion = state_at(system, rows, panel, t)
-        there = system.accelerations(motion, q, v, rows)
-        sigma = (t - panel.t) / panel.h
-        off = np.abs(evaluate(panel.a, sigma, 0) - there)
-        # Round-off of the state, and of the laws that elastic trains pull it towards. The length of
-        # a strut is a difference of places, which has theirs.
-        places = np.abs(q) + (system.body.reach_m if solution.mechanism.struts else 0.0)
-        signs = (-1.0) ** np.arange(q.shape[1])
-        aside = system.accelerations(motion, q + 4.0 * EPS * signs * places, v, rows)
-        law, rate, second = motion
-        shifted = (1.0 + 4.0 * EPS) * law, (1.0 + 4.0 * EPS) * rate, second
-        pulled = system.accelerations(shifted, q, v, rows)
-        # What the closures determine is integrated, too, and drifts by what it is off; that may be
-        # little for itself, and more for another coordinate that hardly moves.
-        drift = panel.h * off.max(axis=0)
-        drift[list(panel.split.independent)] = 0.0
-        drifted = system.accelerations(motion, q, v + drift, rows)
-        off -= 8.0 * (np.abs(aside - there) + np.abs(pulled - there)) + np.abs(drifted - there)
-        # Forces that make up for one another have the round-off of each: noise from node to node.
-        off -= _NOISE * roughness(system, rows, panel.t, panel.q[0], panel.v[0])
-        moved = _moved(system, panel)
-        share = float((off * panel.h**2 / moved).max(initial=0.0, where=rows.moving > 0.0))
-        most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
-        yield from beyond(f"flight at {segment.t_start:.9g} s: equations between nodes [share]",
-                          share, most)  # fmt: skip
-
-
-def _moved(system: System, panel: Panel) -> FloatArray:
-    """How far each coordinate is moved on a panel, shape (nv,): what its tolerance refers to."""
-    size = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0)
-    return np.asarray(size + EPS * system.body.reach_m)

@@ -11,21 +11,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from ...arrays import FloatArray
-from ...dynamics.coefficients import coefficients
-from ...dynamics.impact import impact_condition
-from ...dynamics.multipliers import Multipliers
-from ...dynamics.system import ConstraintSet
-from ...hybrid.collocation import nodes
 from ...hybrid.event import EventKind
-from ...hybrid.panel import forces_at, state_at
 from ...hybrid.solution import Outcome, Solution
-from ...hybrid.unresolved import round_off
-from .element_invariants import elements, flights
+from .element_invariants import elements
+from .equations import Equations
+from .flight_invariants import flights
 from .impact_invariants import impulses
-from .looking import EPS, EVENTS, beyond, looked_at, some
+from .interpolants import slope
+from .looking import EPS, EVENTS, Shown, beyond, looked_at, shown, some
 from .model_invariants import built
 from .rebound_invariants import rebounds
 
@@ -64,8 +59,9 @@ def violations(solution: Solution) -> list[Violation]:
 
 def _over_determined(solution: Solution) -> Iterator[str]:
     """Drives and closed stops prescribe no more than the closures leave free."""
+    equations = Equations(solution)
     for segment in solution.segments:
-        freedom = solution.system.constraint_set(segment.closed).freedom
+        freedom = equations.freedom(segment.closed)
         if freedom < 0:
             names = ", ".join(sorted(segment.closed))
             yield f"segment at {segment.t_start:.9g} s: {names} closed, a freedom of {freedom}"
@@ -157,17 +153,19 @@ def _phases(solution: Solution) -> Iterator[str]:
 
 def _motion(solution: Solution) -> Iterator[str]:
     """Closures, gaps and forces between events; the product of gap and force is zero."""
-    system, body = solution.system, solution.system.body
+    system, equations = solution.system, Equations(solution)
     tolerance = solution.case.resolution.tolerance
     for segment, panel, t in looked_at(solution):
         where = f"segment at {segment.t_start:.9g} s"
-        rows = system.constraint_set(segment.closed)
-        q, v, a, forces = forces_at(system, rows, panel, t)
-        if not all(np.isfinite(item).all() for item in (q, v, a, forces.la_g, forces.la_N)):
+        seen = shown(solution, segment.closed, t)
+        q, v, a = seen.q, seen.v, seen.a
+        parts = (q, v, a, seen.closures, seen.drives, *seen.stops.values())
+        if not all(np.isfinite(item).all() for item in parts):
             yield f"{where}: not finite"
             continue
-        g, G = body.closures(q)
-        yield from beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * body.reach_m)
+        gaps, rows = zip(*(equations.tree.closures(state) for state in q), strict=True)
+        g, G = np.stack(gaps), np.stack(rows)
+        yield from beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * system.body.reach_m)
         size = np.einsum("nij,nj->ni", np.abs(G), np.abs(v))
         rate = np.einsum("nij,nj->ni", G, v)
         yield from beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
@@ -183,18 +181,18 @@ def _motion(solution: Solution) -> Iterator[str]:
             yield from beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
                                -float(gap.min()),
                                2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
-        yield from _forces(solution, where, rows, (q, v, a), G, forces)
+        yield from _forces(solution, where, equations, seen, G)
         # A panel of one unit in the last place of time has no slope.
         if segment.kinematic and panel.h > 1e-9 * solution.shaft.period:
             # Each node is solved on its own: velocities know nothing of accelerations.
-            slope = _slope(panel.v) / panel.h
+            rising = slope(panel.v) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
             # And what holds its weight and its springs has the round-off of what these would do.
             start, still = panel.q[:1], np.zeros_like(panel.v[:1])
-            pulls = system.applied_forces(start, still)
-            pulls = np.abs(pulls) + np.abs(system.body.inverse_dynamics(start, still, still))
+            pulls = np.abs(equations.forces.of_elements(start[0], still[0])[0])
+            pulls = pulls + np.abs(system.body.inverse_dynamics(start, still, still))
             if not system.held:
                 # So have drive trains that wind up against closed stops.
                 motion = system.shaft.driven(panel.times[-1:])
@@ -202,53 +200,53 @@ def _motion(solution: Solution) -> Iterator[str]:
                 pulls[:, system.driven_columns] += np.abs(torques)
             size += 1e7 * EPS * _most(pulls / np.diag(system.body.mass_matrix(start[0])))
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
-                               _most(slope - panel.a) / float(size + 1e-300),
+                               _most(rising - panel.a) / float(size + 1e-300),
                                1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
 
 
 def _forces(
-    solution: Solution,
-    where: str,
-    rows: ConstraintSet,
-    state: tuple[FloatArray, FloatArray, FloatArray],
-    G: FloatArray,
-    forces: Multipliers,
+    solution: Solution, where: str, equations: Equations, seen: Shown, G: FloatArray
 ) -> Iterator[str]:
     """M a + h = tau + G' la_g + W' la_N in every coordinate, and closed stops push."""
     system, tolerance = solution.system, solution.case.resolution.tolerance
-    inverse, spring = system.body.inverse_dynamics(*state), system.applied_forces(*state[:2])
-    left = inverse - spring - np.einsum("nij,ni->nj", G, forces.la_g)
+    q, v, a = seen.q, seen.v, seen.a
+    inverse = system.body.inverse_dynamics(q, v, a)
+    applied = [equations.forces.of_elements(*state) for state in zip(q, v, strict=True)]
+    spring = np.stack([tau for tau, _ in applied])
+    left = inverse - spring - np.einsum("nij,ni->nj", G, seen.closures)
     size = np.abs(inverse) + np.abs(spring)
     # In free fall inertia and weight are all there is, and make up for one another.
-    size += np.abs(system.body.inverse_dynamics(*state[:2], np.zeros_like(state[2])))
-    size += np.einsum("nij,ni->nj", np.abs(G), np.abs(forces.la_g)) + 1e-300
-    left[:, list(rows.stops)] -= rows.senses * forces.la_N
-    left[:, system.driven] -= forces.drive
+    size += np.abs(system.body.inverse_dynamics(q, v, np.zeros_like(a)))
+    size += np.einsum("nij,ni->nj", np.abs(G), np.abs(seen.closures)) + 1e-300
+    stops = [solution.mechanism.stop(name) for name in seen.stops]
+    for stop in stops:
+        left[:, stop.index] -= stop.sense * seen.stops[stop.name]
+    left[:, system.driven] -= seen.drives
     wound = 0.0
     if not system.held:
-        left[:, system.driven] += system.inertia * state[2][:, system.driven]
+        left[:, system.driven] += system.inertia * a[:, system.driven]
         # The torque of a drive train is a difference of angles, and has their round-off.
-        numbers = coefficients(solution.mechanism, held=False)
-        angles = np.abs(state[0][:, system.driven]).max(initial=0.0)
-        wound = 64.0 * EPS * float(numbers.train_stiffness.max(initial=0.0) * angles)
+        angles = np.abs(q[:, system.driven]).max(initial=0.0)
+        wound = 64.0 * EPS * float(equations.forces.stiffness.max(initial=0.0) * angles)
         size += wound
     # Moments of forces next to their joint, and of what turns evenly, are differences of products.
     reach = max(system.body.reach_m, 1.0)
     model = solution.mechanism.model
     acting = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
-    acting += _most(system.point_forces(*state[:2])) * len(solution.mechanism.struts)
-    acting += 2.0 * _most(system.body.kinetic_energy(*state[:2])) / min(system.body.reach_m, 1.0)
+    acting += equations.forces.tension(q, v) * len(solution.mechanism.struts)
+    acting += 2.0 * _most(system.body.kinetic_energy(q, v)) / min(system.body.reach_m, 1.0)
     size += 4.0 * EPS / _BALANCED * acting * reach
     share = np.abs(left).max(axis=1) / size.max(axis=1)
     yield from beyond(f"{where}: equations of motion [share]", float(share.max()), _BALANCED)
-    if rows.stops:
+    if stops:
         # The pull of a strut is one of a difference of lengths, and has their round-off.
         reach = system.body.reach_m
         stiffness = sum(strut.stiffness for strut in solution.mechanism.struts)
-        pushed = forces.la_N + 64.0 * EPS * stiffness * reach * max(reach, 1.0)
+        pushed = np.stack([seen.stops[stop.name] for stop in stops], axis=1)
+        pushed = pushed + 64.0 * EPS * stiffness * reach * max(reach, 1.0)
         # So is what a drive train presses together, of a difference of angles.
         pushed += wound
-        pull = -(pushed / size[:, list(rows.stops)].max(axis=0)).min()
+        pull = -(pushed / size[:, [stop.index for stop in stops]].max(axis=0)).min()
         # Forces are second derivatives: they are resolved less far than positions.
         most = 10.0 * tolerance**0.5 + 1e-9
         yield from beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
@@ -256,21 +254,21 @@ def _forces(
 
 def _continuity(solution: Solution) -> Iterator[str]:
     """No link jumps from one panel to the next."""
-    tolerance = solution.case.resolution.tolerance
+    tolerance, equations = solution.case.resolution.tolerance, Equations(solution)
     parts = [(s, *piece) for s in solution.segments[:EVENTS] for piece in s.pieces()]
     for place in some(max(len(parts) - 1, 0), EVENTS):
-        (old, before, _, end), (new, after, begin, _) = parts[place : place + 2]
-        states = [
-            state_at(solution.system, solution.system.constraint_set(s.closed), p, np.array([t])).q[
-                0
-            ]
-            for s, p, t in ((old, before, end), (new, after, begin))
-        ]
+        (old, before, begin, end), (new, after, then, _) = parts[place : place + 2]
+        just_before = np.nextafter(end, begin)
+        there = solution.trajectory.evaluate(np.array([just_before, then]))
         moved = np.abs(before.q).max() + np.abs(after.q).max()
-        # Near a dead centre closures leave positions open by more than round-off.
-        open_by = float(round_off(solution.system, before.split, states[0]).max())
-        yield from beyond(f"jump at {end:.9g} s [rad or m]", _most(states[1] - states[0]),
-                           10.0 * tolerance * float(moved) + 8.0 * open_by + 1e-11)  # fmt: skip
+        # Either side meets the closures to round-off; near a dead centre these leave it more.
+        open_by = sum(
+            float(equations.opened(q, s.closed).max(initial=0.0))
+            for q, s in zip(there.q, (old, new), strict=True)
+        )
+        open_by += (end - just_before) * _most(there.v)
+        yield from beyond(f"jump at {end:.9g} s [rad or m]", _most(there.q[1] - there.q[0]),
+                           10.0 * tolerance * float(moved) + open_by + 1e-11)  # fmt: skip
 
 
 def _energy(solution: Solution) -> Iterator[str]:
@@ -281,7 +279,7 @@ def _energy(solution: Solution) -> Iterator[str]:
         energy.kinetic_change, energy.impact_losses, energy.dissipated,
     )  # fmt: skip
     scale = sum(map(abs, terms)) + energy.kinetic_peak
-    system, condition = solution.system, 1.0
+    system, equations, condition = solution.system, Equations(solution), 1.0
     heights = []
     # Tables count from their first row, so what is stored may be negative.
     stored = 0.0
@@ -292,11 +290,8 @@ def _energy(solution: Solution) -> Iterator[str]:
         springs = system.spring_energy(panel.q)
         scale, stored = max(scale, float(springs.max())), max(stored, _most(springs))
         heights.append(system.body.gravity_energy(panel.q))
-        stops = system.constraint_set(segment.closed).stops
-        some = panel.q[:: max(len(panel.q) // 4, 1)]
-        _, jacobian = system.body.closures(some)
-        for q, rows in zip(some, jacobian, strict=True):
-            condition = max(condition, impact_condition(system, q, rows, stops))
+        for q in panel.q[:: max(len(panel.q) // 4, 1)]:
+            condition = max(condition, equations.condition(q, segment.closed))
     # What goes to and fro has its round-off, too.
     scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
     # Forces lose the digits that the impact matrix loses.
@@ -346,13 +341,6 @@ CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
     "tables": _tables,
 }
 """The invariants by name."""
-
-
-def _slope(values: FloatArray) -> FloatArray:
-    """Derivative of the interpolant of node values by sigma, at the nodes, shape (N, nv)."""
-    grid = nodes(len(values))
-    series = chebyshev.chebder(grid.integrals[0] @ values, scl=2.0)
-    return np.asarray(chebyshev.chebval(2.0 * grid.sigma - 1.0, series).T)
 
 
 def _most(values: FloatArray) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,41 @@ EVENTS = 100
 """Of many events and borders of panels that many are looked at, evenly chosen."""
 # Of many segments and of their panels that many are looked at, evenly chosen.
 _SEGMENTS, _PANELS, _POINTS = 24, 3, 5
+
+
+class Shown(NamedTuple):
+    """What a solution shows at K times, as it shows it to anybody.
+
+    Attributes:
+        q: Configurations, shape (K, nv).
+        v: Velocities, shape (K, nv).
+        a: Accelerations, shape (K, nv).
+        closures: Forces of the cut joints on their frames a, world axes, shape (K, m) [N].
+        drives: Torques of the drives, shape (K, drives) [N m or N].
+        stops: Forces of the closed stops, by name, positive when they push [N m or N].
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    closures: FloatArray
+    drives: FloatArray
+    stops: dict[str, FloatArray]
+
+
+def shown(solution: Solution, closed: frozenset[str], t: FloatArray) -> Shown:
+    """Motion and forces at times of a segment with these closed stops."""
+    motion, forces = solution.trajectory.evaluate(t), solution.trajectory.reactions(t)
+    none = np.empty((len(t), 0))
+    return Shown(
+        motion.q,
+        motion.v,
+        forces.a,
+        np.hstack([none, *forces.closures.values()]),
+        np.stack([*forces.drives.values()], axis=1) if forces.drives else none,
+        {stop.name: forces.stops[stop.name] for stop in solution.mechanism.stops
+         if stop.name in closed},
+    )  # fmt: skip
 
 
 def beyond(what: str, found: float, most: float) -> Iterator[str]:
@@ -34,7 +70,8 @@ def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]
         for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
             if id(panel.a) not in seen:
                 seen.add(id(panel.a))
-                yield segment, panel, np.linspace(begin, end, _POINTS)
+                # The end itself belongs to what follows.
+                yield segment, panel, np.linspace(begin, np.nextafter(end, begin), _POINTS)
 
 
 def some(count: int, most: int) -> list[int]:

@@ -1,0 +1,141 @@
+"""The judge of the campaign shares no code with what it judges: read off its sources.
+
+Solutions, events and panels are what is judged, so their types are known to it. Bounds, forces and
+states are found by its own code; another engine is run by files that judge nothing.
+"""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from machine_of_all_elements import CASE, everything
+from numpy.polynomial import chebyshev
+
+import nipper_pin.study.stress as stress
+from nipper_pin import Solution, simulate
+from nipper_pin.mechanism import from_sources
+from nipper_pin.study.stress.equations import Equations
+from nipper_pin.study.stress.interpolants import farthest, halfway, interpolated, slope
+
+FOLDER = Path(stress.__file__).parent
+# Those that run engines, hold what is run, or write it.
+RUNNING = {"__init__", "campaign", "engines", "files", "judging", "machines", "space", "store"}
+RESULTS = {
+    "accuracy": {"EventError"},
+    "collisions": {"Collision"},
+    "event": {"Event", "EventKind"},
+    "panel": {"Panel"},
+    "segment": {"Segment"},
+    "solution": {"Outcome", "Solution"},
+}
+DYNAMICS = {"system": {"System"}}
+# What the engine computes accelerations, impulses and states with.
+COMPUTING = {
+    "closed_velocity", "constraint_set", "determined_accelerations",
+    "forcing", "impulse_response", "interpolate", "interpolate_at", "prescribe", "refined",
+    "respond",
+}  # fmt: skip
+
+
+def judging() -> list[Path]:
+    """All files of the folder that neither run nor draw: those that `invariants` comes to."""
+    found, new = set(), {"invariants", "agreement"}
+    while new:
+        name = new.pop()
+        found.add(name)
+        for module, _ in imports(FOLDER / f"{name}.py", level=1):
+            if module not in found:
+                new.add(module)
+    return [FOLDER / f"{name}.py" for name in sorted(found)]
+
+
+def imports(path: Path, level: int) -> list[tuple[str, str]]:
+    """Modules and names imported with so many dots, also within functions."""
+    nodes = ast.walk(ast.parse(path.read_text()))
+    return [
+        (node.module or "", item.name)
+        for node in nodes if isinstance(node, ast.ImportFrom) and node.level == level
+        for item in node.names
+    ]  # fmt: skip
+
+
+def foreign(path: Path) -> list[tuple[str, str]]:
+    """What a file imports of the engines beyond the types of results."""
+    allowed = {"hybrid": RESULTS, "dynamics": DYNAMICS, "reduced": {}}
+    found = []
+    for module, name in imports(path, level=3):
+        room, _, rest = module.partition(".")
+        if room in allowed and name not in allowed[room].get(rest, set()):
+            found.append((module, name))
+    return found
+
+
+def test_files_that_judge_are_found() -> None:
+    names = {path.stem for path in judging()}
+    assert names >= {"agreement", "applied_forces", "element_invariants", "equations",
+                     "flight_invariants", "impact_invariants", "invariants", "plain_tree",
+                     "rebound_invariants"}  # fmt: skip
+    assert not names & RUNNING
+
+
+@pytest.mark.parametrize("path", judging(), ids=lambda path: path.stem)
+def test_the_judge_imports_nothing_of_the_engines_but_results(path: Path) -> None:
+    assert foreign(path) == []
+    used = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Attribute)]
+    assert not {node.attr for node in used} & COMPUTING
+    # The judge's own are asked of its own equations.
+    of = {ast.unparse(node.value) for node in used if node.attr == "accelerations"}
+    assert of <= {"equations"}
+
+
+def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
+    """Also where it is imported within a function."""
+    planted = tmp_path / "planted.py"
+    planted.write_text("def f():\n    from ...hybrid.roughness import roughness\n")
+    assert foreign(planted) == [("hybrid.roughness", "roughness")]
+
+
+@pytest.fixture(scope="module")
+def run() -> Solution:
+    source = everything()
+    machine = from_sources(source.name, source.urdf, source.description, source.folder)
+    return simulate(machine, CASE)
+
+
+def test_own_accelerations_are_those_of_the_motion(run: Solution) -> None:
+    """Two ways to one number, within the round-off that the judge says; it says 1e-11 at most.
+
+    Velocities at times 2e-4 s apart, differences of the third order.
+    """
+    equations, h = Equations(run), 2e-4
+    segment = max(run.segments, key=lambda item: item.t_end - item.t_start)
+    t = 0.5 * (segment.t_start + segment.t_end)
+    at = run.trajectory.evaluate(t + h * np.array([-2.0, -1.0, 0.0, 1.0, 2.0]))
+    a = equations.accelerations(t, at.q[2], at.v[2], segment.closed)
+    unsure = equations.round_off(t, at.q[2], at.v[2], segment.closed)
+    slopes = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) @ at.v / (12.0 * h)
+    size = float(np.abs(a).max())
+    assert np.abs(a - slopes).max() < 1e-7 * size
+    told = run.trajectory.reactions(t).a[0]
+    assert (np.abs(a - told) <= 2.0 * unsure).all()
+    assert 0.0 < unsure.max() < 1e-11 * size
+
+
+@pytest.mark.parametrize("count", [3, 4, 7, 13, 32])
+def test_interpolants_are_those_of_their_polynomials(count: int) -> None:
+    """A polynomial of degree N - 1 is met between the nodes and in its slope; at nodes exactly."""
+    coefficients = np.random.default_rng(count).normal(size=count)
+    sigma = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
+    values = chebyshev.chebval(2.0 * sigma - 1.0, coefficients)[:, None]
+    between = np.append(halfway(count), sigma[1])
+    told = interpolated(values, between)[:, 0]
+    eps = np.finfo(float).eps
+    most = farthest(count) * count * eps * np.abs(coefficients).sum()
+    true = chebyshev.chebval(2.0 * between - 1.0, coefficients)
+    assert np.abs(told - true).max() < 4.0 * most
+    assert told[-1] == values[1, 0]
+    rising = chebyshev.chebval(2.0 * sigma - 1.0, 2.0 * chebyshev.chebder(coefficients))
+    assert np.abs(slope(values)[:, 0] - rising).max() < 4.0 * count**2 * most
