@@ -268,3 +268,37 @@ def test_what_check_ends_with(
     assert capsys.readouterr().out == f"Next\none [bold] {'long ' * 30}\ntwo\n"
     told = words.replace("1e4", "10000.0").replace("500", "500.0")
     assert given == [("e62", told, ["--start-index", "20.5"])]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("benchmark --repeats 0", "--repeats 0: at least 1"),
+        ("identify {fit} --profiles -1", "--profiles -1: at least 0"),
+        ("identify {fit} --starts 1 --seed 3", "--seed changes nothing beside --starts 1"),
+        ("sweep {sweep} --chunks a-2", "--chunks a-2: write A-B"),
+        ("sweep {sweep} --dry-run --out here", "--out changes nothing beside --dry-run"),
+        ("sweep {sweep} --dry-run --scheduler tcp://a:1", "--scheduler changes nothing beside"),
+        ("study paper --json - --identification x.json", "give --out DIR as well"),
+        ("new", "name the folder to write"),
+        ("new --list a", "MODEL changes nothing beside --list"),
+        ("new --list --from a", "--from changes nothing beside --list"),
+        ("stress --rerun x.json --family chain", "--family changes nothing beside --rerun"),
+        ("view --json -", "so does the server; add --html FILE"),
+    ],
+)
+def test_what_cannot_be_asked(
+    words: str,
+    said: str,
+    files: dict[str, str],
+    probe: Probe,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One sentence and status 2, and nothing is begun."""
+    assert probe is not None
+    assert main(words.format(**files).split()) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("nipper-pin: ")
+    assert said in err
+    assert err.count("\n") == 1

@@ -28,7 +28,10 @@ from . import (
     view,
 )
 
-_RIGHT, _NOT_SIMULATED, _UNUSABLE, _INTERRUPTED = 0, 1, 2, 130
+_RIGHT = 0
+_NOT_SIMULATED = 1
+_UNUSABLE = 2
+_INTERRUPTED = 130
 _COMMANDS = {
     "simulate": (simulate, "simulate a transition or whole cycles"),
     "view": (view, "show a run in the browser, or write it as one page"),

@@ -118,7 +118,7 @@ def changed_case(case: Case, options: argparse.Namespace) -> Case:
 
 def _given(options: argparse.Namespace) -> dict[str, Any]:
     """Fields of a case that the arguments hold, the tolerance with them."""
-    names = ("window", "start_index", "cycles", "drive", "rest_rate", "tolerance", "reuse_cycles")
+    names = {"window", "start_index", "cycles", "drive", "rest_rate", "tolerance", "reuse_cycles"}
     given = {name: getattr(options, name) for name in names if hasattr(options, name)}
     if options.speed is not None:
         given["speed_rpm"] = options.speed

@@ -15,7 +15,8 @@ from .arguments import check_outputs, refuse_beside, write_json
 if TYPE_CHECKING:
     from ..study.stress import Verdict
 
-_CASES, _SEED = 1000, 1
+_CASES = 1000
+_SEED = 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -24,9 +24,12 @@ from ..study.sweep import SweepTable, read_sweep
 from .style import LINES, SMALL, TEXT, WIDTH_IN, tidy
 
 # Rows that are read, and lines that are drawn of them.
-_MOST_ROWS, _MOST_LINES = 1_000_000, 1500
+_MOST_ROWS = 1_000_000
+_MOST_LINES = 1500
 # Cells of a sampled parameter: enough scenarios in each, and not more than can be seen.
-_FEWEST, _MOST_CELLS, _IN_CELL = 4, 24, 12
+_FEWEST = 4
+_MOST_CELLS = 24
+_IN_CELL = 12
 _COLOURS = "viridis"
 
 

@@ -11,6 +11,7 @@ import io
 import math
 import re
 from dataclasses import replace
+from html import unescape
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -22,6 +23,7 @@ from matplotlib.contour import ContourSet
 from rich.console import Console
 
 from nipper_pin import Mechanism
+from nipper_pin.study.conclusions import conclusions
 from nipper_pin.study.paper import PaperStudy
 from nipper_pin.study.paper.counts import Counts, collision_counts
 from nipper_pin.study.paper.designs import RESTITUTIONS, DesignMap
@@ -32,7 +34,8 @@ from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.study.paper.shares import Shares
 from nipper_pin.study.paper.studies import Studies
-from nipper_pin.view.paper import question_figures, tables
+from nipper_pin.study.sensitivity import Sensitivities, Sensitivity
+from nipper_pin.view.paper import question_figures, report, tables
 from nipper_pin.view.paper.canvas import Plate
 from nipper_pin.view.paper.report import Material, report_html
 from nipper_pin.view.paper.summary import print_paper
@@ -303,6 +306,111 @@ def test_conditions_share_and_map(text: str, study: PaperStudy) -> None:
           11_163, 1e3 * durations.min(), 1e3 * durations.max())  # fmt: skip
 
 
+def test_sections_of_other_studies(study: PaperStudy) -> None:
+    """Sensitivities with their conclusions, then the identification; limits are the last."""
+    rows = tuple(
+        Sensitivity(path=path, value=7.0, unit=unit, per=np.array(per), control=np.array(per))
+        for path, unit, per in (
+            ("stops.jaw.restitution", "%", (1.9, 0.7, 0.0)),
+            ("springs.steeve.preload_length_mm", "mm", (-8.0, -4.0, 9.0)),
+            ("springs.steeve.stiffness_N_per_m", "%", (-0.5, -0.25, 0.5)),
+            ("speed_rpm", "%", (1.2, 0.4, -0.1)),
+            ("links.top_nipper.mass_kg", "%", (0.6, 0.3, 0.2)),
+        )
+    )
+    found = Sensitivities(
+        model="e62", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
+        clamping_force_N=80.0, premise_holds=True, rows=rows,
+    )  # fmt: skip
+    document = {
+        "caution": "Fitted.", "title": "some numbers", "model": "e62", "seed": 7,
+        "goodness": {"sentence": "They agree."}, "within_4_percent": 3, "targets": [1, 2, 3, 4],
+        "identifiable_directions": 2, "parameters": [1, 2, 3, 4, 5],
+    }  # fmt: skip
+    names = ["figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
+             "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",
+             "sensitivities", "identification"]  # fmt: skip
+    plates = tuple(Plate(n, n, "", cast("Any", None), "<svg></svg>", b"") for n in names)
+    sheets = ["ratios", "table_3", "table_4", "table_5", "collision_counts", "rest_time", "drives",
+              "ratios_inertial_shafts", "stop_in_phase_1", "fixed_step", "constant_force",
+              "sensitivities", "identification_targets", "identified_numbers"]  # fmt: skip
+    content = Material(plates, tuple(tables.Table(name, name, (), ()) for name in sheets))
+    for given, sections in (
+        (Supplements(found, document), ["6 Sensitivities", "7 Identification", "8 Limits"]),
+        (Supplements(found), ["6 Sensitivities", "7 Limits"]),
+        (Supplements(None, document), ["6 Identification", "7 Limits"]),
+        (Supplements(), ["6 Limits"]),
+    ):
+        page = report_html(study, given, content)
+        assert re.findall(r"<h2>([6-9] \w+)</h2>", page) == sections
+        told = [sentence in unescape(page) for sentence in conclusions(found)]
+        assert told
+        assert set(told) == {given.sensitivities is not None}
+        words = (
+            "some numbers; model e62, seed 7. They agree. 3 of 4 targets are met within 4 %.",
+            "they narrow 2 of 5 directions that far (figure A11)",
+        )
+        flat = re.sub(r"<[^>]*>", "", page)
+        assert [text.lower() in flat.lower() for text in words] == [
+            given.identification is not None
+        ] * 2
+
+
+def test_numbers_of_figures_and_tables() -> None:
+    """Those of the paper keep theirs, all others count on."""
+    names = ["figure_11", "guide", "table_3", "figure_x", "drives_2", "figure_12"]
+    assert report.numbers(names) == {
+        "figure_11": "11", "guide": "A1", "table_3": "3", "figure_x": "A2", "drives_2": "A3",
+        "figure_12": "12",
+    }  # fmt: skip
+
+
+def test_which_tables_and_figures_there_are(
+    study: PaperStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the order of their numbers; none of what there is no result of."""
+    for name in ("ratio", "count", "rest", "drive", "inertial_ratio", "stop", "step", "force",
+                 "sensitivity"):  # fmt: skip
+        monkeypatch.setattr(report, f"{name}_table", lambda *_, name=name: name)
+    monkeypatch.setattr(report, "published_tables", lambda _: ["3", "4", "5"])
+    monkeypatch.setattr(report, "identification_tables", lambda _: ["targets", "numbers"])
+    for name in ("sensitivity", "identification"):
+        monkeypatch.setattr(report, f"{name}_plate", lambda *_, name=name: f"{name} plate")
+    every = ["ratio", "3", "4", "5", "count", "rest", "drive", "inertial_ratio", "stop", "step",
+             "force"]  # fmt: skip
+    drawn: Any = ["one", "two"]
+    found = report.material(study, Supplements(), drawn)
+    assert (found.plates, found.tables) == (("one", "two"), tuple(every))
+    both = Supplements(cast("Any", 1), {"a": 1})
+    found = report.material(study, both, drawn)
+    assert found.plates == ("one", "two", "sensitivity plate", "identification plate")
+    assert found.tables == (*every, "sensitivity", "targets", "numbers")
+    other = replace(study, ratios=(), fixed_step=None)
+    assert not other.compared
+    assert report.material(other, Supplements(), drawn).tables == (
+        "3", "4", "5", "count", "rest", "drive", "stop",
+    )  # fmt: skip
+    for name in ("published", "kinematic", "question"):
+        monkeypatch.setattr(report, f"{name}_plates", lambda _, name=name: [name])
+    assert report.study_plates(study) == ["published", "kinematic", "question"]
+
+
+def test_ratios_in_words() -> None:
+    """What changes between which two cases; shares with their speed."""
+    ends = {
+        "speed": "450 to 650 r/min", "restitution": "e = 0.05 to 0.25", "stiffness": "7 to 11 N/mm",
+    }  # fmt: skip
+    for name in GIVEN.ratios:
+        study, _, quantity = name.partition(".")
+        if "share" in quantity:
+            speed = name.rpartition("_")[2]
+            wanted = f"share of the first two rebounds, {speed} r/min"
+        else:
+            words = quantity.removesuffix("_increase").removesuffix("_change").replace("_", " ")
+            wanted = f"{words}, {ends[study]}"
+        assert tables.ratio_words(name) == wanted
+
+
 # Tables.
 
 
@@ -433,6 +541,11 @@ def test_frames_of_the_figures(study: PaperStudy) -> None:
         x, y = (np.asarray(values) for values in axes.lines[-1].get_data())
         assert list(x) == [STEPS[0], STEPS[-1]]
         assert y[0] / y[1] == pytest.approx(x[0] / x[1], rel=1e-12)
+    # White is no force: blue pushes, red would have to pull.
+    (filled, *_) = figures["stop_force"].axes[1].collections
+    most = float(np.abs(study.phase_one.smallest_forces()).max())
+    assert (filled.norm.vmin, filled.norm.vmax) == pytest.approx((-most, most))
+    assert filled.get_cmap().name == "RdBu"
     for axes in figures["thresholds"].axes[:1]:
         assert all(tick == round(tick) for tick in axes.get_yticks())
 

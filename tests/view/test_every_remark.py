@@ -15,6 +15,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from rich.console import Console
+from small_machines import SHAFT, hinge, link, machine, slide
 
 from nipper_pin import InputError, Mechanism, Solution, load, simulate
 from nipper_pin.cli import main
@@ -30,7 +31,8 @@ from nipper_pin.view.front_plot import front_figure
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
-from nipper_pin.view.scene.solids import FIXED, Solid
+from nipper_pin.view.scene.framing import _reach
+from nipper_pin.view.scene.solids import FIXED, Solid, solids
 
 
 def printed(work: Callable[[Console], None], width: int = 300) -> str:
@@ -352,3 +354,54 @@ def test_corners_of_round_solids(transition: Solution) -> None:
     assert np.linalg.norm(points, axis=1).max() == pytest.approx(0.7)
     heights = np.unique(points[:, 1].round(9))
     assert heights == pytest.approx(0.7 * np.cos(np.pi * np.arange(10, -1, -1) / 10.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes"), [("box", (0.2, 0.4, 0.6)), ("cylinder", (0.3, 0.8)), ("sphere", (0.25,))]
+)
+def test_how_far_a_solid_reaches(kind: str, sizes: tuple[float, ...]) -> None:
+    """Along the axes of the world, however it is turned: as far as points all over it."""
+    turns = np.linspace(0.0, math.tau, 721)
+    circle = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(721)])
+    if kind == "box":
+        points = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
+        points = points * sizes
+    elif kind == "cylinder":
+        points = np.concatenate([sizes[0] * circle + [0, 0, end] for end in (-0.4, 0.4)])
+    else:
+        points = np.array([[0.25, 0, 0], [0, 0.25, 0], [0, 0, 0.25]])
+    solid = replace(block(0.0), kind=kind, sizes=sizes)
+    for seed in range(4):
+        turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+        wanted = np.abs(points @ turn.T).max(axis=0) if kind != "sphere" else np.full(3, 0.25)
+        assert _reach(solid, turn) == pytest.approx(wanted, rel=1e-4)
+
+
+def test_bars_of_links_without_shapes() -> None:
+    """From a joint to all that hangs on its link, or to the centre of mass; a ball at the joint."""
+    made = machine(
+        [
+            link("arm", centre=(0.3, 0.1)), hinge("arm_pin", "frame", "arm", (0.1, 0.2)),
+            link("hand", centre=(0.0, 0.25)), hinge("hand_pin", "arm", "hand", (0.4, 0.0)),
+            link("finger", centre=(0.05, 0.0)), slide("finger_x", "arm", "finger", at=(0.0, 0.5)),
+        ],
+        3,
+        drives={"arm": {"joint": "arm_pin", "law": "constant_speed", "ratio": 1.0, **SHAFT}},
+    )  # fmt: skip
+    thick = 0.02 * made.reach_m
+    ends: dict[str, list[Any]] = {}
+    for solid in solids(made):
+        name = made.joints[solid.body].child
+        if solid.kind == "sphere":
+            assert (solid.name, solid.sizes) == ("joint", (pytest.approx(1.6 * thick),))
+            assert (solid.placement == np.eye(4)).all()
+            continue
+        radius, length = solid.sizes
+        assert radius == pytest.approx(thick)
+        half = 0.5 * length * solid.placement[:3, 2]
+        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
+        assert np.linalg.det(solid.placement[:3, :3]) == pytest.approx(1.0)
+        ends.setdefault(name, []).append((2.0 * half)[[0, 2]].round(9).tolist())
+    assert {name: sorted(items) for name, items in ends.items()} == {
+        "arm": [[0.0, 0.5], [0.4, 0.0]], "hand": [[0.0, 0.25]], "finger": [[0.05, 0.0]],
+    }  # fmt: skip

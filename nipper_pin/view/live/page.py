@@ -27,10 +27,13 @@ _HELD = 0.8  # seconds that the film stands after a slider moved
 _TOLD = 0.12  # seconds between two texts of the moment; a new one has the panel drawn again
 _PAUSE = 0.7  # seconds of playback at rest before the film starts again
 _SLOW = (100, 5000, 1000)  # ends and start of the slow motion
-_WIDTH, _HEIGHT = 400, 170  # pixels, of the panel and of a plot
-_AXIS, _LABEL = (30, 44), 18  # pixels of the axes below and beside a plot, and of their labels
+_WIDTH = 400  # pixels, of the panel
+_HEIGHT = 170  # pixels, of a plot
+_AXIS = (30, 44)  # pixels of the axes below and beside a plot
+_LABEL = 18  # pixels of their labels
 _PADDING = (10, 20, 0, 0)
-_LINE, _DOTS = "#0072B2", "#D55E00"
+_LINE = "#0072B2"
+_DOTS = "#D55E00"
 _NOTE = (
     "Every number here is computed from these estimates of the class of machine, also where it "
     "agrees with a publication; none is the maker's. The shapes are illustrations."

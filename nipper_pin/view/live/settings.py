@@ -10,7 +10,8 @@ from ...errors import InputError
 from ...mechanism import Mechanism, Spring
 from ..reading import units_of
 
-SPEED, RESTITUTION = "speed", "restitution"
+SPEED = "speed"
+RESTITUTION = "restitution"
 _MOST_RESTITUTION = 0.8
 # A range ends at these parts of the value that the model has.
 _SPEED_RANGE = (0.4, 2.0)

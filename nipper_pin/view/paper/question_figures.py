@@ -19,7 +19,9 @@ from .terms import terms
 
 # Where lines of time and of index are labelled, in parts of the range of speeds, how far a label
 # may go from there, and how far it stands from the frame.
-_LABELLED, _AWAY, _MARGIN = (0.13, 0.8), 0.37, 0.012
+_LABELLED = (0.13, 0.8)
+_AWAY = 0.37
+_MARGIN = 0.012
 
 
 def question_plates(study: PaperStudy) -> list[Plate]:

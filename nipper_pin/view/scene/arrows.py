@@ -16,7 +16,9 @@ from .solids import FIXED
 HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full
 FADE = 0.4  # seconds after that in which it shrinks to nothing
 _LENGTH = 0.18  # of the reach of the mechanism, for the largest impulse
-_HEAD, _THICK, _WIDE = 0.28, 0.022, 3.0  # of the length; of the length; of the thickness
+_HEAD = 0.28  # of the length
+_THICK = 0.022  # of the length
+_WIDE = 3.0  # of the thickness
 
 
 def arrow_stops(mechanism: Mechanism) -> tuple[Stop, ...]:

@@ -28,7 +28,8 @@ from ...mechanism.urdf_values import (
 from .colours import link_colour
 
 Colour = tuple[float, float, float]
-FIXED, CYLINDER = -1, -2
+FIXED = -1
+CYLINDER = -2
 
 
 @dataclass(frozen=True)
