@@ -6,8 +6,10 @@ of memory are those of blocks that the tests themselves take.
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -153,6 +155,15 @@ def test_memory_is_in_units_of_1024(monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(peaks.values())[:6] == [101.0, 102.0, 103.0, 104.0, 105.0, 106.0]
     assert "cycles=7" in told[5]
     assert "reuse_cycles=False" in told[5]
+    cases = [
+        item for code in told for item in ast.walk(ast.parse(code))
+        if isinstance(item, ast.Call) and ast.unparse(item.func) == "Case"
+    ]  # fmt: skip
+    assert len(cases) >= 3
+    for item in cases:
+        given = {word.arg: ast.unparse(word.value) for word in item.keywords}
+        assert given.keys() <= {field.name for field in fields(Case)}
+        assert given["speed_rpm"] == "650.0"
 
 
 def test_imports(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,6 +195,8 @@ def test_imports(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(rows) == {"matplotlib", "rich"}
     assert rows["rich"] == pytest.approx([40.0, 700.0])
     assert rows["matplotlib"] == pytest.approx([400.0, 600.0])
+    monkeypatch.setattr(imports, "run_python", lambda _: "missing")
+    assert imports.left_out(1) == []
 
 
 # Tables and figure.

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from sweep_studies import FULL, plan
 
@@ -64,6 +65,15 @@ def test_rows_of_a_chunk_as_a_file(tmp_path: Path) -> None:
         "direct": {"few": 1, "the reduced engine: too low": 1,
                    "whole turns, since the premise of a transition does not hold": 1},
     }  # fmt: skip
+    units = {item.name: item.metadata for item in table.schema}
+    assert units["duration_s"] == {b"unit": b"s"}
+    assert units["preload"] == {b"unit": b"mm"}
+    assert units["engine"] is units["collisions"] is None
+    damaged = bytearray(columns.parquet())
+    pages = pq.read_metadata(pa.BufferReader(bytes(damaged))).row_group(0).column(1)
+    damaged[pages.data_page_offset + pages.total_compressed_size - 4] ^= 1
+    with pytest.raises(OSError, match=r"(?i)crc"):
+        pq.read_table(pa.BufferReader(bytes(damaged)), page_checksum_verification=True)
     columns.keep(slice(0, 1), results("direct", why="reduced: 32", messages=("else",)))
     assert columns.direct["the reduced engine did not solve them"] == 1
     assert [*chunks_module._runs(np.array([[1.0, 2], [1, 2], [1, 3], [4, 3], [4, 3]]))] == [
