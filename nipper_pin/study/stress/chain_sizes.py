@@ -70,16 +70,14 @@ class ChainSizes:
         opened = [sum(self._point(q, v, a, *end)[2] for end in pair) for pair in self._cuts]
         return forces, np.repeat(np.array(opened, dtype=float), 2)
 
-    def still(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
-        """Accelerations with which each coordinate would move as much as the fastest link does.
+    def still(self, q: FloatArray, a: FloatArray) -> FloatArray:
+        """Accelerations as large as the largest one, shape (nv,); slides count by the reach.
 
-        Arguments and shape as :meth:`of`; what stands still in the solution of a linear system has
-        the round-off of what moves.
+        What stands still in the solution of a linear system has the round-off of what moves.
         """
-        links = range(1, self._model.njoints)
-        largest = max((self._point(q, v, a, i, self._levers[i])[2] for i in links), default=0.0)
-        levers = np.where(self._slides, 1.0, self.reach(q))
-        return np.asarray(largest / levers) if largest > 0.0 else np.zeros(len(q))
+        reach = max(self.reach(q), float(np.finfo(float).tiny))
+        levers = np.where(self._slides, reach, 1.0)
+        return np.asarray(float((np.abs(a) / levers).max(initial=0.0)) * levers)
 
     def _point(
         self, q: FloatArray, v: FloatArray, a: FloatArray, link: int, beyond: float
