@@ -33,6 +33,7 @@ from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
+from nipper_pin.view.table import print_solution
 
 
 def printed(work: Callable[[Console], None], width: int = 300) -> str:
@@ -277,6 +278,17 @@ def test_which_figures_a_run_has(
     assert list(plots._figures(transition)) == every[:4]
     dead = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
     assert list(plots._figures(dead)) == ["impulses"]
+
+
+def test_how_a_series_ends(transition: Solution) -> None:
+    """Without restitution at once, else at its limit."""
+    dead = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
+    said = ("Without restitution the first collision ends it.", "The bounces go on for ever")
+    for run, words in ((dead, [True, False]), (transition, [False, True])):
+        text = printed(lambda console, shown=run: print_solution(shown, console))
+        assert [part in text for part in said] == words
+        count = run.transitions[0].collisions
+        assert f"to rest, {count} collision{'s' if count > 1 else ''} computed" in text
 
 
 def test_rows_of_the_motion(transition: Solution) -> None:
