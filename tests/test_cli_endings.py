@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 from pathlib import Path
 from types import SimpleNamespace
@@ -39,7 +40,8 @@ ASKED: dict[str, dict[str, object]] = {
     },
     "study paper": {
         "paper_study.mechanism.name": "e62", "write_paper.folder": "out/paper",
-        "sensitivities.mechanism.name": "e62",
+        "sensitivities.mechanism.name": "e62", "sensitivities.speed_rpm": 650.0,
+        "sensitivities.workers": os.cpu_count(),
     },
     "identify {fit}": {
         "identify.starts": 4, "identify.seed": 1, "identify.workers": None,

@@ -345,6 +345,15 @@ def test_surroundings_and_surfaces(page: str) -> None:
         assert arrow == (scene.colour(path) == tuple(bytes.fromhex(ARROW[1:])))
         assert all(item["type"] != "_meshfile" for item in item["geometries"])
     assert scene.options == {"play": True, "repetitions": math.inf}
+    (animation,) = (item for item in sent if item["type"] == "set_animation")
+    clips = [item["clip"] for item in animation["animations"]]
+    assert {clip["fps"] for clip in clips} == {1}
+    # As three.js calls them; one that it does not know ends the whole film.
+    kinds = {(track["name"], track["type"]) for clip in clips for track in clip["tracks"]}
+    assert kinds == {
+        (".position", "vector3"), (".quaternion", "quaternion"), (".scale", "vector3"),
+        (".material.color", "color"),
+    }  # fmt: skip
 
 
 def test_a_page_carries_the_licences_of_what_is_in_it(page: str) -> None:

@@ -24,8 +24,10 @@ from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.optimise import Optimum
 from nipper_pin.study.work_precision import Row
-from nipper_pin.view import benchmark_report, optimise_report, plots
+from nipper_pin.view import benchmark_report, optimise_report, plots, table
+from nipper_pin.view import report as checked
 from nipper_pin.view.benchmark_files import work_precision_figure
+from nipper_pin.view.console import paste, say
 from nipper_pin.view.export import _motion
 from nipper_pin.view.front_plot import front_figure
 from nipper_pin.view.live.settings import knobs
@@ -33,7 +35,6 @@ from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
-from nipper_pin.view.table import print_solution
 
 
 def printed(work: Callable[[Console], None], width: int = 300) -> str:
@@ -144,6 +145,15 @@ def test_what_stands_around_a_front() -> None:
 def replace_limits(optimum: Optimum) -> Optimum:
     problem = SimpleNamespace(**{**vars(optimum.problem), "limits": []})
     return cast("Optimum", SimpleNamespace(**{**vars(optimum), "problem": problem}))
+
+
+@pytest.mark.parametrize("tell", [paste, say, table._say, checked._say])
+def test_numbers_in_sentences_have_no_colours(tell: Any) -> None:
+    """On a terminal with colours, too: style is what the program says."""
+    stream = io.StringIO()
+    text = "nipper-pin simulate 'e62' --speed 12.5 [bold]x[/bold] True /a/path"
+    tell(Console(file=stream, force_terminal=True, color_system="truecolor", width=300), text)
+    assert stream.getvalue() == f"{text}\n"
 
 
 # Benchmarks.
@@ -285,8 +295,12 @@ def test_how_a_series_ends(transition: Solution) -> None:
     dead = simulate(load("e62", {"stops.jaw.restitution": 0.0}), Case(speed_rpm=450.0))
     said = ("Without restitution the first collision ends it.", "The bounces go on for ever")
     for run, words in ((dead, [True, False]), (transition, [False, True])):
-        text = printed(lambda console, shown=run: print_solution(shown, console))
+        text = printed(lambda console, shown=run: table.print_solution(shown, console))
         assert [part in text for part in said] == words
+        held = printed(lambda console, shown=run: table.print_solution(shown, console, forces=True))
+        assert ("No stop is closed in this window." in held) == (
+            not run.segments or run is transition
+        )
         count = run.transitions[0].collisions
         assert f"to rest, {count} collision{'s' if count > 1 else ''} computed" in text
 
