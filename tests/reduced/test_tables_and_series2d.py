@@ -168,7 +168,7 @@ def test_residuals_are_twice_the_largest_error_at_the_checks(begin: float) -> No
     wrong, heavy = tables.equation.copy(), tables.inertia.copy()
     wrong[0, 2, 0, 0] += 1e-4
     wrong[1, 0, 0, 0] -= 3e-4
-    heavy[1] *= 1.0 + 2e-5
+    heavy[1] *= 1.0 - 2e-5
     found, relative = residuals(known, domain, tables, wrong, heavy)  # type: ignore[arg-type]
     np.testing.assert_allclose(found, [2e-4, 6e-4], rtol=1e-6)
     assert relative == pytest.approx(4e-5, rel=1e-5)
