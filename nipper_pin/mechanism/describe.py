@@ -163,8 +163,6 @@ def _choose(kind: Any, value: object) -> Any:
         for item in typing.get_args(kind)
         if isinstance(item, type) and issubclass(item, msgspec.Struct)
     ]
-    if not structs:
-        return kind
     law = value.get("law") if isinstance(value, Mapping) else None
     for item in structs:
         if len(structs) == 1 or item.__struct_config__.tag == law:

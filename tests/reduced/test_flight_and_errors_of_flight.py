@@ -256,3 +256,29 @@ def test_another_stop_may_be_closed_where_the_flight_begins() -> None:
     tables = tables_of(level(-1.0), gaps=gaps, low=LOW, high=HIGH, travel=TRAVEL)
     assert flown(tables, 0.5, 0.0, 3.0, 1e-9)[0][0] == AT_REST
     assert flown(tables, 0.5, 0.1, 3.0, 1e-9)[0][0] == OTHER_STOP
+
+
+@pytest.mark.parametrize(
+    ("values", "is_open"),
+    [
+        ((2.0, 1.5, 0.7, 0.9), True),
+        # Half of the larger difference to the neighbours: 0.6 on the left, 0.75 on the right.
+        ((2.0, 1.5, 0.3, 0.5), False),
+        ((2.0, 0.5, 0.3, 1.8), False),
+        ((2.0, 1.5, 0.61, 1.0), True),
+        ((0.3, 0.2, 0.1, 0.05), True),
+        ((0.3, 0.2, 0.1, 0.0), False),
+    ],
+)
+def test_gaps_of_other_stops_may_dip_between_nodes(
+    values: tuple[float, ...], is_open: bool
+) -> None:
+    """By less than half of what they fall to a node from the larger neighbour."""
+    tables = tables_of(level(-1.0), low=0.0, high=2.0)
+    work = work_of(tables)
+    poly = np.zeros((5, 4))
+    poly[:4, 3] = values
+    work.nodes[:] = 1.0
+    work.case[:] = 0.0
+    found = flight._others_open(grids(), work.case, poly, work.nodes, 1, 0, 1.0, 0)
+    assert found is is_open
