@@ -81,6 +81,21 @@ def interrupted(*_: Any, **__: Any) -> None:
     raise KeyboardInterrupt
 
 
+def test_a_reader_of_a_pipe_may_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Status 0 and a closed stderr, so that nothing more is written to it when Python ends."""
+
+    def broken(*_: Any, **__: Any) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("nipper_pin.cli.plot._run", broken)
+    stream = io.StringIO()
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stream)
+        patch.setattr("nipper_pin.view.sweep_plots.plot_sweep", broken)
+        assert main(["plot", "folder"]) == 0
+    assert stream.closed
+
+
 def test_turns_of_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     """From three turns on, on a terminal alone."""
     case = Case(speed_rpm=400.0, window=Window.CYCLE)
@@ -290,18 +305,3 @@ def test_steps_of_studies(
 
 def test_a_report_says_when_its_figures_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("study paper --out here", monkeypatch) == "figures ...\n"
-
-
-def test_a_reader_of_a_pipe_may_stop(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Status 0 and a closed stderr, so that nothing more is written to it when Python ends."""
-
-    def broken(*_: Any, **__: Any) -> None:
-        raise BrokenPipeError
-
-    monkeypatch.setattr("nipper_pin.cli.plot._run", broken)
-    stream = io.StringIO()
-    with monkeypatch.context() as patch:
-        patch.setattr(sys, "stderr", stream)
-        patch.setattr("nipper_pin.view.sweep_plots.plot_sweep", broken)
-        assert main(["plot", "folder"]) == 0
-    assert stream.closed
