@@ -12,14 +12,15 @@ import pinocchio as pin
 import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import Fourier, OscillatingGuide, Table, with_numbers
+from nipper_pin.mechanism import Fourier, OscillatingGuide, Table, from_sources, with_numbers
+from nipper_pin.mechanism.describe import describe
 from nipper_pin.mechanism.elements import Characteristic
 from nipper_pin.mechanism.mechanism import Start
 from nipper_pin.mechanism.overrides import by_path
 from nipper_pin.mechanism.toml_paths import number_at, number_from, replace_value
 from nipper_pin.mechanism.urdf import check_urdf, flatten, parse_xml
 from nipper_pin.mechanism.urdf_values import path_inside, rotation_from_rpy
-from tests.small_machines import frame, hinge, link, machine, slide
+from tests.small_machines import frame, hinge, link, machine, slide, sources
 
 PARTS = [link("lever"), hinge("pivot", "frame", "lever"), link("sled"),
          slide("rail", "frame", "sled", (0.6, 0.8))]  # fmt: skip
@@ -278,3 +279,45 @@ def test_laws_of_equal_numbers_are_equal() -> None:
         assert "object at" not in repr(make())
     with pytest.raises(InputError):
         OscillatingGuide(crank_radius_m=3.0, crank_axis=(0.0, 0.0), guide_axis=(3.0, 0.0))
+
+
+SPRING = {"joint": "rail", "stiffness_N_per_m": 1.0, "preload_length_mm": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("tables", "key", "allowed"),
+    [
+        ({"title": ""}, "title", "a text that is not empty"),
+        ({"phases": []}, "phases", "a list that is not empty"),
+        ({"degrees_of_freedom": 0}, "degrees_of_freedom", "a whole number at least 1"),
+        ({"springs": {"a": {**SPRING, "stiffness_N_per_m": 0.0}}}, "springs.a.stiffness_N_per_m",
+         "a number above 0 and at most 1e+15"),
+        ({"springs": {"a": {**SPRING, "stiffness_N_per_m": 1.1e15}}}, "springs.a.stiffness_N_per_m",
+         "a number above 0 and at most 1e+15"),
+        ({"dampers": {"a": {"joint": "rail", "damping_N_s_per_m": -1e-9}}},
+         "dampers.a.damping_N_s_per_m", "a number at least 0 and at most 1e+15"),
+        ({"dampers": {"a": {"joint": "rail", "damping_N_s_per_m": 1.1e15}}},
+         "dampers.a.damping_N_s_per_m", "a number at least 0 and at most 1e+15"),
+        ({"stops": {"a": {"joint": "rail", "restitution": 1.01}}}, "stops.a.restitution",
+         "a number at least 0 and at most 1"),
+        ({"gravity_m_s2": -0.1}, "gravity_m_s2", "a number at least 0"),
+    ],
+)  # fmt: skip
+def test_limits_in_words(tables: dict[str, Any], key: str, allowed: str) -> None:
+    urdf, document = sources(PARTS, 2)
+    with pytest.raises(ModelError) as caught:
+        from_sources("small", urdf, {**document, **tables}, ".")
+    assert (caught.value.evidence["key"], caught.value.evidence["allowed"]) == (key, allowed)
+
+
+def test_the_limits_themselves_are_allowed() -> None:
+    """The stiffest spring, no damping and the strongest, restitution 0 and 1."""
+    stops = {"a": {"joint": "rail", "restitution": 1.0}, "b": {"joint": "pivot", "restitution": 0}}
+    dampers = {"a": {"joint": "rail", "damping_N_s_per_m": 1e15},
+               "b": {"joint": "pivot", "damping_N_m_s_per_rad": 0.0}}  # fmt: skip
+    springs = {"a": {**SPRING, "stiffness_N_per_m": 1e15}}
+    found = machine(PARTS, 2, stops=stops, dampers=dampers, springs=springs)
+    assert [item.damping for item in found.dampers] == [1e15, 0.0]
+    assert found.springs[0].stiffness == 1e15
+    assert [item.restitution for item in found.stops] == [1.0, 0.0]
+    assert [item.side for item in describe(found.description, "f").stops.values()] == ["lower"] * 2
