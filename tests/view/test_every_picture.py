@@ -75,6 +75,24 @@ def apart(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
     )  # fmt: skip
 
 
+def test_slow_motion_of_groups_of_events() -> None:
+    """Slow from 1 % of a turn before the first to as long after the last, with flanks of 1 %.
+
+    Events less than 7 % of a turn apart are one group; in a flank every hundredth of it changes
+    the speed by the same ratio.
+    """
+    period, slow = 0.5, 800.0
+    events = period * np.array([0.30, 0.36, 0.60, 0.68])
+    knots, stretch = _profile(events, period, period, slow)
+    for turn, wanted in (
+        (0.0, 50.0), (0.279, 50.0), (0.285, 200.0), (0.291, slow), (0.33, slow), (0.369, slow),
+        (0.375, 200.0), (0.381, 50.0), (0.57, 50.0), (0.585, 200.0), (0.60, slow), (0.609, slow),
+        (0.64, 50.0), (0.671, slow), (0.695, 200.0), (0.8, 50.0), (1.0, 50.0),
+    ):  # fmt: skip
+        assert np.interp(turn * period, knots, stretch) == pytest.approx(wanted, rel=1e-9), turn
+    assert (knots[0], knots[-1]) == (0.0, period)
+
+
 def test_texts_of_a_picture(shown: Film, monkeypatch: pytest.MonkeyPatch) -> None:
     """Title, case and note on all; phase, numbers with units, and the last collision by frame.
 
@@ -91,7 +109,7 @@ def test_texts_of_a_picture(shown: Film, monkeypatch: pytest.MonkeyPatch) -> Non
     assert " ".join(text for text, *_ in common[2:]) == said["note"]
     assert common[0][1][3] < common[1][1][1] < common[1][1][3] < MACHINE[1]
     assert min(box[1] for _, box, _ in common[2:]) > BAR[3]
-    for frame in painter.frames[:: len(painter.frames) // 7]:
+    for frame in painter.frames[:: len(painter.frames) // 4]:
         pen.texts[:] = common
         painter.picture(int(frame))
         phase, *others = pen.texts[len(common) :]
@@ -274,24 +292,6 @@ def test_a_film_of_more_than_two_minutes_is_refused(
 
 
 # Pace.
-
-
-def test_slow_motion_of_groups_of_events() -> None:
-    """Slow from 1 % of a turn before the first to as long after the last, with flanks of 1 %.
-
-    Events less than 7 % of a turn apart are one group; in a flank every hundredth of it changes
-    the speed by the same ratio.
-    """
-    period, slow = 0.5, 800.0
-    events = period * np.array([0.30, 0.36, 0.60, 0.68])
-    knots, stretch = _profile(events, period, period, slow)
-    for turn, wanted in (
-        (0.0, 50.0), (0.279, 50.0), (0.285, 200.0), (0.291, slow), (0.33, slow), (0.369, slow),
-        (0.375, 200.0), (0.381, 50.0), (0.57, 50.0), (0.585, 200.0), (0.60, slow), (0.609, slow),
-        (0.64, 50.0), (0.671, slow), (0.695, 200.0), (0.8, 50.0), (1.0, 50.0),
-    ):  # fmt: skip
-        assert np.interp(turn * period, knots, stretch) == pytest.approx(wanted, rel=1e-9), turn
-    assert (knots[0], knots[-1]) == (0.0, period)
 
 
 def test_frames_of_a_film(cycle: Solution) -> None:
