@@ -170,7 +170,11 @@ def forces_at(
         q, v, a of shape (K, nv) and the forces of constraint.
     """
     q, v, jacobian, motion = state_at(system, rows, panel, t)
-    a = system.accelerations(motion, q, v, rows)
+    if panel.integrated:
+        a = system.accelerations(motion, q, v, rows)
+    else:
+        # Near a dead centre, and of links of very different masses, those of the dynamics differ.
+        a = system.determined_accelerations(motion, q, v, jacobian, rows, panel.split)
     return q, v, a, multipliers(system, motion, q, v, a, jacobian, rows, panel.split)
 
 
