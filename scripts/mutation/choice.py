@@ -142,7 +142,9 @@ class Choice:
 
     def limits(self, names: list[str]) -> dict[str, float]:
         """Seconds after which each of the tests counts as endless, on a busy machine."""
-        return {name: 90.0 + 15.0 * self._tests[name].seconds for name in names}
+        # The first of reduced/ waits for its compiler.
+        least = 600.0 if any("/reduced/" in name for name in names) else 90.0
+        return {name: least + 15.0 * self._tests[name].seconds for name in names}
 
     def _executing(self, mutation: Mutation) -> set[str]:
         if mutation.names:
@@ -151,7 +153,7 @@ class Choice:
             keys = set(self._users[mutation.names[-1]]) | set(self._users[mutation.names[0]])
             own = {key for key in self._by_key if key.startswith(prefix)}
             near = {key for key in keys | own if key.startswith(mutation.file)}
-            for choice in (near, keys, {mutation.file}):
+            for choice in (near, keys, {mutation.file}, {mutation.file.split("/")[0]}):
                 found = set().union(*(self._by_key.get(key, set()) for key in choice))
                 if found:
                     return found

@@ -7,6 +7,11 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from .looks import IDLE, LOOKS, PROSE
+
+# A loss of these, or another text, is seen by nobody.
+LEFT_ALONE = IDLE | LOOKS | PROSE
+
 _COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.Gt),
     ast.LtE: (ast.Lt, ast.GtE),
@@ -30,13 +35,6 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
 }
 _CONVERSIONS = {"degrees", "radians", "rad2deg", "deg2rad", "sqrt", "abs", "fabs"}
 _SYMMETRIC = {"hypot", "max", "min", "isinstance", "isclose", "gcd", "cross", "maximum", "minimum"}
-# Keywords whose loss is seen by nobody: checks of lengths, looks, wording.
-_IDLE = {
-    "strict", "encoding", "help", "metavar", "description", "style", "fontsize", "linewidth",
-    "color", "alpha", "zorder", "pad", "dpi", "markersize", "rotation", "title", "no_wrap",
-    "layout", "loc", "ncols", "frameon", "linestyle", "marker", "indent", "parents", "exist_ok",
-    "figsize", "which", "visible", "handlelength", "markeredgewidth", "allow_nan",
-}  # fmt: skip
 # Names of pairs that are easily confused.
 _PAIRS = (
     ("before", "after"), ("approach", "separation"), ("min", "max"), ("first", "last"),
@@ -128,7 +126,7 @@ def _calls(node: ast.Call) -> Iterator[tuple[str, str, Any]]:
     if plain and ast.unparse(node.func).split(".")[-1] not in _SYMMETRIC:
         yield from (("swap", "args", items) for items in _swapped(node.args))
     for place, item in enumerate(node.keywords):
-        if item.arg is not None and item.arg not in _IDLE:
+        if item.arg is not None and item.arg not in LEFT_ALONE:
             yield "keyword", "keywords", node.keywords[:place] + node.keywords[place + 1 :]
 
 
@@ -156,5 +154,5 @@ def _constants(value: object) -> Iterator[tuple[str, object]]:
         if match := _UNITS.search(value):
             begin, end = match.span()
             yield "text", value[:begin] + _OTHER_UNIT[match[0]] + value[end:]
-        elif value not in _IDLE and re.fullmatch(r"[A-Za-z_][\w.]*", value):
+        elif value not in LEFT_ALONE and re.fullmatch(r"[A-Za-z_][\w.]*", value):
             yield "text", value + "_"

@@ -7,24 +7,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from .looks import IDLE, LOOKS, PROSE, SILENT_CALLS
 from .operators import changes
 from .statements import children, statements_of
-
-# Texts that explain, and looks: what is right there is a matter of taste.
-_PROSE = {"message", "help", "metavar", "description", "epilog", "prog", "reason", "hint", "title"}
-_LOOKS = {
-    "alpha", "bbox_to_anchor", "borderpad", "box", "capsize", "color", "colour", "dpi", "figsize",
-    "fontsize", "frameon", "handlelength", "height_ratios", "justify", "linestyle", "linewidth",
-    "loc", "lw", "marker", "markersize", "ncols", "opacity", "pad", "padding", "rotation", "s",
-    "size", "style", "va", "layout", "which", "visible", "indent", "parents", "exist_ok",
-    "labelpad", "ha", "width_ratios", "wrap", "no_wrap", "zorder", "fill", "xytext",
-}  # fmt: skip
-# Keywords that only say what is so already.
-_IDLE = {"strict", "encoding", "default_factory", "slots", "frozen", "kw_only"}
-_SILENT_CALLS = (
-    "warn", "debug", "info", "TypeVar", "cast", "grid", "Figure", "FigureCanvasAgg", "margins",
-    "tick_params", "subplots_adjust", "GridSpec", "align_ylabels",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -119,7 +104,8 @@ def _outside(
             yield child, "", "", (*names, child.name)
         elif isinstance(child, (ast.Assign, ast.AnnAssign)):
             targets = child.targets if isinstance(child, ast.Assign) else [child.target]
-            bound = [item.id for item in targets if isinstance(item, ast.Name)]
+            below = [item for target in targets for item in ast.walk(target)]
+            bound = [item.id for item in below if isinstance(item, ast.Name)]
             if not any(name.startswith("__") for name in bound):
                 yield child, "", "", names or tuple(bound)
 
@@ -161,11 +147,11 @@ def _dropped(statement: ast.stmt) -> Iterator[tuple[str, ast.stmt, str]]:
 
 
 def _is_prose(target: ast.expr) -> bool:
-    return isinstance(target, ast.Name) and target.id in _PROSE
+    return isinstance(target, ast.Name) and target.id in PROSE
 
 
 def _is_silent(value: ast.expr) -> bool:
-    return isinstance(value, ast.Call) and ast.unparse(value.func).split(".")[-1] in _SILENT_CALLS
+    return isinstance(value, ast.Call) and ast.unparse(value.func).split(".")[-1] in SILENT_CALLS
 
 
 def _expressions(statement: ast.stmt) -> Iterator[tuple[ast.expr, ast.expr]]:
@@ -185,7 +171,7 @@ def _expressions(statement: ast.stmt) -> Iterator[tuple[ast.expr, ast.expr]]:
 
 
 def _below(node: ast.AST, anchor: ast.expr | None) -> Iterator[tuple[ast.expr, ast.expr]]:
-    if isinstance(node, ast.keyword) and (node.arg in _PROSE | _LOOKS | _IDLE):
+    if isinstance(node, ast.keyword) and (node.arg in PROSE | LOOKS | IDLE):
         return
     if isinstance(node, ast.Call) and _is_silent(node):
         return
