@@ -5,7 +5,7 @@
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
-PYTEST_ARGS ?= -n 2
+PYTEST_ARGS ?= -n 2 --dist loadfile
 
 VENV := .venv
 BIN := $(VENV)/bin

@@ -197,7 +197,7 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
 
 
 @extended_only
-@pytest.mark.parametrize("degrees", [115.582, 115.6, 117.0])
+@pytest.mark.parametrize("degrees", [pytest.param(115.582, marks=pytest.mark.slow), 115.6, 117.0])
 def test_a_jaw_that_touches_slowly_has_the_round_off_of_fast_drives(
     measurement: ModuleType, degrees: float
 ) -> None:

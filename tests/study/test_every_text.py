@@ -268,7 +268,7 @@ def test_panels_that_are_looked_at() -> None:
     assert [(item[0] is one, panels.index(item[1])) for item in found] == [
         (True, 0), (True, 2), (True, 4), (False, 5), (False, 6),
     ]  # fmt: skip
-    assert found[1][2].tolist() == [2.0, 2.125, 2.25, 2.375, 2.5]
+    assert found[1][2] == pytest.approx([2.0, 2.125, 2.25, 2.375, 2.5], rel=1e-15)
 
 
 def test_highest_gap_of_a_motion() -> None:

@@ -89,7 +89,11 @@ def test_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
             assert name not in found["versions"]
     assert found["versions"] == wanted
     text = "processor : 0\nmodel name\t: A chip: fast\nflags : model name\n"
-    monkeypatch.setattr(Path, "read_text", lambda *_, **__: text)
-    assert timing.environment()["processor"] == "A chip: fast"
-    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "none\n")
-    assert timing.environment()["processor"] == platform.machine()
+    read = Path.read_text
+    for said, processor in ((text, "A chip: fast"), ("none\n", platform.machine())):
+
+        def told(path: Path, *more: Any, said: str = said, **named: Any) -> str:
+            return said if path.name == "cpuinfo" else read(path, *more, **named)
+
+        monkeypatch.setattr(Path, "read_text", told)
+        assert timing.environment()["processor"] == processor
