@@ -304,3 +304,11 @@ def test_what_cannot_be_asked(
     assert err.startswith("nipper-pin: ")
     assert said in err
     assert err.count("\n") == 1
+
+
+def test_control_characters_are_written_out(capsys: pytest.CaptureFixture[str]) -> None:
+    """A name with a line break or an escape sequence stays one line that a terminal shows."""
+    assert main(["check", "no\n\x1b[31m\tmodel é"]) == 2
+    said = capsys.readouterr().err
+    assert r"no\n\x1b[31m\tmodel é" in said
+    assert said.count("\n") == 1
