@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 from made_up_studies import STUDIES
+from scipy.interpolate import CubicSpline
 
 from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.study.paper import (
+    kinematics,
     published,
     ratios,
     study,
@@ -110,3 +112,20 @@ def test_what_is_done_and_told(
         assert told[name] == (e62, given)
     own = study.paper_study(load("e62_identified"))
     assert own.identified == ()
+
+
+def test_marks_of_a_turn(e62: Mechanism) -> None:
+    """The jaw's angle with the steeve on its stop crosses zero twice; it is open in between.
+
+    Zeros of a cubic spline through the samples, 1e-3 of the index; where it opens and closes are
+    13 of 40 apart, and taken for one another they would be found out.
+    """
+    turn = kinematics.kinematics(e62, (650.0, 450.0))
+    angle = CubicSpline(turn.index, turn.open.q[:, turn.stop_jaw])
+    inside = [x for x in angle.roots(extrapolate=False) if turn.index[1] < x < turn.index[-2]]
+    opens = [x for x in inside if angle(x, 1) > 0.0]
+    assert len(opens) == 1
+    assert turn.opening_index == pytest.approx(opens[0] % 40.0, abs=1e-3)
+    assert turn.closing_index == pytest.approx(turn.index[0] % 40.0, abs=1e-9)
+    assert turn.largest_jaw_angle == pytest.approx(angle(turn.index).max(), rel=1e-12)
+    assert (turn.speed_rpm, len(turn.guides)) == (650.0, 2)

@@ -97,3 +97,17 @@ def test_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 
         monkeypatch.setattr(Path, "read_text", told)
         assert timing.environment()["processor"] == processor
+
+
+@pytest.mark.parametrize("told", ["A chip: fast", ""])
+def test_a_machine_that_does_not_tell_its_processor(
+    monkeypatch: pytest.MonkeyPatch, told: str
+) -> None:
+    """Python's own word for it where there is one, else the kind of machine."""
+
+    def missing(path: Path, *_: Any, **__: Any) -> str:
+        raise FileNotFoundError(path)
+
+    monkeypatch.setattr(platform, "processor", lambda: told)
+    monkeypatch.setattr(Path, "read_text", missing)
+    assert timing._processor() == (told or platform.machine())
