@@ -163,6 +163,14 @@ def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
     assert str(caught.value).startswith(f"e62.urdf: {key} = ")
 
 
+def test_origin_of_a_picture(spoil) -> None:  # type: ignore[no-untyped-def]
+    """Numbers that are none are refused where a link is only looked at, too."""
+    old = '<visual name="frame_wall">\n      <origin xyz="0 0 0"'
+    with pytest.raises(ModelError) as caught:
+        load(spoil(urdf=((old, old.replace("0 0 0", "0 zero 0")),)))
+    assert caught.value.evidence["key"] == "link frame visual frame_wall origin xyz"
+
+
 def test_moving_link_without_inertial(spoil) -> None:  # type: ignore[no-untyped-def]
     folder = spoil()
     path = folder / "e62.urdf"

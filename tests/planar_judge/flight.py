@@ -29,7 +29,7 @@ class Precision(NamedTuple):
 
     stages: int = 16
     tail: float = 3e-11
-    longest: float = 1.0 / 40.0
+    longest: float = 1.0 / 16.0
 
 
 # Above this a gap is taken from the coordinates again [rad or m].
