@@ -2,6 +2,7 @@
 
 import logging
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -10,7 +11,9 @@ import yourdfpy
 
 from nipper_pin.errors import ModelError, UnknownNameError
 from nipper_pin.mechanism import find_model, load
+from nipper_pin.mechanism.shapes import collision_model
 
+VERIFICATION = Path(__file__).parents[1] / "verification" / "models"
 MASS = '<mass value="1.2"/>'
 JAW = '<origin xyz="0.1226 0 0.0561" rpy="0 0 0"/>\n    <axis xyz="0 -1 0"/>'
 SLIDE = "0.3835683289474219 0 -0.9235124996601196"
@@ -245,6 +248,26 @@ def test_a_package_is_the_model_folder(spoil) -> None:  # type: ignore[no-untype
     (folder / "package.xml").write_text("<package><name>others</name></package>", encoding="utf-8")
     with pytest.raises(ModelError, match="the package of the model folder, package://others/"):
         load(folder)
+
+
+def test_shapes_that_are_all_meshes(tmp_path: Path) -> None:
+    """Their paths start from the model folder, wherever the process works."""
+    folder = tmp_path / "bouncing_mass"
+    shutil.copytree(VERIFICATION / "bouncing_mass", folder)
+    urdf = folder / "bouncing_mass.urdf"
+    text = urdf.read_text(encoding="utf-8")
+    assert "<collision" not in text
+    plate = (
+        "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\n"
+        "vertex 0 0.1 0\nendloop\nendfacet\nendsolid plate\n"
+    )
+    (folder / "plate.stl").write_text(plate, encoding="utf-8")
+    shape = '<collision name="p"><geometry><mesh filename="plate.stl"/></geometry></collision>'
+    urdf.write_text(text.replace("</link>", f"{shape}</link>", 1), encoding="utf-8")
+    geometry, shapes = collision_model(load(folder))
+    assert [item.name for item in geometry.geometryObjects] == ["p"]
+    assert [item.meshPath for item in geometry.geometryObjects] == [str(folder / "plate.stl")]
+    assert shapes["table"] == ("p",)
 
 
 def test_another_reader_agrees(caplog: pytest.LogCaptureFixture) -> None:

@@ -295,6 +295,15 @@ def test_domains_that_cannot_be(
     assert str(caught.value) == f"reduced model: {key} = {value!r} cannot be used: {allowed}"
 
 
+def test_the_domain_ends_at_the_opening_without_the_rest_of_the_turn(
+    e62: Mechanism, model: ReducedModel
+) -> None:
+    """The travel is that of the whole turn's model, and none of the usual ones."""
+    alone = build(e62, tolerance=1e-3, gap_max=0.02, turn=False)
+    assert alone.travel_rad == model.travel_rad
+    assert alone.travel_rad not in (sampling._USUAL, sampling._LONGEST)
+
+
 def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
     """At their limits tolerances are allowed; what is given is taken."""
     model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02, turn=False)

@@ -140,7 +140,7 @@ def transition_quantities(
     tolerance: float,
     rest_rate: float | None,
     *,
-    true: bool = False,
+    true: bool,
 ) -> dict[str, float]:
     """All quantities of one transition; NaN where there are fewer rebounds.
 
