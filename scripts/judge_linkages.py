@@ -2,17 +2,19 @@
 
     python scripts/judge_linkages.py FOLDER... [--speed RPM ...] [--drive held inertial] [--turns N]
     python scripts/judge_linkages.py --gallery [--speed-factor 0.5 1 2] [--drive held inertial]
-    python scripts/judge_linkages.py --random 500 [--first 0] [--seed 421]
+    python scripts/judge_linkages.py --random 500 [--first 0] [--seed 421] [--workers 2]
 
 A line holds the worst differences of event times [s], and relative ones of rates, of impulses and
 energies, and of the forces of stops and drives; or why one of the two does not run the machine. The
-status is 1 if a machine differs by more than 1e-10 s or 1e-8, or only one of the two refuses it.
+status is 1 if a machine differs by more than 1e-10 s or 1e-8, if only one of the two refuses it,
+or if the two together need more than --time-limit.
 Random linkages are those of `nipper-pin stress --family linkage`, with their own speed and drive.
 """
 
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import tempfile
 import time
@@ -20,6 +22,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from importlib import import_module
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,12 +30,14 @@ TESTS = Path(__file__).resolve().parents[1] / "tests"
 
 
 class Run(NamedTuple):
-    """What is compared: a model folder, speed [r/min], drive and number of turns."""
+    """What is compared: a model folder, speed [r/min], drive, turns, start and time limit [s]."""
 
     folder: Path
     speed_rpm: float
     drive: str
     turns: int
+    start_index: float
+    time_limit_s: float
 
 
 def main() -> int:
@@ -49,24 +54,51 @@ def main() -> int:
     parser.add_argument("--drive", nargs="+", choices=("held", "inertial"), default=["held"])
     parser.add_argument("--turns", type=int, default=1)
     parser.add_argument("--start-index", type=float, default=24.0)
+    parser.add_argument("--workers", type=int, default=1, help="processes")
+    parser.add_argument("--time-limit", type=float, default=600.0, metavar="S",
+                        help="seconds of the processor for one machine")  # fmt: skip
     options = parser.parse_args()
-    sys.path.insert(0, str(TESTS))
-    compare: Any = import_module("judged_runs").compare
     counts: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as home:
-        for run in _runs(options, Path(home)):
-            began = time.perf_counter()
-            report = compare(*run, start_index=options.start_index)
-            counts[report.verdict] += 1
-            spent = time.perf_counter() - began
-            print(f"{report.line()}; {run.speed_rpm:g} r/min, {run.drive}, {spent:.0f} s",
-                  flush=True)  # fmt: skip
+    with (
+        tempfile.TemporaryDirectory() as home,
+        get_context("spawn").Pool(options.workers, maxtasksperchild=20) as pool,
+    ):
+        for verdict, line in pool.imap(_judged, _runs(options, Path(home))):
+            counts[verdict] += 1
+            print(line, flush=True)
     print(", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())))
     return 0 if set(counts) <= {"agree", "refused by both"} else 1
 
 
+def _judged(run: Run) -> tuple[str, str]:
+    """Verdict and line of one machine."""
+    sys.path.insert(0, str(TESTS))
+    compare: Any = import_module("judged_runs").compare
+    began = time.process_time()
+    signal.signal(signal.SIGPROF, _too_long)
+    signal.setitimer(signal.ITIMER_PROF, run.time_limit_s)
+    try:
+        report = compare(
+            run.folder, run.speed_rpm, run.drive, run.turns, start_index=run.start_index
+        )
+        report.model = run.folder.name
+        verdict, line = report.verdict, report.line()
+    except TimeoutError:
+        verdict = "not judged in time"
+        line = f"{run.folder.name}: {verdict}"
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    spent = time.process_time() - began
+    return verdict, f"{line}; {run.speed_rpm:g} r/min, {run.drive}, {spent:.0f} s"
+
+
+def _too_long(*_: object) -> None:
+    """The time of a machine has passed."""
+    raise TimeoutError
+
+
 def _runs(options: argparse.Namespace, home: Path) -> Iterator[Run]:
-    folders = list(options.folders)
+    folders, more = list(options.folders), (options.start_index, options.time_limit)
     if options.gallery:
         from nipper_pin.mechanism.drawing import write_drawing
         from nipper_pin.mechanism.gallery import GALLERY
@@ -75,14 +107,14 @@ def _runs(options: argparse.Namespace, home: Path) -> Iterator[Run]:
     for folder in folders:
         for speed in options.speed or [factor * _rated(folder) for factor in options.speed_factor]:
             for drive in options.drive:
-                yield Run(folder, speed, drive, options.turns)
+                yield Run(folder, speed, drive, options.turns, *more)
     if options.random:
         from nipper_pin.study.stress.linkages import write_linkage
 
         for number in range(options.first, options.first + options.random):
             folder = home / f"linkage_{number}"
             case = write_linkage(options.seed, number, folder)
-            yield Run(folder, case["speed_rpm"], case["drive"], case["cycles"])
+            yield Run(folder, case["speed_rpm"], case["drive"], case["cycles"], *more)
 
 
 def _rated(folder: Path) -> float:
