@@ -178,6 +178,11 @@ class System:
         better = self.condition(other, jacobian) < _BETTER * self.condition(split, jacobian)
         return other if better else split
 
+    @property
+    def turning(self) -> FloatArray:
+        """How far links turn by one unit of each coordinate, shape (nv,) [rad]."""
+        return self._numbers.turning
+
     def turns(self, moved: FloatArray) -> FloatArray:
         """How far links turn as coordinates move, shape of ``moved`` [rad]; slides by the reach."""
         return np.abs(moved) * self._numbers.turning

@@ -131,8 +131,11 @@ def polish(
         new = x - value / slope if slope != 0.0 else np.inf
         inside = low < new < high
         fine = step <= 256.0 * resolution
-        # Once Newton steps stop shrinking they only show the round-off of the function.
-        if step <= resolution or (step >= previous and fine):
+        # The next step would be shorter by as much as this one is; one that is not shorter only
+        # shows the round-off of the function.
+        if step <= resolution or (
+            fine and (step >= previous or (previous < np.inf and step**2 <= resolution * previous))
+        ):
             return new if inside else x
         if high - low <= resolution:
             return high

@@ -55,9 +55,8 @@ def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
     """
     if not system.body.closure_rows:
         return np.zeros(system.body.nv)
-    turning = system.turns(np.ones(system.body.nv))
     largest = (system.turns(a) + system.turns(v) ** 2).max()
-    return np.asarray(NEARBY * _EPS * largest / turning)
+    return np.asarray(NEARBY * _EPS * largest / system.turning)
 
 
 def _of_lengths(system: System, q: FloatArray, v: FloatArray) -> FloatArray:

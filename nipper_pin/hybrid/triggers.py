@@ -190,21 +190,25 @@ def _force_root(
     ):
         # The force was zero to round-off when the stop was taken to be pressed, and does not rise.
         return panel.t
-    slope = np.gradient(values, grid.samples) / panel.h
 
     def interpolant(sigma: float) -> float:
         return float(evaluate(force, np.array([sigma]), 0)[0])
 
+    samples, start = grid.samples, 0
+    bracket = first_descent(samples, values, interpolant)
+    if bracket is None:
+        return None
+    slope = np.gradient(values, samples) / panel.h
+
     def rough(t: float) -> tuple[float, float]:
         sigma = (t - panel.t) / panel.h
-        return interpolant(sigma), float(np.interp(sigma, grid.samples, slope))
+        return interpolant(sigma), float(np.interp(sigma, samples, slope))
 
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
-    samples, start = grid.samples, 0
-    while (bracket := first_descent(samples[start:], values[start:], interpolant)) is not None:
+    while bracket is not None:
         left, right = bracket
         # The interpolant is not resolved as far as the force itself: it may fall too soon.
         while exact(panel.t + panel.h * right)[0] > 0.0:
@@ -221,6 +225,7 @@ def _force_root(
                 before -= 1
                 left, right = float(samples[before]), left
             return _polished(panel, (left, right), rough, exact)
+        bracket = first_descent(samples[start:], values[start:], interpolant)
     return None
 
 

@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 from ..errors import InputError, ModelError, UnknownNameError
-from .cams import Cam
 from .cylinder import Cylinder
 from .description import (
     CamDrive,
@@ -101,6 +100,9 @@ def _basic(drive: DriveDescription) -> DriveLaw:
         rows = drive.coordinate_rad or _metres(drive.coordinate_mm)
         return Table(cylinder_angle_rad=angles, coordinate=rows)
     if isinstance(drive, CamDrive):
+        # Few machines have one.
+        from .cams import Cam
+
         return Cam(
             motion=drive.motion,
             lift=math.radians(drive.lift_deg or 0.0) + 1e-3 * (drive.lift_mm or 0.0),

@@ -47,6 +47,8 @@ class Flight:
         self.turn = 2.0 * math.pi / abs(dynamics.rate)
         self.h, self.tail = self.turn * precision.longest, precision.tail
         self.floor = 1e-3 * dynamics.rate**2
+        # Drive trains are stiff springs.
+        self.shafts = np.arange(dynamics.bodies, dynamics.bodies + dynamics.shafts)
         names = list(dynamics.machine.coordinates)
         verdict.coordinates = tuple(names)
         verdict.sampler = self.sample
@@ -99,7 +101,9 @@ class Flight:
         """One step; None if its iteration runs away."""
         unit, stages = self.dynamics.unit, self.precision.stages
         try:
-            return step(f, state.t, h, state.q, state.v, guess, unit, stages, self.floor)
+            return step(
+                f, state.t, h, state.q, state.v, guess, unit, stages, self.floor, self.shafts
+            )
         except Refusal:
             return None
 

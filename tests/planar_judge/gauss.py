@@ -15,6 +15,12 @@ from numpy.polynomial import legendre
 Array = np.ndarray
 Accelerations = Callable[[Array, Array, Array], Array]
 _ITERATIONS, _STALLED = 40, 4
+# Share of the accelerations that round-off of stiff forces may leave open.
+_SETTLED = 1e-9
+# Iterations after which stiffness counts as what makes them slow.
+_PLAIN = 8
+# Share of a coordinate, and of a rate, by which accelerations are differentiated.
+_SHIFT = 1e-6
 
 
 class Rule(NamedTuple):
@@ -83,9 +89,44 @@ class Mixing:
         return np.asarray(mixed.reshape(x.shape) * self.unit)
 
 
+class Newton:
+    """Simplified Newton steps for accelerations that depend on a few coordinates stiffly.
+
+    The nodes of a step solve a = f(q0 + h c v0 + h^2 A^2 a, v0 + h A a); derivatives of f by these
+    coordinates are those at one of the nodes, the others are left out.
+    """
+
+    def __init__(
+        self, f: Accelerations, t: float, q: Array, v: Array, h: float, r: Rule, unit: Array,
+        stiff: Array,
+    ) -> None:  # fmt: skip
+        self.stiff, self.h, self.r = stiff, h, r
+        few, stages = len(stiff), len(r.nodes)
+        fastest = max(float(np.abs(v / unit).max()), 1.0 / h)
+        states = np.repeat(np.array([[q, v]]), 2 * few + 1, axis=0)
+        rows = np.arange(1, few + 1)
+        states[rows, 0, stiff] += _SHIFT * unit[stiff]
+        states[few + rows, 1, stiff] += _SHIFT * fastest * unit[stiff]
+        found = f(np.full(len(states), t), states[:, 0], states[:, 1])
+        changes = (found[1:] - found[0]) / _SHIFT
+        self.by_q = (changes[:few] / unit[stiff, None]).T
+        self.by_v = (changes[few:] / (fastest * unit[stiff, None])).T
+        matrix = np.eye(stages * few) - h * h * np.kron(r.twice, self.by_q[stiff])
+        self.inverse = np.linalg.inv(matrix - h * np.kron(r.once, self.by_v[stiff]))
+
+    def correction(self, missing: Array) -> Array:
+        """Change of the accelerations at the nodes that what is missing of them asks for."""
+        own = self.inverse @ missing[:, self.stiff].ravel()
+        own = own.reshape(len(missing), -1)
+        h, r = self.h, self.r
+        return np.asarray(
+            missing + h * h * (r.twice @ own) @ self.by_q.T + h * (r.once @ own) @ self.by_v.T
+        )
+
+
 def step(
     f: Accelerations, t0: float, h: float, q0: Array, v0: Array, guess: Array, unit: Array,
-    stages: int, floor: float,
+    stages: int, floor: float, stiff: Array,
 ) -> Step | None:  # fmt: skip
     """One step; None if the iteration does not settle.
 
@@ -99,13 +140,14 @@ def step(
         unit: Size of one in each coordinate.
         stages: Number of nodes.
         floor: Acceleration, in units, that counts as none beside what the machine does.
+        stiff: Coordinates on which accelerations may depend stiffly.
     """
     r = rule(stages)
     t = t0 + h * r.nodes
     a = np.broadcast_to(guess, (stages, len(q0))).copy()
     mixing, best, stalled = Mixing(unit), np.inf, 0
-    settled, scale = a, floor
-    for _ in range(_ITERATIONS):
+    settled, scale, newton = a, floor, None
+    for number in range(_ITERATIONS):
         q = q0 + h * r.nodes[:, None] * v0 + h * h * (r.twice @ a)
         v = v0 + h * (r.once @ a)
         found = f(t, q, v)
@@ -117,12 +159,17 @@ def step(
         stalled = stalled + 1 if change > 0.5 * best else 0
         if change < best:
             best, settled, scale = change, found, size
-        if change <= 1e-15 * size or (stalled >= _STALLED and best < 1e-12 * size):
+        settles = 1e-12 if newton is None else _SETTLED
+        if change <= 1e-15 * size or (stalled >= _STALLED and best < settles * size):
             break
-        a = mixing.next(a, found)
+        if number == _PLAIN and len(stiff):
+            middle = stages // 2
+            newton = Newton(f, t[middle], q[middle], v[middle], h, r, unit, stiff)
+            mixing = Mixing(unit)
+        a = mixing.next(a, found if newton is None else a + newton.correction(found - a))
     # Beside the size that it had there: an iteration that runs away grows beyond any change.
     size = scale
-    if best > 1e-9 * size:
+    if best > _SETTLED * size:
         return None
     a = settled
     q_end = q0 + h * v0 + h * h * (r.moments @ a)
