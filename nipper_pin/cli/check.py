@@ -37,6 +37,7 @@ def _run(options: argparse.Namespace) -> None:
         from rich.console import Console
 
         from ..study.next_steps import next_steps
+        from ..view.console import paste
         from ..view.report import print_report
 
         console = Console()
@@ -44,4 +45,4 @@ def _run(options: argparse.Namespace) -> None:
         console.print("Next", style="bold")
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
         for step in next_steps(report, options.model or MODEL, machine_words(options), begin):
-            console.print(step, markup=False, highlight=False, soft_wrap=True)
+            paste(console, step)

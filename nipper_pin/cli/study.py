@@ -85,12 +85,13 @@ def _run(options: argparse.Namespace) -> None:
         return
     from rich.console import Console
 
+    from ..view.console import paste
     from ..view.paper.summary import print_paper
 
     console = Console()
     print_paper(result, console)
     if folder is not None:
-        console.print(f"report: {report}", soft_wrap=True)
+        paste(console, f"report: {report}")
 
 
 def _say(text: str) -> None:

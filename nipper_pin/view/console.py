@@ -5,6 +5,7 @@ from __future__ import annotations
 from rich import box
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 
 def plain_table(first: str, *others: str) -> Table:
@@ -15,10 +16,20 @@ def plain_table(first: str, *others: str) -> Table:
         *others: Headings of the others.
     """
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    table.add_column(first, overflow="fold")
+    table.add_column(Text(first), overflow="fold")
     for heading in others:
-        table.add_column(heading, justify="right")
+        table.add_column(Text(heading), justify="right")
     return table
+
+
+def add_row(table: Table, *cells: str) -> None:
+    """Add a row to a table as it stands: brackets and colons in names are the user's.
+
+    Args:
+        table: The table.
+        *cells: Texts of its cells.
+    """
+    table.add_row(*(Text(cell) for cell in cells))
 
 
 def paste(console: Console, command: str) -> None:
@@ -28,15 +39,15 @@ def paste(console: Console, command: str) -> None:
         console: Where to print.
         command: The command.
     """
-    console.print(command, markup=False, highlight=False, soft_wrap=True)
+    console.print(Text(command), soft_wrap=True)
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:
-    """Print a sentence as it stands: what looks like markup in it is the user's text.
+    """Print a sentence as it stands: what looks like markup or an emoji is the user's text.
 
     Args:
         console: Where to print.
         text: The sentence.
         style: Its style.
     """
-    console.print(text, style=style, markup=False, highlight=False)
+    console.print(Text(text, style=style))

@@ -12,7 +12,7 @@ from ..study.identify.goodness import Goodness, Verdict
 from ..study.identify.profiles import Profile
 from ..study.identify.record import WORD
 from ..study.identify.targets import Condition
-from .console import plain_table, say
+from .console import add_row, plain_table, say
 
 _SAME = 1e-3
 # Two numbers whose errors go together this far are known as a combination alone.
@@ -68,7 +68,8 @@ def print_fit(
 def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
     table = plain_table("target", "wanted", "+-", "found", "deviation", "sigmas")
     for place, target in enumerate(fit.objective.problem.targets):
-        table.add_row(
+        add_row(
+            table,
             target.name,
             f"{target.value:.5g}",
             f"{target.sigma:.2g}",
@@ -91,7 +92,8 @@ def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) 
     scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
     for item in fit.objective.problem.parameters:
         value = fit.values[item.path]
-        table.add_row(
+        add_row(
+            table,
             item.path,
             f"{item.start:.5g}",
             f"{value:.5g}{'*' if item.path in fit.at_bounds else ' '}",

@@ -8,7 +8,7 @@ from ..study.optimise.binding import Binding
 from ..study.optimise.design import Design
 from ..study.optimise.quantities import label
 from ..study.optimise.result import CAUTION, Optimum
-from .console import paste, plain_table, say
+from .console import add_row, paste, plain_table, say
 
 _SAME = 1e-6
 _ENGINES = {"reduced": "the reduced engine", "direct": "the direct engine", "turn": "whole turns"}
@@ -52,7 +52,7 @@ def _numbers(optimum: Optimum, console: Console) -> None:
     for item in optimum.problem.parameters:
         value = optimum.best.numbers[item.name]
         bounds = f"{item.low:g} to {item.high:g}"
-        table.add_row(item.name, f"{item.start:.6g}", f"{value:.6g}", bounds)
+        add_row(table, item.name, f"{item.start:.6g}", f"{value:.6g}", bounds)
     console.print(table)
 
 
@@ -63,7 +63,7 @@ def _quantities(optimum: Optimum, console: Console) -> None:
         before = "-" if optimum.before is None else f"{optimum.before.values[name]:.6g}"
         value = seen.get(name)
         control = "-" if value is None else f"{value:.6g}"
-        table.add_row(name, before, f"{optimum.best.values[name]:.6g}", control)
+        add_row(table, name, before, f"{optimum.best.values[name]:.6g}", control)
     console.print(table)
     if optimum.contradiction:
         say(console, f"NOT CONFIRMED: {optimum.contradiction}", style="bold")
@@ -121,5 +121,5 @@ def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> Non
     )
     for item in front:
         values = (item.values[one], item.values[two], *(item.numbers[name] for name in names))
-        table.add_row(*(f"{value:.5g}" for value in values))
+        add_row(table, *(f"{value:.5g}" for value in values))
     console.print(table)

@@ -9,6 +9,7 @@ from rich.table import Table
 from ..hybrid.quantities import force_unit
 from ..mechanism import Stop
 from ..study.check import ModelReport
+from .console import add_row, say
 from .reading import damper_text, spring_text, stop_place
 
 
@@ -20,8 +21,8 @@ def print_report(report: ModelReport, console: Console) -> None:
         console: Where to print; 80 columns are enough.
     """
     mechanism = report.mechanism
-    _say(console, mechanism.title or mechanism.name, style="bold")
-    _say(
+    say(console, mechanism.title or mechanism.name, style="bold")
+    say(
         console,
         f"{len(mechanism.joints)} moving links, {len(mechanism.joints)} tree joints, "
         f"{len(mechanism.closures)} cut joints, mobility {mechanism.degrees_of_freedom}, "
@@ -29,20 +30,20 @@ def print_report(report: ModelReport, console: Console) -> None:
     )
     _joints(report, console)
     _stops(report, console)
-    _say(console, "Cycle", style="bold")
-    _say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
+    say(console, "Cycle", style="bold")
+    say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
     for stop, index in report.releases:
-        _say(console, f"stop {stop} lets go at index {index:.4f}: its force falls to zero there")
-    _say(
+        say(console, f"stop {stop} lets go at index {index:.4f}: its force falls to zero there")
+    say(
         console,
         f"condition of the closures: at most {report.condition.value:.3g}, at index "
         f"{report.condition.index:.2f}; of the impact matrix {report.impact_condition.value:.3g}, "
         f"at index {report.impact_condition.index:.2f}",
     )
     _clearances(report, console)
-    _say(console, "Provenance", style="bold")
+    say(console, "Provenance", style="bold")
     for path, text in mechanism.provenance.items():
-        _say(console, f"{path}: {text}")
+        say(console, f"{path}: {text}")
 
 
 def _joints(report: ModelReport, console: Console) -> None:
@@ -53,19 +54,19 @@ def _joints(report: ModelReport, console: Console) -> None:
     moved = {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
     for joint in mechanism.joints:
         by = moved.get(joint.index, "")
-        table.add_row(joint.name, joint.kind, joint.parent, joint.child, by)
+        add_row(table, joint.name, joint.kind, joint.parent, joint.child, by)
     for closure in mechanism.closures:
         kind, first = "cut pin", closure.frame_a
         if closure.slot_frame is not None:
             kind, first = "pin in a slot", f"{closure.slot_frame} along {closure.slot_axis}"
-        table.add_row(closure.name, kind, first, closure.frame_b, "")
+        add_row(table, closure.name, kind, first, closure.frame_b, "")
     console.print(table)
     total = sum(item.mass_kg for item in report.masses)
     masses = ", ".join(f"{item.link} {item.mass_kg:.4g}" for item in report.masses)
-    _say(console, f"masses in kg: {masses}; together {total:.4g}")
-    _say(console, f"springs: {spring_text(mechanism)}")
+    say(console, f"masses in kg: {masses}; together {total:.4g}")
+    say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
-        _say(console, f"dampers: {dampers}")
+        say(console, f"dampers: {dampers}")
 
 
 def _stops(report: ModelReport, console: Console) -> None:
@@ -78,7 +79,7 @@ def _stops(report: ModelReport, console: Console) -> None:
                 f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
                 f"{contact.normal[2]:.3f}), lever {1e3 * contact.lever_m:.2f} mm"
             )
-        _say(
+        say(
             console,
             f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
             f"closed {_force(report, stop)}",
@@ -112,17 +113,13 @@ def _timing(report: ModelReport) -> str:
 
 
 def _clearances(report: ModelReport, console: Console) -> None:
-    _say(console, "Clearances below 20 mm", style="bold")
+    say(console, "Clearances below 20 mm", style="bold")
     for item in report.clearances:
         verdict = "INTERFERENCE" if item.interferes else "meet" if item.may_touch else "clear"
-        _say(
+        say(
             console,
             f"{verdict}: {item.link_a} ({item.shape_a}) and {item.link_b} ({item.shape_b}), "
             f"{1e3 * item.distance_m:.3f} mm at index {item.index:.2f}",
         )
     if not report.clearances:
-        _say(console, "none: no two links that should not touch come so near")
-
-
-def _say(console: Console, text: str, *, style: str = "") -> None:
-    console.print(text, style=style, markup=False, highlight=False)
+        say(console, "none: no two links that should not touch come so near")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rich import box
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from ..study.stress import WRONG, Campaign, Verdict
+from .console import paste
 
 _FAILURES = 20
 
@@ -30,7 +30,7 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
     console.print(table)
     for title in ("errors", "outcomes"):
         text = ", ".join(f"{kind} {count}" for kind, count in record[title].items())
-        console.print(f"{title}: {text or 'none'}", soft_wrap=True)
+        paste(console, f"{title}: {text or 'none'}")
     wrong = [item for item in campaign.verdicts if item.word == WRONG]
     for item in wrong[:_FAILURES]:
         print_verdict(item, console)
@@ -45,4 +45,4 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
 def print_verdict(verdict: Verdict, console: Console) -> None:
     """Print one verdict."""
     text = f"case {verdict.number} ({verdict.family}): {verdict.word}, {verdict.kind}"
-    console.print(escape(f"{text}: {verdict.detail}" if verdict.detail else text), soft_wrap=True)
+    paste(console, f"{text}: {verdict.detail}" if verdict.detail else text)

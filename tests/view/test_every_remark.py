@@ -25,7 +25,6 @@ from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.optimise import Optimum
 from nipper_pin.study.work_precision import Row
 from nipper_pin.view import benchmark_report, optimise_report, plots, table
-from nipper_pin.view import report as checked
 from nipper_pin.view.benchmark_files import work_precision_figure
 from nipper_pin.view.console import paste, say
 from nipper_pin.view.export import _motion
@@ -147,11 +146,11 @@ def replace_limits(optimum: Optimum) -> Optimum:
     return cast("Optimum", SimpleNamespace(**{**vars(optimum), "problem": problem}))
 
 
-@pytest.mark.parametrize("tell", [paste, say, table._say, checked._say])
+@pytest.mark.parametrize("tell", [paste, say, table._say])
 def test_numbers_in_sentences_have_no_colours(tell: Any) -> None:
     """On a terminal with colours, too: style is what the program says."""
     stream = io.StringIO()
-    text = "nipper-pin simulate 'e62' --speed 12.5 [bold]x[/bold] True /a/path"
+    text = "nipper-pin simulate 'e62' --speed 12.5 [bold]x[/bold] True /a/path :smile:"
     tell(Console(file=stream, force_terminal=True, color_system="truecolor", width=300), text)
     assert stream.getvalue() == f"{text}\n"
 

@@ -12,6 +12,7 @@ from ...study.paper import PaperStudy
 from ...study.paper.ratios import Ratio, ratio_values, within
 from ...study.paper.studies import Studies
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
+from ..console import say
 from ..reading import digits
 from .tables import percent
 
@@ -25,10 +26,10 @@ def print_paper(study: PaperStudy, console: Console) -> None:
     """
     console.print(_ratios(study.ratios) if study.compared else _changes(study.studies))
     if study.compared:
-        console.print(_agreement(study.mechanism.name, study.ratios))
+        say(console, _agreement(study.mechanism.name, study.ratios))
     if study.identified:
-        console.print(_agreement(IDENTIFIED, study.identified))
-    console.print(note(study))
+        say(console, _agreement(IDENTIFIED, study.identified))
+    say(console, note(study))
 
 
 def _ratios(items: Sequence[Ratio]) -> Table:

@@ -1,0 +1,487 @@
+"""Headings of printed tables over their columns, what is emphasised, and which turns are shown.
+
+Rows are made up so that the text under each heading says what it is.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+from small_machines import frame, hinge, link, machine
+
+from nipper_pin import Case, Mechanism, Solution, Window, simulate
+from nipper_pin.hybrid.event import EventKind
+from nipper_pin.study.identify.goodness import Verdict
+from nipper_pin.study.paper.published import published
+from nipper_pin.study.paper.ratios import Ratio
+from nipper_pin.study.stress.judging import Verdict as Judged
+from nipper_pin.view import identify_report, optimise_report, reading, table
+from nipper_pin.view import report as checked
+from nipper_pin.view.console import add_row, paste, plain_table, say
+from nipper_pin.view.paper import summary, tables
+from nipper_pin.view.scene.solids import solids
+from nipper_pin.view.stress_report import print_verdict
+
+BOLD, RED = "\x1b[1m", "\x1b[1;31m"
+
+
+def printed(write: Callable[[Console], None], *, colours: bool = False) -> str:
+    stream = io.StringIO()
+    write(
+        Console(
+            file=stream, width=400, force_terminal=colours,
+            color_system="standard" if colours else None,
+        )
+    )  # fmt: skip
+    return stream.getvalue()
+
+
+def columns(text: str, first: str, rows: int) -> dict[str, list[str]]:
+    """Cells by heading of the table whose first heading is given: what stands below one another."""
+    lines = text.splitlines()
+    head = next(k for k, line in enumerate(lines) if line.split()[:1] == [first] and "  " in line)
+    width = len(lines[head + 1])
+    assert set(lines[head + 1].strip()) == {"─"}
+    block = [line.ljust(width) for line in (lines[head], *lines[head + 2 : head + 2 + rows])]
+    filled = "".join("x" if any(row[k] != " " for row in block) else " " for k in range(width))
+    spans = [item.span() for item in re.finditer(r"x+(?: x+)*", filled)]
+    return {block[0][a:b].strip(): [row[a:b].strip() for row in block[1:]] for a, b in spans}
+
+
+# Identify.
+
+PATHS = ("springs.a", "stops.b")
+
+
+def identified(verdict: Verdict, **others: Any) -> Callable[[Console], None]:
+    """What is printed of a fit of two numbers to two targets."""
+    targets = [SimpleNamespace(name=others.get("name", "one"), value=5.25, sigma=0.5),
+               SimpleNamespace(name="two", value=80.0, sigma=2.5)]  # fmt: skip
+    parameters = [SimpleNamespace(path=PATHS[0], start=11.0, low=4.0, high=20.0, width=16.0),
+                  SimpleNamespace(path=PATHS[1], start=0.25, low=0.125, high=0.5,
+                                  width=0.375)]  # fmt: skip
+    given: dict[str, Any] = {
+        "objective": SimpleNamespace(
+            problem=SimpleNamespace(title="made up", targets=targets, parameters=parameters)
+        ),
+        "descents": [SimpleNamespace(cost=2.0)], "best": SimpleNamespace(cost=2.0), "seed": 3,
+        "within": lambda part: 1 if part < 0.05 else 2, "predicted": np.array([5.375, 76.0]),
+        "deviations": np.array([0.025, -0.05]), "values": {PATHS[0]: 12.25, PATHS[1]: 0.5},
+        "at_bounds": {PATHS[1]: "high"}, "premises": {}, "broken_limits": {},
+        "excess": np.zeros(0), **others,
+    }  # fmt: skip
+    fit: Any = SimpleNamespace(**given)
+    judged: Any = SimpleNamespace(
+        verdict=verdict, sentence=lambda: f"It is {verdict.value}.", scale=others.get("scale", 2.0),
+        residuals=np.array([0.25, -1.6]), outliers=(1,),
+    )  # fmt: skip
+    known: Any = SimpleNamespace(
+        paths=PATHS, identifiable_directions=1, singular_values=[9.5, 0.25], determined=(),
+        ranked=lambda: [(PATHS[0], 0.25), (PATHS[1], 0.5)],
+        deviations={PATHS[0]: 0.125, PATHS[1]: 0.2},
+        scaled_deviations=lambda scale: {PATHS[0]: 0.0625 * scale, PATHS[1]: 0.29 * scale},
+        strongest=lambda _: [],
+    )  # fmt: skip
+    return lambda console: identify_report.print_fit(fit, judged, known, (), console)
+
+
+def test_tables_of_a_fit_by_heading() -> None:
+    """Deviations in per cent; errors as parts of the range, by the sigmas and by the misfit."""
+    text = printed(identified(Verdict.AGREES))
+    assert columns(text, "target", 2) == {
+        "target": ["one", "two"], "wanted": ["5.25", "80"], "+-": ["0.5", "2.5"],
+        "found": ["5.375", "76"], "deviation": ["+2.50 %", "-5.00 %"],
+        "sigmas": ["+0.25", "-1.60!"],
+    }  # fmt: skip
+    numbers = {
+        "number": list(PATHS), "before": ["11", "0.25"], "found": ["12.25", "0.5*"],
+        "+-": ["2", "0.075"], "scaled": ["2", "0.22"], "bounds": ["4..20", "0.125..0.5"],
+        "left": ["25%", "50%?"],
+    }  # fmt: skip
+    assert columns(text, "number", 2) == numbers
+    assert "bounds and not targets decide them: stops.b (high)" in text
+    assert "narrowed to less than half of their range: none" in text
+    assert "1 of 2 targets are met within 4 %, 2 within 10 %" in text
+    assert "limits" not in text
+    bare = printed(identified(Verdict.WEIGHTS_ALONE, scale=0.0, at_bounds={}))
+    numbers |= {"scaled": ["-", "-"], "found": ["12.25", "0.5"]}
+    assert columns(bare, "number", 2) == numbers
+    assert "decide them" not in bare
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_only_a_contradicted_fit_is_red(verdict: Verdict) -> None:
+    text = printed(identified(verdict), colours=True)
+    red = [line for line in text.splitlines() if RED in line]
+    said = f"It is {verdict.value}."
+    assert said in text
+    assert red == ([f"{RED}{said}\x1b[0m"] if verdict is Verdict.CONTRADICTED else [])
+    assert f"{BOLD}made up\x1b[0m" in text
+
+
+def test_broken_limits_are_red() -> None:
+    broken = identified(Verdict.AGREES, broken_limits={"x": 1.5, "y": -0.25}, excess=np.ones(2))
+    assert f"{RED}LIMITS ARE BROKEN: x by +1.5, y by -0.25\x1b[0m" in printed(broken, colours=True)
+    kept = printed(identified(Verdict.AGREES, excess=np.zeros(2)), colours=True)
+    assert "all limits are kept\n" in kept
+    assert RED not in kept
+
+
+# Optimise.
+
+
+def design(scale: float, *, inside: bool = True) -> Any:
+    return SimpleNamespace(
+        values={"duration_s": 0.25 * scale, "rebound_amplitude_1": 3.0 * scale},
+        numbers={"springs.a.rate": 7.0 * scale, "springs.b.rate": 90.0 * scale,
+                 "stops.c": 0.5 * scale},
+        inside=inside, slacks=np.array([0.5, -0.5, 0.0]),
+    )  # fmt: skip
+
+
+def optimum(**others: Any) -> Any:
+    """Three numbers, two quantities."""
+    names = ("springs.a.rate", "springs.b.rate", "stops.c")
+    problem = SimpleNamespace(
+        title="made up", quantities=("duration_s", "rebound_amplitude_1"),
+        aims=[SimpleNamespace(quantity="duration_s"),
+              SimpleNamespace(quantity="rebound_amplitude_1")],
+        units={"duration_s": "s", "rebound_amplitude_1": "m"}, limits=("one", "two", "three"),
+        parameters=[SimpleNamespace(name=name, start=float(k), low=-1.0 * k, high=10.0 * k)
+                    for k, name in enumerate(names, start=1)],
+    )  # fmt: skip
+    descents = [SimpleNamespace(feasible=fits, aim=aim)
+                for aim, fits in ((0.25, True), (0.25 * (1 + 9e-7), True), (0.2, False),
+                                  (0.25 * (1 + 1.1e-6), True))]  # fmt: skip
+    given: dict[str, Any] = {
+        "problem": problem, "gain": -0.125, "best": design(1.0), "before": design(2.0),
+        "account": SimpleNamespace(residual=0.0, bindings=[
+            SimpleNamespace(name="p <= 1", active=True, price=0.5),
+            SimpleNamespace(name="q <= 1", active=False, price=0.0)]),
+        "control": SimpleNamespace(values={"duration_s": 0.375}, turns=4), "contradiction": "",
+        "descents": descents, "seed": 7, "evaluations": 5000, "wall_s": 1.5,
+        "engines": {"reduced": 3000, "direct": 900, "turn": 80}, "check": None, "check_gain": 0.0,
+        "no_machine": (), "front": (), "command": "do it", **others,
+    }  # fmt: skip
+    return SimpleNamespace(**given)
+
+
+def told(**others: Any) -> str:
+    return printed(lambda console: optimise_report.print_optimum(optimum(**others), console))
+
+
+def test_tables_of_an_optimum_by_heading() -> None:
+    text = told()
+    assert columns(text, "number", 3) == {
+        "number": ["springs.a.rate", "springs.b.rate", "stops.c"], "before": ["1", "2", "3"],
+        "optimum": ["7", "90", "0.5"], "bounds": ["-1 to 10", "-2 to 20", "-3 to 30"],
+    }  # fmt: skip
+    quantities = {
+        "quantity": ["duration_s", "rebound_amplitude_1"], "before": ["0.5", "6"],
+        "optimum": ["0.25", "3"], "control (simulated turn)": ["0.375", "-"],
+    }  # fmt: skip
+    assert columns(text, "quantity", 2) == quantities
+    text = told(before=None, gain=None)
+    assert columns(text, "quantity", 2) == {**quantities, "before": ["-", "-"]}
+    assert "(-12.5 %)" in told()
+    assert "%" not in text.splitlines()[1]
+
+
+def test_an_optimum_that_is_confirmed_or_not() -> None:
+    """By which turn; or in which number not, in bold."""
+    text = told()
+    assert "confirmed by turn 4 of the direct engine" in text
+    assert "NOT CONFIRMED" not in text
+    wrong = optimum(contradiction="it differs", before=design(2.0, inside=False))
+    text = printed(lambda console: optimise_report.print_optimum(wrong, console), colours=True)
+    assert f"{BOLD}NOT CONFIRMED: it differs\x1b[0m" in text
+    assert "confirmed by turn" not in text
+    # The limit whose slack is negative, and none that is just kept.
+    assert "the model itself breaks two\n" in text
+    assert "breaks" not in told(before=design(2.0))
+    assert "breaks" not in told(before=None)
+
+
+def test_the_search_for_an_optimum_in_words() -> None:
+    """Feasible descents within a millionth of the best; points by engine, and those of none."""
+    text = told(no_machine=("it jams", "too light"))
+    assert "2 of 4 descents (seed 7) end there; 5,000 points in 1.5 s\n" in text
+    assert (
+        "of them 3,000 by the reduced engine, 900 by the direct engine, 80 by whole turns, 1,020 "
+        "without a usable machine\n" in text
+    )
+    assert "p <= 1: one unit more of room is worth 0.5 s\n" in text
+    assert "with room left: q <= 1\n" in text
+    assert "explains: 0\n" in text
+    assert "some samples make no machine: it jams\n" in text
+    assert "some samples make no machine: too light\n" in text
+    assert "differential evolution" not in text
+    check = SimpleNamespace(evaluations=1234)
+    found = "differential evolution (1,234 points) found"
+    assert f"{found} nothing better\n" in told(check=check, check_gain=9e-7)
+    assert f"{found} a design better by 0.02 %\n" in told(check=check, check_gain=2e-4)
+    text = told(check=check, check_gain=0.5)
+    assert f"{found} a design better by 50 %\n" in text
+
+
+def test_front_by_heading() -> None:
+    """Aims with their units; last words of the paths where they tell the numbers apart."""
+    text = told(front=(design(1.0), design(3.0)))
+    assert columns(text, "time", 2) == {
+        "time to rest [s]": ["0.25", "0.75"], "rebound amplitude 1 [m]": ["3", "9"],
+        "springs.a.rate": ["7", "21"], "springs.b.rate": ["90", "270"], "stops.c": ["0.5", "1.5"],
+    }  # fmt: skip
+    apart = optimum(front=(design(1.0), design(3.0)))
+    apart.problem.parameters = apart.problem.parameters[::2]
+    text = printed(lambda console: optimise_report.print_optimum(apart, console))
+    front = columns(text, "time", 2)
+    assert list(front)[2:] == ["rate", "c"]
+    assert front["c"] == ["0.5", "1.5"]
+    text = told(front=(design(1.0),))
+    assert "No conflict: one design is the best by duration_s and by rebound_amplitude_1\n" in text
+    assert "Pareto" not in text
+    assert "Pareto" not in told()
+
+
+# The console.
+
+
+def test_text_is_printed_without_styles_of_its_own() -> None:
+    """Numbers, paths and brackets of the user's are neither coloured nor taken for markup."""
+    words = "[bold]a[/bold] 12 /a/path 'text' None True http://x.org :smile:"
+    for write in (say, paste, table._say):
+        text = printed(lambda console: write(console, words), colours=True)  # noqa: B023
+        assert text == f"{words}\n"
+    long = "word " * 200
+    assert len(printed(lambda console: say(console, long)).splitlines()) > 1
+    assert printed(lambda console: paste(console, long)) == f"{long}\n"
+    assert printed(lambda console: say(console, "x", style="bold"), colours=True) == (
+        f"{BOLD}x\x1b[0m\n"
+    )
+    made = plain_table("a [s]", "b [m]", ":smile:")
+    add_row(made, "[red]x[/red]", "[/]", ":+1: 7")
+    text = printed(lambda console: console.print(made), colours=True)
+    text = re.sub(r"\x1b\[[0-9;]*m", "", text)
+    assert columns(text, "a", 1) == {
+        "a [s]": ["[red]x[/red]"], "b [m]": ["[/]"], ":smile:": [":+1: 7"],
+    }  # fmt: skip
+    assert [column.justify for column in made.columns] == ["left", "right", "right"]
+
+
+# Tables 3 to 5 of the study.
+
+GIVEN = published()
+
+
+def transitions(values: Any, n: int) -> Any:
+    """Numbers whose digits say row and column."""
+    row = np.arange(1.0, n + 1.0)[:, None]
+    return SimpleNamespace(
+        values=np.array(values, dtype=float), amplitudes=1e-3 * (row + np.array([[0.1, 0.2]])),
+        times=1e-3 * (row + np.array([[0.3, 0.4]])), durations=1e-3 * (row[:, 0] + 0.5),
+        shares=0.1 * row[:, 0] + 0.06,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("compared", [True, False])
+def test_tables_3_to_5_by_heading(e62: Mechanism, compared: bool) -> None:
+    """The published share stands in the table of speeds, where there are published numbers."""
+    cases = (GIVEN.speeds_rpm, GIVEN.restitutions, GIVEN.stiffnesses)
+    speed, restitution, stiffness = (transitions(values, len(values)) for values in cases)
+    study: Any = SimpleNamespace(
+        mechanism=e62, published=GIVEN, compared=compared,
+        phase_one=SimpleNamespace(stop="steeve"),
+        studies=SimpleNamespace(speed=speed, restitution=restitution, stiffness=stiffness),
+    )  # fmt: skip
+    found = tables.published_tables(study)
+    heads = ("speed [r/min]", "e [-]", "k [N/mm]")
+    factors = (1.0, 1.0, 1e-3)
+    for number, (sheet, head, values, factor) in enumerate(
+        zip(found, heads, cases, factors, strict=True), start=3
+    ):
+        assert sheet.name == f"table_{number}"
+        assert sheet.title.endswith(f" (table {number} of the paper)") is compared
+        shown = {
+            item.heading: [row[place] for row in sheet.shown]
+            for place, item in enumerate(sheet.columns)
+        }
+        stated = shown.pop("published", None)
+        assert (stated is not None) == (compared and number == 3)
+        if stated is not None:
+            shares = [GIVEN.ratios[f"speed.first_two_share_{value:g}"] for value in values]
+            assert stated == [f"{100.0 * share:.2f} %" for share in shares]
+        assert [float(text) for text in shown.pop(head)] == pytest.approx(
+            [factor * value for value in values]
+        )
+        for heading, texts in shown.items():
+            tenths = {"A<sub>1</sub>": 0.1, "A<sub>2</sub>": 0.2, "T<sub>1</sub>": 0.3,
+                      "T<sub>2</sub>": 0.4}  # fmt: skip
+            for row, text in enumerate(texts, start=1):
+                value, _, unit = text.partition(" ")
+                if heading.startswith("share"):
+                    assert (float(value), unit) == (pytest.approx(10.0 * row + 6.0), "%")
+                elif heading.startswith("transition"):
+                    assert float(value) == pytest.approx(row + 0.5)
+                else:
+                    size = row + tenths[heading.split(" ")[0]]
+                    angle = math.degrees(1e-3 * size)
+                    right = size if "[ms]" in heading else angle
+                    assert ("[ms]" in heading) == heading.startswith("T")
+                    assert ("[deg]" in heading) == heading.startswith("A")
+                    assert float(value) == pytest.approx(right, rel=1e-3)
+        assert len(shown) == 6
+
+
+# Turns that are shown.
+
+
+@pytest.mark.parametrize(
+    ("window", "cycles", "before"),
+    [
+        (Window.CYCLE, 1, math.inf), (Window.CYCLE, 2, math.inf), (Window.CYCLE, 3, 0.5),
+        (Window.TRANSITION, 1, math.inf), (Window.TRANSITION, 9, math.inf),
+    ],
+)  # fmt: skip
+def test_turns_that_are_shown(window: Window, cycles: int, before: float) -> None:
+    """The first two of many, of turns alone: two of 0.25 s here."""
+    times = (0.1, 0.49, 0.51, 0.7)
+    kinds = (EventKind.COLLISION, EventKind.REST, EventKind.REST, EventKind.COLLISION)
+    run: Any = SimpleNamespace(
+        case=SimpleNamespace(window=window, cycles=cycles), shaft=SimpleNamespace(period=0.25),
+        segments=[SimpleNamespace(t_end=0.3), SimpleNamespace(t_end=0.75)],
+        collisions=[SimpleNamespace(t=t) for t in times],
+        phases=[SimpleNamespace(t_start=t, t_end=9.0) for t in times],
+        transitions=[SimpleNamespace(t_start=t) for t in times],
+        events=[SimpleNamespace(t=t, kind=kind) for t, kind in zip(times, kinds, strict=True)],
+    )  # fmt: skip
+    few = before < 1.0
+    assert reading.shown_before(run) == before
+    assert reading.shown_until(run) == (0.5 if few else 0.75)
+    kept = list(times[:2] if few else times)
+    assert [item.t for item in reading.shown_collisions(run)] == kept
+    assert [item.t_start for item in reading.shown_phases(run)] == kept
+    assert [item.t_start for item in reading.shown_transitions(run)] == kept
+    rests = [item.t for item in reading.shown_events(run, EventKind.REST)]
+    assert rests == ([0.49] if few else [0.49, 0.51])
+    run.segments = []
+    assert reading.shown_until(run) == 0.0
+
+
+def test_transitions_are_shown_to_their_end(e62: Mechanism) -> None:
+    """Though a case may name more turns than are shown."""
+    run: Solution = simulate(e62, Case(speed_rpm=650.0, cycles=5))
+    assert reading.shown_before(run) == math.inf
+    assert reading.shown_collisions(run) == list(run.collisions)
+
+
+# Bars of links without shapes.
+
+
+def test_bars_reach_the_ends_of_springs_and_dampers() -> None:
+    """Each frame of a link that something is fixed to has a bar to it; others have none."""
+    parts = [
+        link("arm", centre=(0.3, 0.1)), hinge("arm_pin", "frame", "arm"),
+        frame("hook", "arm", (0.0, 0.5)), frame("unused", "arm", (0.7, 0.0)),
+        frame("eye", "arm", (0.4, 0.0)), frame("wall", "frame", (0.6, 0.6)),
+    ]  # fmt: skip
+    made = machine(
+        parts,
+        1,
+        springs={"coil": {"frame_a": "hook", "frame_b": "wall", "stiffness_N_per_m": 1e3,
+                          "free_length_mm": 100.0}},
+        dampers={"stay": {"frame_a": "wall", "frame_b": "eye", "damping_N_s_per_m": 2.0}},
+    )  # fmt: skip
+    assert {item.name for item in made.struts} == {"coil", "stay"}
+    assert ends(made) == [[0.0, 0.5], [0.4, 0.0]]
+    assert ends(machine(parts, 1)) == [[0.3, 0.1]]
+
+
+def ends(mechanism: Mechanism) -> list[list[float]]:
+    """Far ends of the bars of the only link, by middle and length (x, z) [m]."""
+    bars = [solid for solid in solids(mechanism) if solid.kind == "cylinder"]
+    found = []
+    for solid in bars:
+        half = 0.5 * solid.sizes[1] * solid.placement[:3, 2]
+        np.testing.assert_allclose(solid.placement[:3, 3], half, atol=1e-12)
+        found.append((2.0 * half)[[0, 2]].round(9).tolist())
+    return sorted(found)
+
+
+# Names of the user's.
+
+ODD = "[red]a[/red] :smile: [/]"
+
+
+def test_names_are_printed_as_they_are() -> None:
+    """Of targets, numbers, joints, closures, models and what went wrong."""
+    fit = identified(Verdict.AGREES, name=ODD)
+    assert columns(printed(fit), "target", 2)["target"] == [ODD, "two"]
+    mechanism: Any = SimpleNamespace(
+        joints=[SimpleNamespace(index=k, name=f"{ODD}{k}", kind="revolute", parent=f"p{k}",
+                                child=f"c{k}") for k in (0, 1)],
+        closures=[
+            SimpleNamespace(name="pin", frame_a="a", frame_b="b", slot_frame=None, slot_axis=None),
+            SimpleNamespace(name=ODD, frame_a="a", frame_b="c", slot_frame="d", slot_axis="x"),
+        ],
+        drives=[SimpleNamespace(index=1, name="shaft")], springs=(), tabulated_springs=(),
+        struts=(), dampers=(),
+    )  # fmt: skip
+    report: Any = SimpleNamespace(
+        mechanism=mechanism,
+        masses=[SimpleNamespace(link="one", mass_kg=1.5), SimpleNamespace(link="two", mass_kg=2.0)],
+    )
+    text = printed(lambda console: checked._joints(report, console))
+    assert text.startswith("Joints")
+    assert columns(text, "joint", 4) == {
+        "joint": [f"{ODD}0", f"{ODD}1", "pin", ODD],
+        "kind": ["revolute", "revolute", "cut pin", "pin in a slot"],
+        "parent": ["p0", "p1", "a", "d along x"], "child": ["c0", "c1", "b", "c"],
+        "moved by": ["", "drive shaft", "", ""],
+    }  # fmt: skip
+    assert "masses in kg: one 1.5, two 2; together 3.5\n" in text
+    assert "springs: none\n" in text
+    assert "dampers" not in text
+    wrong = Judged(7, "chains", "wrong", "energy", ODD, "00", 0.5)
+    assert printed(lambda console: print_verdict(wrong, console)) == (
+        f"case 7 (chains): wrong, energy: {ODD}\n"
+    )
+    right = Judged(8, "chains", "right", "COMPLETED", "", "00", 0.5)
+    assert printed(lambda console: print_verdict(right, console)) == (
+        "case 8 (chains): right, COMPLETED\n"
+    )
+
+
+# The study.
+
+
+@pytest.mark.parametrize("compared", [True, False])
+def test_study_on_a_terminal(monkeypatch: pytest.MonkeyPatch, compared: bool) -> None:
+    """Ratios beside the published ones and how many are near; or the changes of another machine."""
+    monkeypatch.setattr(summary, "note", lambda _: f"a note {ODD}")
+    monkeypatch.setattr(summary, "ratio_values", lambda _: {"duration": 1.5, "none": None})
+    items = [Ratio("one", 4.0, 3.95), Ratio("two", -0.5, -0.46), Ratio("three", 0.2, 0.3)]
+    study: Any = SimpleNamespace(
+        compared=compared, ratios=items, identified=items[:2] if compared else (), studies=None,
+        mechanism=SimpleNamespace(name=ODD),
+    )  # fmt: skip
+    text = printed(lambda console: summary.print_paper(study, console))
+    assert text.endswith(f"a note {ODD}\n")
+    if not compared:
+        assert " ".join(text.split()).startswith("Changes over the three studies, and shares ratio")
+        assert columns(text, "ratio", 2) == {"ratio": ["duration", "none"], "value": ["1.500", "-"]}
+        return
+    assert text.startswith("Published ratios beside ours")
+    assert columns(text, "ratio", 3) == {
+        "ratio": ["one", "two", "three"], "published": ["4", "-0.5", "0.2"],
+        "ours": ["3.950", "-0.4600", "0.3000"], "deviation": ["-1.2 %", "-8.0 %", "+50.0 %"],
+    }  # fmt: skip
+    assert f"\n{ODD}: 1 of 3 within 4 %, 2 within 10 %\n" in text
+    assert f"\n{summary.IDENTIFIED}: 1 of 2 within 4 %, 2 within 10 %\n" in text
