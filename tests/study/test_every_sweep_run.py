@@ -1,0 +1,369 @@
+"""How a run of a sweep goes on: what is stored, computed, waited for, told and given up.
+
+Store, clock and whoever computes are stand-ins; a chunk is a name and its first and last number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nipper_pin.errors import InputError, SimulationError
+from nipper_pin.study.sweep import cluster, estimate, run
+from nipper_pin.study.sweep.chunks import DefectError
+from nipper_pin.study.sweep.results.chunk_file import DamageError
+
+CHUNKS = [SimpleNamespace(number=n, start=10 * n, stop=10 * n + 4 + n) for n in range(4)]
+
+
+class Store:
+    """Chunks on disk, and those that other processes have taken."""
+
+    def __init__(self, stored: set[int], taken: set[int], damaged: set[int]) -> None:
+        self.stored, self.taken, self.damaged = stored, taken, damaged
+        self.said: list[tuple[str, int]] = []
+        self.plan = SimpleNamespace(
+            job=SimpleNamespace(text=lambda: b"job"),
+            rows=lambda chunks: ((chunk, f"rows {chunk.number}") for chunk in chunks),
+        )
+
+    def rows(self, chunk: Any) -> Any:
+        if chunk.number in self.damaged:
+            message = "it is damaged"
+            raise DamageError(message, file=f"/somewhere/{chunk.number}.parquet")
+        return f"stored {chunk.number}" if chunk.number in self.stored else None
+
+    def take(self, chunk: Any) -> bool:
+        self.said.append(("take", chunk.number))
+        return chunk.number not in self.taken
+
+    def release(self, chunk: Any) -> None:
+        self.said.append(("release", chunk.number))
+
+    def write(self, chunk: Any, content: bytes) -> None:
+        self.said.append(("write", chunk.number))
+        self.damaged.discard(chunk.number)
+        assert content == f"computed {chunk.number}".encode()
+
+
+class Run:
+    """A run of the chunks, and what it told."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, **others: Any) -> None:
+        self.told: list[tuple[int, int, int]] = []
+        self.added: list[str] = []
+        self.asked: list[Any] = []
+        self.answers: dict[int, Any] = others.get("answers", {})
+        self.store: Any = Store(*(set(others.get(k, ())) for k in ("stored", "taken", "damaged")))
+        patch.setattr(run, "on_this_machine", self.compute)
+        patch.setattr(cluster, "on_scheduler", self.compute)
+        patch.setattr(run, "read", lambda content, columns: (content.decode(), columns))
+        progress = (lambda *words: self.told.append(words)) if others.get("tells", True) else None
+        self.run: Any = run._Run(
+            self.store, others.get("workers", 2), others.get("scheduler"), list(CHUNKS), progress
+        )
+        self.run.tally = SimpleNamespace(add=self.added.append)
+
+    def compute(self, text: bytes, tasks: Any, *words: Any) -> Any:
+        self.asked.append((text, *words))
+        for chunk, rows in tasks:
+            assert rows == f"rows {chunk.number}"
+            yield chunk, self.answers.get(chunk.number, f"computed {chunk.number}".encode())
+
+
+def test_a_run_from_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every chunk is taken, computed, stored, counted and given back, and told of."""
+    made = Run(monkeypatch)
+    made.run.complete()
+    assert made.asked == [(b"job", 2)]
+    wanted = [(what, n) for n in range(4) for what in ("take", "write", "release")]
+    assert made.store.said == wanted
+    assert made.added == [(f"computed {n}", run.SUMMARY) for n in range(4)]
+    assert made.told == [(0, 0, 22), (4, 0, 22), (9, 0, 22), (15, 0, 22), (22, 0, 22)]
+    assert (made.run.computed, made.run.total, made.run.chunks, made.run.count) == (22, 22, 4, 2)
+    assert (made.run.damaged, made.run.defects) == ({}, [])
+
+
+def test_a_run_that_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is stored is counted first; what is damaged is computed anew."""
+    made = Run(monkeypatch, stored={0, 2}, damaged={3}, workers=7)
+    made.run.complete()
+    assert made.run.damaged == {3: "3.parquet"}
+    assert made.added[:2] == ["stored 0", "stored 2"]
+    assert made.told == [(10, 10, 22), (15, 10, 22), (22, 10, 22)]
+    assert made.run.computed == 12
+    # No more processes than chunks.
+    assert made.asked == [(b"job", 2)]
+    done = Run(monkeypatch, stored={0, 1, 2, 3})
+    done.run.complete()
+    assert (done.asked, done.told, done.run.computed) == ([], [(22, 22, 22)], 0)
+    silent = Run(monkeypatch, tells=False)
+    silent.run.complete()
+    assert (silent.told, silent.run.computed) == ([], 22)
+
+
+def test_a_run_on_a_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Run(monkeypatch, scheduler="tcp://here:1")
+    made.run.complete()
+    assert made.asked == [(b"job", "tcp://here:1", made.run._tell)]
+    assert made.run.computed == 22
+
+
+def test_defects_end_a_run_when_all_else_is_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    defect = DefectError("it broke", scenario=11)
+    made = Run(monkeypatch, answers={1: defect, 3: DefectError("again", scenario=31)})
+    with pytest.raises(SimulationError, match="it broke; 2 of 4 chunks are not stored") as caught:
+        made.run.complete()
+    assert caught.value.evidence == {"scenario": 11}
+    assert made.run.computed == 4 + 6
+    assert ("write", 1) not in made.store.said
+    assert ("release", 1) in made.store.said
+    assert [done for done, *_ in made.told] == [0, 4, 4, 10, 10]
+
+
+def test_an_interrupted_run_counts_what_was_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Run(monkeypatch)
+
+    def interrupted(_: Any) -> None:
+        made.store.stored = {1, 2}
+        raise KeyboardInterrupt
+
+    made.run._compute = interrupted
+    with pytest.raises(KeyboardInterrupt):
+        made.run.complete()
+    assert made.told == [(0, 0, 22), (11, 0, 22)]
+
+
+class Clock:
+    """Time that passes by looks; after each something may happen."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, after: Callable[[float], None]) -> None:
+        self.now, self.after = 1000.0, after
+        patch.setattr(run.time, "monotonic", lambda: self.now)
+        patch.setattr(run.time, "sleep", self.sleep)
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+        self.after(self.now - 1000.0)
+
+
+def test_chunks_of_other_processes_are_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One is stored while this waits, which is told; one is given up, and computed here."""
+    made = Run(monkeypatch, taken={1, 2})
+
+    def later(passed: float) -> None:
+        if passed >= 3 * run._LOOK_S:
+            made.store.stored.add(1)
+            # A process that has stored a chunk gives it back.
+            made.store.taken.discard(1)
+        if passed >= 5 * run._LOOK_S:
+            made.store.taken.discard(2)
+
+    clock = Clock(monkeypatch, later)
+    made.run.complete()
+    assert clock.now - 1000.0 == pytest.approx(5 * run._LOOK_S)
+    assert made.run.computed == 22 - 5
+    assert made.added == [
+        ("computed 0", run.SUMMARY), ("computed 3", run.SUMMARY), "stored 1",
+        ("computed 2", run.SUMMARY),
+    ]  # fmt: skip
+    assert [done for done, *_ in made.told] == [0, 4, 11, 11, 11, 11, 16, 16, 22]
+    assert made.store.said.count(("release", 1)) == 1
+
+
+def test_others_that_never_finish(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The patience begins anew with each chunk that they finish."""
+    made = Run(monkeypatch, taken={1, 2})
+    begin = 0.5 * run._PATIENCE_S
+
+    def later(passed: float) -> None:
+        if passed >= begin and 1 not in made.store.stored:
+            made.store.stored.add(1)
+            made.store.taken.discard(1)
+
+    clock = Clock(monkeypatch, later)
+    words = f"have had 1 chunks for {run._PATIENCE_S / 60:.0f} minutes"
+    with pytest.raises(SimulationError, match=words) as caught:
+        made.run.complete()
+    assert caught.value.evidence == {"chunks": [2]}
+    waited = clock.now - 1000.0
+    assert 1.5 * run._PATIENCE_S < waited <= 1.5 * run._PATIENCE_S + 3.0 * run._LOOK_S
+
+
+# The estimate.
+
+
+@pytest.mark.parametrize(
+    ("inner", "reduced", "long"),
+    [(5000, True, True), (5000, False, False), (32, True, False), (33, True, True)],
+)
+def test_time_of_scenarios_and_of_mechanisms(
+    monkeypatch: pytest.MonkeyPatch, inner: int, reduced: bool, long: bool
+) -> None:
+    """A mechanism takes 3 s and a scenario 0.25 s: told apart where there are many by tables."""
+    asked: list[int] = []
+    engines = {"reduced": 0, "direct": 0}
+    plan: Any = SimpleNamespace(
+        job=SimpleNamespace(text=lambda: b"job"), axes=(), samples=None, scenarios=3 * inner
+    )
+    tally = SimpleNamespace(engines=engines)
+    monkeypatch.setattr(estimate, "Rows", lambda *_: SimpleNamespace(at=lambda places: places))
+    monkeypatch.setattr(estimate, "Tally", lambda: tally)
+    monkeypatch.setattr(
+        estimate, "stages", lambda *_: [SimpleNamespace(layout=SimpleNamespace(inner=inner))]
+    )
+    warm: list[Any] = []
+    monkeypatch.setattr(estimate, "run_chunk", lambda *words: warm.append(words))
+
+    def seconds(text: bytes, rows: Any, counted: Any) -> float:
+        assert (text, counted) == (b"job", tally)
+        asked.append(len(rows))
+        engines["reduced" if reduced else "direct"] += len(rows)
+        return 3.0 + 0.25 * len(rows)
+
+    monkeypatch.setattr(estimate, "_seconds", seconds)
+    found = estimate.timed(plan, 2000)
+    block = min(inner, 2000)
+    few = min(block, estimate._FEW)
+    ((text, first, rows),) = warm
+    assert (text, first, len(rows)) == (b"job", 0, few)
+    many = min(block, estimate._MANY)
+    assert asked == ([few, many] if long else [few]) * 3
+    assert found.blocks == -(-3 * inner // block)
+    slope, rest = (0.25, 3.0) if long else (0.25 + 3.0 / few, 0.0)
+    assert found.scenario_s == pytest.approx(slope)
+    assert found.block_s == pytest.approx(rest)
+    assert found.engines == engines
+
+
+# Workers of a scheduler.
+
+
+def test_addresses_of_schedulers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "find_spec", lambda _: "there")
+    for address in ("tcp://a:1", "tls://a:1", "ws://a", "wss://a", "ucx://a", "a:8786"):
+        cluster._check_address(address)
+    with pytest.raises(InputError, match="http://a: no address of a scheduler") as caught:
+        cluster._check_address("http://a")
+    assert caught.value.evidence == {"scheduler": "http://a"}
+    monkeypatch.setattr(cluster, "find_spec", lambda _: None)
+    with pytest.raises(InputError, match="--scheduler needs Dask") as caught:
+        cluster._check_address("tcp://a:1")
+    assert caught.value.evidence == {"package": "distributed"}
+
+
+def client(answer: Any, waits: Any = None) -> Any:
+    def wait_for_workers(count: int, timeout: float) -> None:
+        assert (count, timeout) == (1, cluster._CONNECT_S)
+        if waits is not None:
+            raise waits
+
+    def ask(function: Any, on_error: str) -> Any:
+        assert (function, on_error) == (cluster.versions, "return")
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    return SimpleNamespace(wait_for_workers=wait_for_workers, run=ask)
+
+
+def test_workers_that_lack_something(monkeypatch: pytest.MonkeyPatch) -> None:
+    """None at all, one that does not answer, and others than here."""
+    here = {"numpy": "2.0", "pin": "3.1", "python": "3.11"}
+    monkeypatch.setattr(cluster, "versions", lambda: here)
+    cluster._check_workers(client({"w1": dict(here), "w2": dict(here)}), "a")
+    with pytest.raises(InputError, match="--scheduler a: has no workers") as caught:
+        cluster._check_workers(client({}, TimeoutError()), "a")
+    assert caught.value.evidence == {"scheduler": "a"}
+    with pytest.raises(InputError, match="--scheduler a: a worker does not answer") as caught:
+        cluster._check_workers(client(TimeoutError()), "a")
+    assert caught.value.evidence == {"scheduler": "a"}
+    other = {"w1": dict(here), "w2": {**here, "pin": "2.9"}, "w3": {"python": "3.11"}}
+    words = r"2 of 3 workers .* such as w2 \(pin 2.9 instead of 3.1\); install"
+    with pytest.raises(InputError, match=words) as caught:
+        cluster._check_workers(client(other), "a")
+    assert caught.value.evidence == {"scheduler": "a", "workers": ["w2", "w3"]}
+    assert cluster._lacking({"python": "3.11"}) == (
+        "numpy None instead of 2.0, pin None instead of 3.1"
+    )
+    gone = ModuleNotFoundError("No module")
+    assert cluster._lacking(gone) == "the package is not installed there: No module"
+
+
+def test_work_that_is_under_way_on_a_scheduler() -> None:
+    """Three chunks a thread at a time; each is given once, and what failed is raised."""
+    waiting: list[Any] = []
+    most = 0
+
+    def submit(_: Any, text: bytes, start: int, _rows: Any, *, pure: bool) -> Any:
+        nonlocal most
+        assert (text, pure) == (b"job", False)
+        future = SimpleNamespace(key=f"k{start}", released=0)
+        future.result = lambda: outcomes(start)
+
+        def release() -> None:
+            future.released += 1
+
+        def done(put: Any) -> None:
+            put(future)
+
+        future.release, future.add_done_callback = release, done
+        waiting.append(future)
+        most = max(most, sum(not item.released for item in waiting))
+        return future
+
+    outcomes: Any = lambda start: f"done {start}".encode()  # noqa: E731
+    scheduler = SimpleNamespace(nthreads=lambda: {"a": 1, "b": 1}, submit=submit, status="running")
+    chunks = [SimpleNamespace(start=k) for k in range(20)]
+    tasks: Any = [(chunk, np.zeros(1)) for chunk in chunks]
+    work = cluster._Work(scheduler, "tcp://a", lambda: None)
+    found = list(work.results(b"job", tasks))
+    assert sorted((chunk.start, answer) for chunk, answer in found) == [
+        (k, f"done {k}".encode()) for k in range(20)
+    ]
+    assert all(item.released == 1 for item in waiting)
+    assert most == cluster._AHEAD * 2
+
+    defect = DefectError("odd")
+
+    def odd(start: int) -> bytes:
+        if start == 1:
+            raise defect
+        if start == 2:
+            message = "lost"
+            raise OSError(message)
+        return b"fine"
+
+    outcomes = odd
+    work = cluster._Work(scheduler, "tcp://a", lambda: None)
+    answers = work.results(b"job", tasks[:3])
+    assert [next(answers)[1] for _ in range(2)] == [b"fine", defect]
+    with pytest.raises(OSError, match="lost"):
+        next(answers)
+
+
+def test_workers_that_are_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looked for now and then; given up after a while without any, or at once without scheduler."""
+    monkeypatch.setattr(cluster, "_LOOK_S", 1e-3)
+    times = iter(np.arange(0.0, 1e4, 10.0))
+    monkeypatch.setattr(cluster.time, "monotonic", lambda: float(next(times)))
+    looks: list[int] = []
+    threads = iter([{"a": 2}, {"a": 1}, {}, {"a": 4}, *[{}] * 50])
+    scheduler: Any = SimpleNamespace(nthreads=lambda: next(threads), status="running")
+    work = cluster._Work(scheduler, "tcp://a", lambda: looks.append(work._threads))
+    assert work._threads == 2
+    with pytest.raises(SimulationError, match="all workers of tcp://a were lost, and for 30") as no:
+        work._answer()
+    assert no.value.evidence == {"scheduler": "tcp://a"}
+    assert looks[:5] == [2, 1, 0, 4, 0]
+    # One look later than thirty seconds after the last worker.
+    assert 7 <= len(looks) <= 9
+    scheduler.status = "closed"
+    with pytest.raises(cluster.CancelledError):
+        work._answer()
+    work._answers.put(("k", b"there"))
+    assert work._answer() == ("k", b"there")
