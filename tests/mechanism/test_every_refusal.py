@@ -1,0 +1,394 @@
+"""What models are refused for, with evidence, and branches that few machines take."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from small_machines import SHAFT, hinge, link, machine
+
+from nipper_pin import Mechanism
+from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
+from nipper_pin.mechanism import (
+    contact,
+    describe,
+    dimensions,
+    laws,
+    layout,
+    new_folder,
+    schema,
+    tree,
+    urdf_values,
+)
+from nipper_pin.mechanism.description import CylinderDescription
+from nipper_pin.mechanism.drawing import tree as drawn
+
+# The package has a function of the same name.
+load: Any = import_module("nipper_pin.mechanism.load")
+
+
+def refused(error: Any) -> tuple[Any, Any, Any]:
+    return tuple(error.value.evidence[key] for key in ("file", "key", "value"))  # type: ignore[return-value]
+
+
+# The document.
+
+
+def test_sections_that_are_no_tables() -> None:
+    with pytest.raises(ModelError, match="a table of tables") as caught:
+        describe.describe({"stops": 7}, "x.toml")
+    assert refused(caught) == ("x.toml", "stops", 7)
+
+
+@pytest.mark.parametrize(
+    ("document", "place", "name"),
+    [
+        ({"a\nb": 1}, "the file", "a\nb"),
+        ({"stops": {"x\t": {}}}, "stops", "x\t"),
+        ({"phases": [{}, {"deep": {"\x07": 1}}]}, "phases[1].deep", "\x07"),
+    ],
+)
+def test_names_that_no_message_can_show(document: Any, place: str, name: str) -> None:
+    with pytest.raises(ModelError, match="without line breaks and control characters") as caught:
+        describe.describe(document, "x.toml")
+    assert refused(caught) == ("x.toml", place, name)
+
+
+def test_numbers_that_an_entry_may_have() -> None:
+    """None of a law that does not exist; of others those that are not given."""
+    assert describe.optional_numbers("drives", {"joint": "a", "law": "magic"}) == {}
+    found = describe.optional_numbers("stops", {"joint": "a", "restitution": 0.25})
+    assert "restitution" not in found
+    assert all(isinstance(value, float | int) for value in found.values())
+
+
+def test_a_key_of_several_kinds() -> None:
+    """Null is no value of TOML; a choice of one is that one."""
+    plain = schema._plain
+    number, text = {"type": "number"}, {"type": "string"}
+    null = {"type": "null"}
+    assert plain({"anyOf": [number, null], "default": None}, "words") == {
+        "description": "words", **number,
+    }  # fmt: skip
+    assert plain({"anyOf": [number, text, null], "default": 1}, None) == {
+        "anyOf": [number, text], "default": 1,
+    }  # fmt: skip
+    assert plain({"additionalProperties": {"discriminator": 1, "a": 2}}, "") == {
+        "additionalProperties": {"a": 2}
+    }
+    assert plain(dict(text), "") == text
+
+
+def test_laws_that_do_not_exist() -> None:
+    class Magic:
+        """No law."""
+
+    drive: Any = Magic()
+    with pytest.raises(InputError, match="there is no drive law for Magic"):
+        laws._basic(drive)
+
+
+def test_reference_of_a_drive() -> None:
+    """Where it is smallest or largest; only of a drive that swings, and no other place beside."""
+
+    def cylinder(**given: Any) -> CylinderDescription:
+        return CylinderDescription(
+            rated_speed_rpm=60.0, direction="clockwise", angle_at_touch_deg=0.0,
+            reference_index=0.0, **given,
+        )  # fmt: skip
+
+    class Swing:
+        """-cos(angle - 1): smallest at 1 and largest at 1 + pi."""
+
+        knots_rad: tuple[float, ...] = ()
+
+        def evaluate(self, angle: Any) -> Any:
+            return -np.cos(angle - 1.0), np.sin(angle - 1.0), np.cos(angle - 1.0)
+
+    class Turn(Swing):
+        """Goes on and on."""
+
+        def evaluate(self, angle: Any) -> Any:
+            return angle, np.ones_like(angle), np.zeros_like(angle)
+
+    known: Any = {"swing": Swing(), "turn": Turn()}
+    find = lambda **given: laws._reference(cylinder(**given), known, "x.toml")  # noqa: E731
+    assert find(reference_angle_deg=90.0) == pytest.approx(np.pi / 2.0)
+    low = find(reference_drive="swing", reference_extreme="minimum")
+    high = find(reference_drive="swing", reference_extreme="maximum")
+    assert (low, high) == (pytest.approx(1.0), pytest.approx(1.0 + np.pi))
+    with pytest.raises(ModelError, match="a drive that swings to and fro") as caught:
+        find(reference_drive="turn")
+    assert refused(caught) == ("x.toml", "cylinder.reference_drive", "turn")
+    for given in ({}, {"reference_drive": "swing", "reference_angle_deg": 1.0}):
+        with pytest.raises(ModelError, match="exactly one of") as caught:
+            find(**given)
+        assert refused(caught)[1] == "cylinder.reference_drive"
+    with pytest.raises(UnknownNameError, match="nothing"):
+        find(reference_drive="nothing")
+
+
+# The URDF.
+
+
+def test_links_without_the_part_that_changes() -> None:
+    inertial = ElementTree.fromstring('<inertial><mass value="2"/></inertial>')
+    dimensions._write_number(inertial, "mass_kg", 3.5, "links.a.mass_kg", "x.urdf")
+    assert inertial.find("mass").get("value") == "3.5"  # type: ignore[union-attr]
+    with pytest.raises(ModelError, match="the link has no <inertia>") as caught:
+        dimensions._write_number(inertial, "inertia_kg_m2", 1.0, "links.a.inertia_kg_m2", "x.urdf")
+    assert refused(caught) == ("x.urdf", "links.a.inertia_kg_m2", None)
+
+
+@pytest.mark.parametrize(
+    ("inertial", "key", "words"),
+    [
+        ('<mass value="1"/>', "link a inertia", "an inertia about the centre of mass"),
+        ('<inertia ixx="1" iyy="1" izz="1"/>', "link a mass", "a positive mass"),
+    ],
+)
+def test_bodies_without_inertia(inertial: str, key: str, words: str) -> None:
+    parts = [f'<link name="a"><inertial>{inertial}</inertial></link>', hinge("p", "frame", "a")]
+    with pytest.raises(ModelError, match=words) as caught:
+        machine(parts, 1)
+    assert refused(caught) == ("small.urdf", key, None)
+
+
+def test_a_tree_that_pinocchio_refuses() -> None:
+    with pytest.raises(ModelError, match="Pinocchio says: ") as caught:
+        tree.build_model("<robot/>", 9.81, "x.urdf")
+    assert refused(caught) == ("x.urdf", "robot", "8 characters")
+
+
+def test_shapes_that_the_parser_leaves_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Refused with the link and the shape, and not taken for the next one."""
+    empty = pin.GeometryModel()
+    monkeypatch.setattr(tree.pin, "buildGeomFromUrdfString", lambda *_: empty)
+    urdf: Any = SimpleNamespace(shapes={"plain": (), "arm": ("horn",)})
+    with pytest.raises(ModelError, match="the URDF parser left this one out") as caught:
+        tree.collision_geometry(pin.Model(), "<robot/>", urdf, Path(), "x.urdf")
+    assert refused(caught) == ("x.urdf", "link arm collision", "horn")
+    urdf.shapes = {"plain": ()}
+    assert tree.collision_geometry(pin.Model(), "<robot/>", urdf, Path(), "x.urdf") is empty
+
+
+def test_contacts_of_links_without_shapes() -> None:
+    """The element of that name, all of a link, or a refusal that says what is missing."""
+    objects = {"one": 0, "two": 1, "three": 2}
+    geometry: Any = SimpleNamespace(
+        geometryObjects=["1st", "2nd", "3rd"], getGeometryId=lambda name: objects[name]
+    )
+    urdf: Any = SimpleNamespace(shapes={"arm": ("one", "three"), "bare": (), "hand": ("two",)})
+
+    def find(name: str) -> Any:
+        return contact._shapes(
+            name, urdf, geometry, file="x.toml", key="stops.a.contact", urdf_file="x.urdf"
+        )
+
+    assert find("two") == ["2nd"]
+    assert find("arm") == ["1st", "3rd"]
+    with pytest.raises(ModelError, match=r"stops\.a\.contact in x\.toml needs a coll") as caught:
+        find("bare")
+    assert refused(caught) == ("x.urdf", "link bare collision", None)
+    with pytest.raises(UnknownNameError) as no:
+        find("foot")
+    for name in ("one", "two", "three", "arm", "hand"):
+        assert name in no.value.message
+    assert "bare" not in no.value.message
+
+
+def test_points_that_are_one_pin() -> None:
+    """Ends of a closure are; a pin in a slot goes its own way."""
+    points = {name: name for name in ("a", "b", "c", "d", "e")}
+    closures = {
+        "one": {"frame_a": "a", "frame_b": "b"}, "two": {"frame_a": "b", "frame_b": "c"},
+        "slot": {"frame_a": "c", "frame_b": "d", "slot_axis": "x"},
+        "loose": {"frame_a": "e", "frame_b": "nothing"},
+    }  # fmt: skip
+    found = layout._meeting(points, {"closures": closures})
+    assert {name: set(pins) for name, pins in found.items()} == {
+        "a": {"a", "b", "c"}, "b": {"a", "b", "c"}, "c": {"a", "b", "c"}, "d": {"d"}, "e": {"e"},
+    }  # fmt: skip
+    assert layout._meeting(points, {}) == {name: (name,) for name in points}
+
+
+@pytest.mark.parametrize(
+    "name", ["/abs.stl", "../up.stl", "a/../b.stl", "C:x.stl", "a\\b.stl", "", "package://only"]
+)
+def test_meshes_outside_of_the_folder(name: str) -> None:
+    with pytest.raises(ModelError) as caught:
+        urdf_values.path_inside(name, "link a", "x.urdf")
+    assert refused(caught) == ("x.urdf", "link a mesh", name)
+
+
+def test_meshes_of_packages(tmp_path: Path) -> None:
+    """The model folder stands for its own package, and for no other that it names."""
+    assert urdf_values.path_inside("a/b.stl", "k", "f") == "a/b.stl"
+    assert urdf_values.path_inside("package://p/a/b.stl", "k", "f") == "a/b.stl"
+    (tmp_path / "b.stl").write_text("", encoding="utf-8")
+    find = lambda name: urdf_values.mesh_path(name, tmp_path, "link a", "x.urdf")  # noqa: E731
+    assert find("package://any/b.stl") == find("b.stl") == (tmp_path / "b.stl").resolve()
+    (tmp_path / "package.xml").write_text("<p><name> mine </name></p>", encoding="utf-8")
+    assert find("package://mine/b.stl") == find("b.stl")
+    with pytest.raises(ModelError, match=r"package://mine/\.\.\.") as caught:
+        find("package://other/b.stl")
+    assert refused(caught) == ("x.urdf", "link a mesh", "package://other/b.stl")
+    (tmp_path / "package.xml").write_text("<p>", encoding="utf-8")
+    with pytest.raises(ModelError, match=r"a package whose package.xml can be read") as caught:
+        find("package://mine/b.stl")
+    assert refused(caught) == ("x.urdf", "link a mesh", "package://mine/b.stl")
+    with pytest.raises(ModelError, match="a mesh file in the model folder") as caught:
+        find("gone.stl")
+    assert refused(caught) == ("x.urdf", "link a mesh", "gone.stl")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "away.stl").symlink_to(tmp_path / "b.stl")
+    with pytest.raises(ModelError) as caught:
+        urdf_values.mesh_path("away.stl", tmp_path / "inner", "link a", "x.urdf")
+    assert refused(caught) == ("x.urdf", "link a mesh", "away.stl")
+
+
+# The whole model.
+
+
+def test_advice_on_pins_that_open() -> None:
+    """Only where an override moves one side of a pin."""
+    error = AssemblyError(file="x.toml", key="closures", value=1.0, allowed="closures that meet")
+    assert load._with_advice(error, {"stops.a.restitution": 1.0}) is error
+    raw = {"urdf.joint.a.origin.xyz.x": 1.0, "urdf.joint.b.origin.xyz.z": 2.0, "points.c.x_mm": 3.0}
+    told = load._with_advice(error, raw)
+    assert told.evidence == {
+        **error.evidence,
+        "allowed": "closures that meet; urdf.joint.a.origin.xyz.x, urdf.joint.b.origin.xyz.z moves "
+        "one side of a pin only: points.<hinge or frame>.x_mm, z_mm, radius_mm and angle_deg move "
+        "everything that meets in it",
+    }
+
+
+def test_a_changed_mechanism_whose_pins_open(
+    monkeypatch: pytest.MonkeyPatch, e62: Mechanism
+) -> None:
+    def opens(*_: Any) -> Any:
+        raise AssemblyError(file="e62.toml", key="closures", value=1.0, allowed="pins that meet")
+
+    path = "urdf.joint.jaw.origin.xyz.x"
+    monkeypatch.setattr(load, "from_sources", opens)
+    words = f"pins that meet; {re.escape(path)} moves one side of a pin only"
+    with pytest.raises(AssemblyError, match=words):
+        load.with_numbers(e62, {path: 0.5})
+
+
+def test_models_that_come_with_the_package(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Inside the package, else beside it, else none; a folder without its file is no model."""
+    package = tmp_path / "home" / "package"
+    (package / "mechanism").mkdir(parents=True)
+    monkeypatch.setattr(load, "__file__", str(package / "mechanism" / "load.py"))
+    assert load.known_models() == {}
+
+    def model(home: Path, name: str, *, whole: bool = True) -> None:
+        (home / "models" / name).mkdir(parents=True)
+        if whole:
+            (home / "models" / name / f"{name}.toml").write_text("", encoding="utf-8")
+
+    model(package.parent, "beside")
+    model(package.parent, "empty", whole=False)
+    assert load.known_models() == {"beside": package.parent / "models" / "beside"}
+    model(package, "inside")
+    assert load.known_models() == {"inside": package / "models" / "inside"}
+
+
+def test_names_that_a_mechanism_has_not(e62: Mechanism) -> None:
+    for item in e62.stops:
+        assert e62.stop(item.name) is item
+    with pytest.raises(UnknownNameError, match="jam") as caught:
+        e62.stop("jam")
+    assert all(item.name in caught.value.message for item in e62.stops)
+    for phase in e62.phases:
+        assert e62.phase(phase.number) is phase
+        assert e62.phase_of(phase.closed) is phase
+    assert e62.phase_of(frozenset({"nothing"})) is None
+    with pytest.raises(UnknownNameError) as caught:
+        e62.phase(99)
+    assert "99" in caught.value.message
+    assert all(str(phase.number) in caught.value.message for phase in e62.phases)
+    assert e62.links == tuple(joint.child for joint in e62.joints)
+
+
+def test_new_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whole or not at all; what is there stays, and nothing is left behind."""
+    target = tmp_path / "deep" / "model"
+    with new_folder.new_folder(target) as partial:
+        assert partial.name == "model"
+        assert partial.parent.parent == target.parent
+        (partial / "file").write_text("x", encoding="utf-8")
+        assert not target.exists()
+    assert (target / "file").read_text(encoding="utf-8") == "x"
+    assert [item.name for item in target.parent.iterdir()] == ["model"]
+    with pytest.raises(InputError, match="is there already and is not empty") as caught:
+        new_folder.check_new_folder(target)
+    assert caught.value.evidence == {"folder": str(target)}
+    with pytest.raises(InputError, match="is there already"):
+        new_folder.check_new_folder(target / "file")
+    (tmp_path / "empty").mkdir()
+    assert new_folder.check_new_folder(tmp_path / "empty") == (tmp_path / "empty").resolve()
+    message = "stop"
+
+    def fails() -> None:
+        with new_folder.new_folder(tmp_path / "other") as partial:
+            (partial / "file").write_text("x", encoding="utf-8")
+            raise RuntimeError(message)
+
+    with pytest.raises(RuntimeError, match=message):
+        fails()
+    assert not (tmp_path / "other").exists()
+    with (
+        pytest.raises(InputError, match="cannot be written: File exists") as caught,
+        new_folder.new_folder(target / "file" / "below"),
+    ):
+        pass
+    assert caught.value.evidence == {"folder": str(target / "file" / "below")}
+
+    def denied(_: Path) -> Any:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", denied)
+    with pytest.raises(InputError, match="cannot be written: Permission denied") as caught:
+        new_folder.check_new_folder(tmp_path / "empty")
+    assert caught.value.evidence == {"folder": str(tmp_path / "empty")}
+
+
+def test_joints_of_a_drawing_that_slide() -> None:
+    """Slides and blocks of slots do; pins do not, and what closes a loop has no coordinate."""
+    slide, slot = object.__new__(drawn.Slide), object.__new__(drawn.Slot)
+    hinge_, cut = object.__new__(drawn.Pin), object.__new__(drawn.Pin)
+    made = drawn.Tree(
+        SimpleNamespace(name="made up"),
+        {},
+        {"a": slide, "b": hinge_},
+        {"c": slot, "d": cut},
+        {},  # type: ignore[arg-type, dict-item]
+    )
+    assert [made.slides(name) for name in ("a", "b", "c")] == [True, False, True]
+    for name in ("d", "e"):
+        with pytest.raises(InputError, match=r"joints that have: a, b, c$") as caught:
+            made.slides(name)
+        assert caught.value.evidence == {"joint": name}
+
+
+def test_fixed_joints_have_no_coordinate() -> None:
+    """A named frame on a link is none of the tree's joints."""
+    parts = [link("a"), hinge("p", "frame", "a"), '<link name="eye"/>',
+             '<joint name="weld" type="fixed"><parent link="a"/><child link="eye"/></joint>',
+             link("b"), hinge("q", "a", "b", (1.0, 0.0))]  # fmt: skip
+    made = machine(
+        parts, 2, drives={"d": {"joint": "p", "law": "constant_speed", "ratio": 1.0, **SHAFT}}
+    )
+    assert [(j.name, j.parent, j.child, j.index) for j in made.joints] == [
+        ("p", "frame", "a", 0), ("q", "a", "b", 1),
+    ]  # fmt: skip
