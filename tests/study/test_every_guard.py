@@ -20,7 +20,7 @@ from nipper_pin import Case, Mechanism, simulate
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.rebound_errors import ReboundError
 from nipper_pin.reduced import inputs, layout
-from nipper_pin.study import cost, identify, premises, processes
+from nipper_pin.study import cost, identify, premises, processes, sensitivity
 from nipper_pin.study.identify import problem, working
 from nipper_pin.study.sensitivity import DOUBTFUL, QUANTITIES, Sensitivities, Sensitivity
 from nipper_pin.study.sweep.study_file import read_study
@@ -352,6 +352,24 @@ def test_sensitivities_as_plain_data() -> None:
         "model": "e62", "speed_rpm": 450.0, "premise_holds": False, "rebound_amplitude_1": 0.125,
         "duration_s": 0.25, "mean_clamping_force_N": 75.0,
     }  # fmt: skip
+
+
+def test_numbers_that_nothing_asked_for_depends_on() -> None:
+    """Inertias of shafts, places on the index scale and axes that go with their points."""
+    left_out = {
+        "crank_axis_mm": [1.0, 2.0], "guide_axis_mm": [3.0, 4.0], "rated_speed_rpm": 650.0,
+        "reference_angle_deg": 5.0, "reference_index": 6.0, "reflected_inertia_kg_m2": 7.0,
+        "reflected_mass_kg": 8.0, "shaft_damping_ratio": 9.0, "shaft_frequency_hz": 10.0,
+    }  # fmt: skip
+    document = {
+        "a": {"ratio": 2.0, "teeth": 17, "joint": "jaw", "closed": True, **left_out},
+        "b": {"deep": {"restitution": 0.25}, "reference_angle_rad": 1.0},
+    }
+    assert sensitivity._numbers(document, "drives") == [
+        "drives.a.ratio", "drives.a.teeth", "drives.b.deep.restitution",
+        "drives.b.reference_angle_rad",
+    ]  # fmt: skip
+    assert sensitivity._numbers(None, "dampers") == []
 
 
 def test_what_one_evaluation_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
