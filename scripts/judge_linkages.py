@@ -6,8 +6,9 @@
 
 A line holds the worst differences of event times [s], and relative ones of rates, of impulses and
 energies, and of the forces of stops and drives; or why one of the two does not run the machine. The
-status is 1 if a machine differs by more than 1e-10 s or 1e-8, if only one of the two refuses it,
-or if the two together need more than --time-limit.
+status is 1 if a machine differs by more than 1e-10 s or 1e-8 (where the package states a larger
+error of an event: by more than that), if only one of the two refuses it, or if the two together
+need more than --time-limit.
 Random linkages are those of `nipper-pin stress --family linkage`, with their own speed and drive.
 """
 

@@ -114,14 +114,14 @@ class Flight:
         before, first = math.inf, h
         while True:
             done = self._step(f, state, h, guess)
-            # What does not fall with the length of the step is round-off.
-            if done is not None and 0.3 * before < done.tail < _NOISE:
-                self.tail = max(self.tail, 3.0 * done.tail)
-                h, before = first, math.inf
-                continue
             if done is not None and done.tail <= self.tail:
                 self.verdict.unresolved = max(self.verdict.unresolved, done.tail)
                 return done
+            # What does not fall with the length of the step is round-off.
+            if done is not None and 0.3 * before < done.tail < _NOISE:
+                self.tail = 3.0 * done.tail
+                h, before = first, math.inf
+                continue
             share = 0.5
             if done is not None:
                 before = done.tail

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -63,6 +64,7 @@ class Verdict:
         reason: Empty if it went to its end; else why not (see ``verdict.Refusal``).
         detail: The same in words.
         t: Where it ended [s].
+        known: Until when it is worth comparing; infinite to the end [s].
         events: In order of time.
         stretches: Motion in order of time.
         coordinates: Names of the coordinates.
@@ -74,6 +76,7 @@ class Verdict:
     reason: str = ""
     detail: str = ""
     t: float = 0.0
+    known: float = math.inf
     events: list[Event] = field(default_factory=list)
     stretches: list[Stretch] = field(default_factory=list)
     coordinates: tuple[str, ...] = ()

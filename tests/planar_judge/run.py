@@ -26,6 +26,8 @@ _REST = 1e-14
 _MOST = 20_000
 # Turns that are no time.
 _INSTANT = 1e-13
+# So many events within this part of a turn are a series of series: most last a few dozen.
+_SERIES, _SHORT = 600, 1e-8
 
 
 class Bounce(NamedTuple):
@@ -194,6 +196,7 @@ class Run:
         state = self.state
         if len(self.verdict.events) > self.most:
             raise Refusal(Reason.COLLISIONS, f"more than {self.most} events")
+        self._endless()
         stops = self.flight.shut(state.closed | set(hit))
         before = np.array([state.gaps[s.name][1] if s.name in hit else 0.0 for s in stops])
         self._jammed(float(-before.min()))
@@ -217,6 +220,15 @@ class Run:
         if ended:
             self.note("rest", state.t, sorted(ended), closed=stays)
         self._end_of_series(hit, state.closed - stays, -float(before[names.index(hit[0])]))
+
+    def _endless(self) -> None:
+        """Give up a series of series, whose limit only the simpler ones tell."""
+        if len(self.verdict.events) < _SERIES:
+            return
+        began = self.verdict.events[-_SERIES].t
+        if self.state.t - began < _SHORT * self.flight.turn:
+            self.verdict.known = began
+            raise Refusal(Reason.SERIES, f"{_SERIES} events from {began:.9g} s on")
 
     def _jammed(self, rate: float) -> None:
         """Many collisions in one instant that get no slower are a jam."""

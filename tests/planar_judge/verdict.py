@@ -15,6 +15,7 @@ class Reason(StrEnum):
     BEYOND = "beyond a stop"
     TABLE = "beyond a table"
     COLLISIONS = "collisions"
+    SERIES = "series of collisions whose end the judge does not know"
     UNRESOLVED = "unresolved"
 
 
