@@ -240,6 +240,42 @@ def test_time_of_scenarios_and_of_mechanisms(
     assert found.engines == engines
 
 
+@pytest.mark.parametrize(("by_tables", "long"), [(16, False), (17, True)])
+def test_mechanisms_of_which_some_go_by_tables(
+    monkeypatch: pytest.MonkeyPatch, by_tables: int, long: bool
+) -> None:
+    """More than half of the few have to; what was counted before of another does not count."""
+    engines = {"reduced": 0, "direct": 0}
+    asked: list[int] = []
+    monkeypatch.setattr(estimate, "Rows", lambda *_: SimpleNamespace(at=lambda places: places))
+    monkeypatch.setattr(estimate, "Tally", lambda: SimpleNamespace(engines=engines))
+    monkeypatch.setattr(
+        estimate, "stages", lambda *_: [SimpleNamespace(layout=SimpleNamespace(inner=500))]
+    )
+    monkeypatch.setattr(estimate, "run_chunk", lambda *_: None)
+    monkeypatch.setattr(estimate, "_firsts", lambda *_: [0, 500, 1000])
+    shares = iter([32, 500, by_tables, 500, 0] if long else [32, 500, by_tables, 0])
+
+    def seconds(_text: bytes, rows: Any, _tally: Any) -> float:
+        count = next(shares)
+        asked.append(len(rows))
+        engines["reduced"] += count
+        engines["direct"] += len(rows) - count
+        return 8.0 + 0.5 * len(rows)
+
+    monkeypatch.setattr(estimate, "_seconds", seconds)
+    plan: Any = SimpleNamespace(
+        job=SimpleNamespace(text=lambda: b""), axes=(), samples=None, scenarios=1500
+    )
+    found = estimate.timed(plan, 2000)
+    assert asked == ([32, 500, 32, 500, 32] if long else [32, 500, 32, 32])
+    alone = 0.5 + 8.0 / 32
+    each = [0.5, 0.5, alone] if long else [0.5, alone, alone]
+    assert found.scenario_s == pytest.approx(sum(each) / 3)
+    assert found.block_s == pytest.approx((16.0 if long else 8.0) / 3)
+    assert found.blocks == 3
+
+
 # Workers of a scheduler.
 
 
