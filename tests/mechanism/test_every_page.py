@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import fields
 from html.parser import HTMLParser
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nipper_pin import Mechanism
 from nipper_pin.mechanism import summary
+from nipper_pin.mechanism.drives import Fourier, OscillatingGuide, Table
+from nipper_pin.mechanism.elements import Characteristic
 from nipper_pin.notebook import SHOWN, html
 
 
@@ -113,3 +118,28 @@ def test_long_tables_say_how_much_is_left(rows: int, count: int | None, more: st
 
 def test_pages_without_a_table() -> None:
     assert len(Tables(html("t", {"a": 1}, ("w",), ())).tables) == 1
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda n: OscillatingGuide(
+            crank_radius_m=0.03 * n, crank_axis=(0.1, 0.2), guide_axis=(0.5, 0.6)
+        ),
+        lambda n: Fourier(mean=0.1 * n, cosine=(0.1, 0.2), sine=(0.0, 0.5)),
+        lambda n: Table(
+            cylinder_angle_rad=tuple(np.linspace(0.0, math.tau, 9).tolist()),
+            coordinate=(0.0, 0.1 * n, 0.2, 0.3, 0.5, 0.3, 0.2, 0.1, 0.0),
+        ),
+        lambda n: Characteristic(coordinate=(0.0, 0.1, 0.2, 0.5), force=(0.0, 1.0 * n, 3.0, 9.0)),
+    ],
+)
+def test_laws_are_what_they_are_made_of(make: Any) -> None:
+    """Equal and told by their numbers; what is computed from these is neither."""
+    one = make(1.0)
+    assert one == make(1.0)
+    assert one != make(2.0)
+    assert hash(one) == hash(make(1.0))
+    text = repr(one)
+    for item in fields(one):
+        assert (f"{item.name}=" in text) is not item.name.startswith("_"), item.name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from importlib import import_module
 from pathlib import Path
@@ -23,6 +24,7 @@ from nipper_pin.mechanism import (
     laws,
     layout,
     new_folder,
+    points,
     schema,
     tree,
     urdf_values,
@@ -217,6 +219,66 @@ def test_points_that_are_one_pin() -> None:
         "a": {"a", "b", "c"}, "b": {"a", "b", "c"}, "c": {"a", "b", "c"}, "d": {"d"}, "e": {"e"},
     }  # fmt: skip
     assert layout._meeting(points, {}) == {name: (name,) for name in points}
+
+
+def test_axes_of_drives_go_with_their_pins() -> None:
+    """Those that stand on a pin, to a millionth of a millimetre; the document itself stays."""
+    found: Any = SimpleNamespace(
+        points={"a": "one", "b": "two"},
+        place={"one": np.array([0.1, 9.0, 0.2]), "two": np.array([0.3, 9.0, 0.4])},
+    )
+    place = {"one": np.array([0.5, 9.0, 0.6]), "two": np.array([0.7, 9.0, 0.8])}
+    document = {
+        "drives": {
+            "on": {"guide_axis_mm": [100.0, 200.0], "crank_axis_mm": [300.0, 400.0]},
+            "near": {"guide_axis_mm": [300.0, 400.0000005]},
+            "off": {"guide_axis_mm": [300.0, 400.000002], "crank_axis_mm": [300.000002, 400.0]},
+            "none": {"ratio": 1.0},
+        },
+        "other": 1,
+    }
+    before = copy.deepcopy(document)
+    moved: Any = points._with_guides(document, found, place)
+    assert document == before
+    assert moved["other"] == 1
+    assert moved["drives"]["on"] == {
+        "guide_axis_mm": pytest.approx([500.0, 600.0]),
+        "crank_axis_mm": pytest.approx([700.0, 800.0]),
+    }
+    assert moved["drives"]["near"]["guide_axis_mm"] == pytest.approx([700.0, 800.0])
+    for name in ("off", "none"):
+        assert moved["drives"][name] == before["drives"][name]  # type: ignore[index]
+    assert points._with_guides({}, found, place) == {"drives": {}}
+
+
+def test_points_of_one_pin_go_together() -> None:
+    """Two places for one pin are refused; a point that stays is none that moves."""
+    found: Any = SimpleNamespace(
+        meeting={"a": ("a", "b"), "b": ("a", "b"), "c": ("c",)},
+        points={"a": "one", "b": "two", "c": "three"},
+        point_mm=lambda name: {"a": (1.0, 2.0), "b": (1.0, 2.0), "c": (5.0, 6.0)}[name],
+    )
+    shifts = points._shifts(found, {"a": (4.0, 1.0), "c": (5.0, 6.0)}, "x.urdf")
+    assert {name: shift.tolist() for name, shift in shifts.items()} == {
+        "one": pytest.approx([3e-3, 0.0, -1e-3]), "two": pytest.approx([3e-3, 0.0, -1e-3]),
+    }  # fmt: skip
+    same = points._shifts(found, {"a": (4.0, 1.0), "b": (4.0, 1.0000005)}, "x.urdf")
+    assert set(same) == {"one", "two"}
+    with pytest.raises(ModelError, match="one place for the points a, b: one pin") as caught:
+        points._shifts(found, {"a": (4.0, 1.0), "b": (4.0, 1.000002)}, "x.urdf")
+    assert refused(caught) == ("x.urdf", "points.b", [4.0, 1.000002])
+
+
+def test_origins_that_are_written() -> None:
+    """Angles stay unless they are given; an origin that is not there is made."""
+    joint = ElementTree.fromstring('<joint><origin xyz="1 2 3" rpy="0.5 0 0"/></joint>')
+    points.write_origin(joint, np.array([0.1, 1e-17, -3.0]), None)
+    assert joint.find("origin").attrib == {"xyz": "0.1 1e-17 -3.0", "rpy": "0.5 0 0"}  # type: ignore[union-attr]
+    points.write_origin(joint, np.zeros(3), np.array([1.0, 2.0, 0.25]))
+    assert joint.find("origin").attrib == {"xyz": "0.0 0.0 0.0", "rpy": "1.0 2.0 0.25"}  # type: ignore[union-attr]
+    bare = ElementTree.fromstring("<joint/>")
+    points.write_origin(bare, np.ones(3), None)
+    assert bare.find("origin").attrib == {"xyz": "1.0 1.0 1.0"}  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
