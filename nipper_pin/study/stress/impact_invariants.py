@@ -40,8 +40,8 @@ def impulses(solution: Solution) -> Iterator[str]:
                                1e-20 * float(np.abs(event.delta).max()))  # fmt: skip
         inertias = np.diag(M)[~np.isin(np.arange(len(M)), system.held_coordinates)]
         share = max(1e-9, min(64.0 * EPS * float(inertias.max() / inertias.min()), 1e-4))
-        yield from beyond(f"{where}: momentum", float(np.abs(left).max(initial=0.0)),
-                           share * float(np.max(size, initial=0.0)))  # fmt: skip
+        yield from beyond(f"{where}: momentum", float(np.abs(left).max()),
+                           share * float(np.max(size)))  # fmt: skip
         # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13 of
         # them; closures that move by drives alone see round-off of the others.
         widest = float(np.abs(G).max(initial=0.0))

@@ -263,7 +263,7 @@ def _continuity(solution: Solution) -> Iterator[str]:
         moved = np.abs(before.q).max() + np.abs(after.q).max()
         # Either side meets the closures to round-off; near a dead centre these leave it more.
         open_by = sum(
-            float(equations.opened(q, s.closed).max(initial=0.0))
+            float(equations.opened(q, s.closed).max())
             for q, s in zip(there.q, (old, new), strict=True)
         )
         open_by += (end - just_before) * _most(there.v)
