@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
-from nipper_pin.errors import SimulationError
-from nipper_pin.reduced import arrival
+from nipper_pin.errors import InputError, SimulationError
+from nipper_pin.reduced import arrival, sampling
+from nipper_pin.reduced import tables as tables_module
 from nipper_pin.reduced.arrival import Arrival
 from nipper_pin.reduced.model import ReducedModel
 
@@ -111,3 +112,85 @@ def test_turns_in_which_the_stop_can_close(gaps: Any, right: bool) -> None:
         return
     with pytest.raises(SimulationError, match="stop 'jaw' can close between its opening and"):
         arrival._check_open(mechanism, tables)
+
+
+def test_turns_that_the_waiting_stop_does_not_open() -> None:
+    """Its collision has to throw the other one open, and it has to approach before."""
+    system: Any = SimpleNamespace(mechanism=SimpleNamespace(transition_stop="jaw"))
+    stop: Any = SimpleNamespace(name="lift", index=1)
+    opening: Any = SimpleNamespace(travel=0.5, q=np.zeros((1, 2)))
+    for throw, approach in ((0.0, -1.0), (-2.0, -1.0), (2.0, 0.0), (2.0, 1.0)):
+        rates = np.array([[9.0, throw]]), np.array([[9.0, approach]])
+        sampler: Any = SimpleNamespace(rates=lambda travel, q: rates)  # noqa: B023, ARG005
+        with pytest.raises(SimulationError, match="'lift' does not open 'jaw' by its") as caught:
+            arrival.arrival(system, sampler, sampler, opening, stop, np.zeros(4), 1.0, 1e-9)
+        assert caught.value.evidence == {"throw": throw, "approach": approach}
+
+
+def test_stops_that_cannot_move_freely(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A coordinate that the closures and drives determine is none to sample over."""
+    asked: list[Any] = []
+    body = SimpleNamespace(nv=3, closures=lambda _: (None, np.array([[1.0, 2.0, 3.0]])))
+    system: Any = SimpleNamespace(driven=np.array([2]), body=body)
+
+    def partition(jacobian: Any, driven: Any, more: Any) -> Any:
+        asked.append((jacobian.tolist(), driven, more))
+        return SimpleNamespace(dependent=[1])
+
+    monkeypatch.setattr(sampling, "partition", partition)
+    assert sampling._split(system, 0, "jaw").dependent == [1]
+    assert asked == [([1.0, 2.0, 3.0], [2], [0])]
+    with pytest.raises(InputError, match="stop 'jaw' cannot move freely") as caught:
+        sampling._split(system, 1, "jaw")
+    assert caught.value.evidence == {"stop": "jaw"}
+
+
+@pytest.mark.parametrize("cells", [1, 3, 4000])
+def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
+    """Twice the largest difference, and round-off: of every function, and relative of inertia."""
+    domain = tables_module.Domain(travel=2.0, low=-1.0, high=3.0, begin=-2.0)
+    width = 2.0 / cells
+    asked: list[Any] = []
+
+    class True_:  # noqa: N801
+        """c + 0.5 x + 3 (u - 2), one that is always 7, and an inertia of 5 (1 + u)."""
+
+        def at(self, past: Any, x: Any, q: Any) -> Any:
+            assert (past >= -2.0).all()
+            assert (past <= 0.0).all()
+            asked.append((past, x, q))
+            return SimpleNamespace(
+                equation=np.array([1.0 + 0.5 * x + 3.0 * past, np.full_like(x, 7.0)]),
+                inertia=5.0 * (3.0 + past),
+            )
+
+    begins = width * np.arange(cells) - 2.0
+    equation = np.zeros((2, cells, 2, 2))
+    equation[0, :, 0, 0] = 1.0 + 0.5 * 1.0 + 3.0 * (begins + 0.5 * width) + 1e-3
+    equation[0, :, 0, 1] = 0.5 * 2.0
+    equation[0, :, 1, 0] = 3.0 * 0.5 * width
+    equation[1, :, 0, 0] = 7.0 - 2e-4
+    inertia = np.zeros((cells, 2))
+    inertia[:, 0] = 5.0 * (3.0 + begins + 0.5 * width) * (1.0 + 1e-5)
+    inertia[:, 1] = 5.0 * 0.5 * width * (1.0 + 1e-5)
+    grid = np.linspace(0.0, 2.0, 5)
+    tables: Any = SimpleNamespace(
+        u=grid, x=np.array([-1.0, 0.0, 3.0]), q=np.arange(15.0).reshape(5, 3, 1)
+    )
+    sampler: Any = True_()
+    bounds, relative = tables_module.residuals(sampler, domain, tables, equation, inertia)
+    assert bounds == pytest.approx([2e-3, 4e-4], rel=1e-9)
+    assert relative == pytest.approx(2e-5, rel=1e-6)
+    (past, x, guess), (again, zero, rest) = asked
+    assert (past == again).all()
+    assert (zero == 0.0).all()
+    # Ends of the domain and the place of collisions are among the points.
+    assert [(past == end).sum() for end in (-2.0, 0.0)] == [2, 2]
+    assert [(x == place).sum() for place in (0.0, 3.0)] == [3, 1]
+    assert x.min() >= -1.0
+    assert x.max() <= 3.0
+    # Guesses come from the grid point above, those at rest from the column of x = 0.
+    row = np.searchsorted(grid, past + 2.0 - 1e-15).clip(0, 4)
+    column = np.searchsorted([-1.0, 0.0, 3.0], x).clip(0, 2)
+    assert (guess[:, 0] == 3 * row + column).mean() > 0.99
+    assert (rest[:, 0] == 3 * row + 1).mean() > 0.99

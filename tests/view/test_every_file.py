@@ -474,3 +474,46 @@ def test_what_a_benchmark_is_given(
     with pytest.raises(InputError, match="--repeats 0: at least 1") as caught:
         benchmark_command._run(options)
     assert caught.value.evidence == {"argument": 0}
+
+
+def test_documents_of_identifications(tmp_path: Path) -> None:
+    """Taken with more keys than are needed; not without one of them, wherever it is missing."""
+    target = dict.fromkeys(
+        ("name", "wanted", "sigma", "found", "relative_deviation", "residual_sigmas", "outlier"), 1
+    )
+    parameter = dict.fromkeys(
+        ("path", "low", "high", "before", "identified", "standard_deviation",
+         "standard_deviation_scaled", "range_left", "determined"), 1
+    )  # fmt: skip
+    whole: dict[str, Any] = dict.fromkeys(
+        ("title", "model", "caution", "seed", "within_4_percent", "within_10_percent",
+         "singular_values", "identifiable_directions", "profiles"), 1
+    )  # fmt: skip
+    whole |= {
+        "targets": [target, {**target, "more": 2}], "parameters": [parameter],
+        "goodness": {"verdict": "agrees", "sentence": "It agrees.", "more": 2}, "more": 3,
+    }  # fmt: skip
+    file = tmp_path / "x.json"
+
+    def reads(document: Any) -> bool:
+        file.write_text(json.dumps(document), encoding="utf-8")
+        try:
+            return bool(read_identification(file) == document)
+        except InputError:
+            return False
+
+    assert reads(whole)
+    assert reads({**whole, "targets": []})
+    for key in ("targets", "parameters"):
+        (row, *_) = whole[key]
+        for name in row:
+            assert not reads({**whole, key: [row, {k: row[k] for k in row if k != name}]}), name
+        for other in (None, {}, [1], [[]]):
+            assert not reads({**whole, key: other})
+    for name in ("verdict", "sentence"):
+        assert not reads({**whole, "goodness": {name: "x"}})
+    assert not reads({**whole, "goodness": []})
+    for name in ("title", "model", "caution", "seed", "within_4_percent", "goodness",
+                 "singular_values", "identifiable_directions", "profiles", "targets",
+                 "parameters"):  # fmt: skip
+        assert not reads({k: value for k, value in whole.items() if k != name}), name
