@@ -27,6 +27,7 @@ from nipper_pin.mechanism import (
     points,
     schema,
     tree,
+    urdf,
     urdf_values,
 )
 from nipper_pin.mechanism.description import CylinderDescription
@@ -204,6 +205,118 @@ def test_contacts_of_links_without_shapes() -> None:
     for name in ("one", "two", "three", "arm", "hand"):
         assert name in no.value.message
     assert "bare" not in no.value.message
+
+
+@pytest.mark.parametrize(
+    ("shapes", "wrong"),
+    [
+        ({"a": ("x", "y"), "b": ("z",), "c": ()}, None),
+        # The only shape of a link may have its name, and no other link's.
+        ({"a": ("a",), "b": ("b",)}, None),
+        ({"a": ("a", "x")}, ("a", "a", "the link of that name")),
+        ({"a": ("x",), "b": ("a",)}, ("b", "a", "the link of that name")),
+        ({"a": ("b",), "b": ("y",)}, ("a", "b", "the link of that name")),
+        ({"a": ("x",), "b": ("x",)}, ("b", "x", "a collision element of link a")),
+        ({"a": ("x", "x")}, ("a", "x", "a collision element of link a")),
+        ({"a": ("a",), "b": ("a",)}, ("b", "a", "a collision element of link a")),
+    ],
+)
+def test_names_of_shapes(shapes: Any, wrong: Any) -> None:
+    """Contacts name links and shapes alike, so that each name is that of one thing."""
+    if wrong is None:
+        urdf._check_shape_names(shapes, "x.urdf")
+        return
+    link_name, name, other = wrong
+    with pytest.raises(ModelError, match=f"a name of its own; it clashes with {other}") as caught:
+        urdf._check_shape_names(shapes, "x.urdf")
+    assert refused(caught) == ("x.urdf", f"link {link_name} collision name", name)
+
+
+@pytest.mark.parametrize(
+    ("joints", "wrong"),
+    [
+        ((("root", "a"), ("a", "b"), ("root", "c")), None),
+        ((("root", "a"), ("b", "a")), ("joint 1 child", "a")),
+        ((("root", "a"),), ("root links", ["root", "b", "c"])),
+        ((("b", "a"), ("a", "b"), ("root", "c")), ("links", ["a", "b"])),
+    ],
+)
+def test_links_that_are_no_tree(joints: Any, wrong: Any) -> None:
+    """One joint a link, one root, and no circle."""
+    links = ("root", "a", "b", "c")
+    given: Any = {
+        str(k): SimpleNamespace(name=str(k), parent=one, child=other)
+        for k, (one, other) in enumerate(joints)
+    }
+    if wrong is None:
+        assert urdf._check_tree(links, given, "x.urdf") == "root"
+        return
+    with pytest.raises(ModelError) as caught:
+        urdf._check_tree(links, given, "x.urdf")
+    assert refused(caught) == ("x.urdf", *wrong)
+
+
+JOINT = '<robot><joint name="j" type="{}"><origin rpy="{}"/><axis xyz="{}"/></joint></robot>'
+
+
+@pytest.mark.parametrize(
+    ("kind", "rpy", "xyz", "turn", "axis"),
+    [
+        ("revolute", "0 0.5 0", "0 -1 0", None, None),
+        ("prismatic", "0 0.5 0", "3 0 4", None, None),
+        ("continuous", "0 0 0", "1e-12 -1 0", None, "0 -1.0 0"),
+        ("revolute", "0 0 0", "0 -1 1e-12", None, "0 -1.0 0"),
+        ("prismatic", "0 0 0", "3 1e-12 4", None, "3.0 0 4.0"),
+        ("fixed", "0 0 0", "3 1e-12 4", None, None),
+        # Half a turn about y, as three angles and as two.
+        ("revolute", f"{np.pi!r} 0.25 {np.pi!r}", "0 -1 0", np.pi - 0.25, None),
+        ("revolute", "1e-12 0.25 0", "0 -1 0", 0.25, None),
+        ("revolute", "0 0.25 1e-12", "0 -1 0", 0.25, None),
+    ],
+)
+def test_joints_are_put_into_the_plane(
+    kind: str, rpy: str, xyz: str, turn: float | None, axis: str | None
+) -> None:
+    """Only what is not there exactly is written anew."""
+    root = ElementTree.fromstring(JOINT.format(kind, rpy, xyz))
+    assert urdf.flatten(root) is (turn is not None or axis is not None)
+    (origin,), (found,) = root.iter("origin"), root.iter("axis")
+    assert found.get("xyz") == (axis or xyz)
+    if turn is None:
+        assert origin.get("rpy") == rpy
+    else:
+        roll, pitch, yaw = (float(word) for word in str(origin.get("rpy")).split())
+        assert (roll, pitch, yaw) == (0.0, pytest.approx(turn), 0.0)
+    assert not urdf.flatten(root)
+
+
+@pytest.mark.parametrize(
+    ("kind", "xyz", "wanted"),
+    [
+        ("fixed", "9 9 9", (0.0, 0.0, 0.0)), ("prismatic", None, (1.0, 0.0, 0.0)),
+        ("prismatic", "3 0 -4", (0.6, 0.0, -0.8)), ("revolute", "0 -2 0", (0.0, -1.0, 0.0)),
+        ("prismatic", "3 1e-10 4", (0.6, 0.0, 0.8)),
+        ("revolute", "0 -1 1e-10", (0.0, -1.0, 0.0)),
+        ("prismatic", "0 0 0", "an axis has a direction"),
+        ("revolute", "0 0 0", "an axis has a direction"),
+        ("prismatic", "3 1e-8 4", "a slider moves in the x-z plane"),
+        ("prismatic", "3 -1e-8 4", "a slider moves in the x-z plane"),
+        ("revolute", "0 1 0", "a hinge turns about 0 -1 0"),
+        ("revolute", "0 -1 1e-8", "a hinge turns about 0 -1 0"),
+        ("revolute", None, "a hinge turns about 0 -1 0"),
+    ],
+)  # fmt: skip
+def test_axes_of_joints(kind: str, xyz: str | None, wanted: Any) -> None:
+    """Hinges turn about -y, slides move in the plane; both to a billionth."""
+    axis = "" if xyz is None else f'<axis xyz="{xyz}"/>'
+    element = ElementTree.fromstring(f'<joint name="j">{axis}</joint>')
+    if not isinstance(wanted, str):
+        assert urdf._check_axis(element, kind, "joint j", "x.urdf") == pytest.approx(wanted)
+        return
+    with pytest.raises(ModelError, match=wanted) as caught:
+        urdf._check_axis(element, kind, "joint j", "x.urdf")
+    value = [float(word) for word in (xyz or "1 0 0").split()]
+    assert refused(caught) == ("x.urdf", "joint j axis", value)
 
 
 def test_points_that_are_one_pin() -> None:
