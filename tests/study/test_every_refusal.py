@@ -754,3 +754,52 @@ def test_a_table_of_a_sweep() -> None:
     assert "and 3 more" in page
     assert page.count("<tr>") == 2 + 1 + 12
     assert io.StringIO(page).read().index("<th>a</th>") < page.index("<th>b</th>")
+
+
+def test_stated_errors_of_a_design() -> None:
+    """What half of the samples change and round-off; those of the transition where it has some."""
+    known = SimpleNamespace(bounces=SimpleNamespace(errors={"duration_s": 0.5}))
+    whole = {"a": 8.0, "b": -400.0, "c": 0.0, "duration_s": 3.0}
+    half = {"a": 8.25, "b": -400.5, "c": -0.125, "duration_s": 3.0}
+    source: Any = SimpleNamespace(
+        _known=lambda _: known, _values=lambda _known, _z, thin=False: half if thin else whole
+    )  # fmt: skip
+    found = evaluate.Evaluator.errors(source, np.zeros(1))
+    assert found == pytest.approx(
+        {"a": 0.25 + 8e-9, "b": 0.5 + 4e-7, "c": 0.125, "duration_s": 0.5}, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("cycle", [True, False])
+def test_points_and_why_they_are_none(monkeypatch: pytest.MonkeyPatch, cycle: bool) -> None:
+    """Slacks of the limits, by kinematics where there is a cycle; the reason of a failure."""
+    asked: list[Any] = []
+    monkeypatch.setattr(evaluate, "lowest", lambda *words: ("lowest", *words))
+    monkeypatch.setattr(
+        evaluate, "slack_rows", lambda *words: asked.append(words) or (np.ones(2), (0, 1))
+    )
+    waiting = SimpleNamespace(index="index", force="force")
+    known = SimpleNamespace(
+        cycle=SimpleNamespace(waiting=waiting) if cycle else None,
+        bounces=SimpleNamespace(engine="turn"),
+    )
+    source: Any = SimpleNamespace(
+        _known=lambda _: known, _values=lambda *_: {"a": 1.0},
+        problem=SimpleNamespace(limits="limits"),
+    )  # fmt: skip
+    z = np.array([0.25])
+    point = evaluate.Evaluator.at(source, z)
+    assert (point.z.tolist(), point.values, point.owners) == ([0.25], {"a": 1.0}, (0, 1))
+    assert (point.engine, point.why, point.usable) == ("turn", "", True)
+    ((limits, values, rows),) = asked
+    assert (limits, values) == ("limits", {"a": 1.0})
+    assert rows == ("lowest", "index", "force") if cycle else rows.size == 0
+
+    def fails(_: Any) -> Any:
+        message = "it jams"
+        raise SimulationError(message)
+
+    source._known = fails
+    none = evaluate.Evaluator.at(source, z)
+    assert (none.why, none.usable, none.values, none.owners) == ("it jams", False, {}, ())
+    assert (none.z.tolist(), none.rows.size, none.engine) == ([0.25], 0, "")
