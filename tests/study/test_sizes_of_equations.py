@@ -18,13 +18,14 @@ from nipper_pin.mechanism import Mechanism, from_sources
 from nipper_pin.study.stress.chain_sizes import ChainSizes
 from nipper_pin.study.stress.chains import Chain
 from nipper_pin.study.stress.equations import Equations
+from nipper_pin.study.stress.parts import SHAFT, hinge, link
 
 AXES, BODY = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED, pin.FrameType.BODY
 PLANE = [0, 2]
 
 
 def tied(tie: str, slides: bool) -> Mechanism:
-    """A chain on a swinging base, with an element of every kind and a loop, or without one."""
+    """A chain on a driven base, with an element of every kind and a loop, or without one."""
     rng = np.random.default_rng(11)
     machine = Chain()
     machine.add_base(rng, "swing" if tie != "slot" else "yoke")
@@ -41,7 +42,14 @@ def tied(tie: str, slides: bool) -> Mechanism:
     machine.damper("grease", "j2", 0.1)
     machine.strut(rng, "strut", 40.0, 1.5, 0.3)
     machine.strut(rng, "spring", 7.0, None, 0.05)
-    source = machine.source("tied", 9.81, [])
+    machine.tables["drives"]["shaft"] |= {
+        "reflected_inertia_kg_m2": 2.5, "shaft_frequency_hz": 7.0, "shaft_damping_ratio": 0.3,
+    }  # fmt: skip
+    return built(machine, "tied")
+
+
+def built(machine: Chain, name: str, gravity: float = 9.81) -> Mechanism:
+    source = machine.source(name, gravity, [])
     return from_sources(source.name, source.urdf, source.description, source.folder)
 
 
@@ -114,10 +122,10 @@ class Ways:
 
     def forces(self, v: Any, a: Any) -> Any:
         found, gravity = np.zeros(len(v)), float(np.linalg.norm(self.model.gravity.linear))
-        for link in range(1, self.model.njoints):
-            inertia = self.model.inertias[link]
-            moved, turned = self.point(v, a, link, self.lever(link))
-            for joint, way in self.of(link, self.lever(link)).items():
+        for body in range(1, self.model.njoints):
+            inertia = self.model.inertias[body]
+            moved, turned = self.point(v, a, body, self.lever(body))
+            for joint, way in self.of(body, self.lever(body)).items():
                 lever = 1.0 if self.slides[joint] else way
                 of_turn = 0.0 if self.slides[joint] else inertia.inertia[1, 1] * turned
                 force = inertia.mass * lever * (gravity + moved) + of_turn
@@ -135,10 +143,10 @@ def test_sizes_of_chains(machines: dict[str, Mechanism], name: str) -> None:
     sizes = ChainSizes(machine)
     parents = machine.model.parents
     longest = 0
-    for link in range(machine.model.njoints):
-        count = 0
-        while link:
-            link, count = parents[link], count + 1
+    for body in range(machine.model.njoints):
+        joint, count = body, 0
+        while joint:
+            joint, count = parents[joint], count + 1
         longest = max(longest, count)
     assert sizes.longest == longest
     for q, v, a in states(machine.model.nv):
@@ -334,6 +342,26 @@ def test_equations_and_their_round_off(
 
 
 @pytest.mark.parametrize("name", MACHINES)
+def test_places_of_cuts_and_struts(machines: dict[str, Mechanism], name: str) -> None:
+    """Gaps go from frame b to frame a, lines of struts from their first point to the second."""
+    plain = Plain(machines[name], True)
+    tree = Equations(plain.solution).tree
+    for q, v, _ in states(plain.model.nv):
+        plain.look(q, v)
+        gaps, G, opening = plain.closures()
+        for one, other in zip((*tree.closures(q), tree.opening(q, v)), (gaps, G, opening),
+                              strict=True):  # fmt: skip
+            assert one.shape == other.shape
+            assert one == pytest.approx(other, rel=1e-9, abs=1e-9)
+        for strut, pull in zip(plain.machine.struts, tree.pulls(q, v), strict=True):
+            first, second = plain.at(strut.frame_a), plain.at(strut.frame_b)
+            assert pull.strut is strut
+            assert pull.line == pytest.approx(second[0] - first[0], abs=1e-12)
+            assert pull.jacobian == pytest.approx(second[1] - first[1], abs=1e-12)
+            assert pull.length == pytest.approx(float(np.hypot(*pull.line)), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", MACHINES)
 def test_sizes_of_places_and_of_what_is_open(machines: dict[str, Mechanism], name: str) -> None:
     plain = Plain(machines[name], True)
     equations = Equations(plain.solution)
@@ -351,8 +379,8 @@ def test_sizes_of_places_and_of_what_is_open(machines: dict[str, Mechanism], nam
             assert equations.opened(q, closed) == pytest.approx(wanted, rel=1e-9)
 
 
-def test_sizes_without_struts(machines: dict[str, Mechanism]) -> None:
-    """Coordinates alone; a pull of struts is the largest one, and none is zero."""
+def test_largest_pull_of_struts(machines: dict[str, Mechanism]) -> None:
+    """The largest one of all states."""
     plain = Plain(machines["open"], True)
     forces = Equations(plain.solution).forces
     q, v, _ = np.array(states(plain.model.nv)[:3]).swapaxes(0, 1)
@@ -367,25 +395,70 @@ def test_sizes_without_struts(machines: dict[str, Mechanism]) -> None:
             pull = strut.stiffness * (length - strut.free_length) + strut.damping * opening
             pulls.append(abs(pull))
     assert forces.tension(q, v) == pytest.approx(max(pulls), rel=1e-12)
-    rng = np.random.default_rng(1)
+
+
+def small(rng: np.random.Generator, links: int) -> Mechanism:
+    """Links without weight and elements, a few centimetres long."""
     machine = Chain()
-    machine.add_base(rng, "turn")
-    machine.add_link(rng, True, 1.0)
-    machine.stop("j0", "lower", -0.2, 0.6)
-    source = machine.source("plain", 9.81, [])
-    bare = from_sources(source.name, source.urdf, source.description, source.folder)
-    equations = Equations(Plain(bare, True).solution)
-    assert equations.sizes(np.array([2.0, -3.0])).tolist() == [2.0, -3.0]
-    assert equations.forces.tension(q[:, :2], v[:, :2]) == 0.0
+    name, place = "frame", (0.0, 0.0)
+    for number in range(links):
+        body = f"b{number}"
+        centre = tuple(rng.uniform(-0.02, 0.02, 2).tolist())
+        machine.parts += [link(body, 1.0 + number, 1e-3, centre),
+                          hinge(f"j{number}", name, body, place)]  # fmt: skip
+        machine.joints[f"j{number}"] = True
+        name, place, machine.freedom = body, (0.03, 0.01), links
+    drive = {"joint": "j0", "law": "constant_speed", "ratio": 1.0, **SHAFT}
+    if links > 1:
+        machine.tables["drives"]["shaft"] = drive
+    machine.stop(f"j{links - 1}", "lower", -0.2, 0.6)
+    return built(machine, "small", 0.0)
+
+
+@pytest.mark.parametrize("links", [1, 2, 3])
+def test_small_machines(links: int) -> None:
+    """Lengths, forces and accelerations below one: no size has a least one."""
+    plain = Plain(small(np.random.default_rng(links), links), True)
+    plain.law = plain.law * 1e-3
+    sizes, equations = ChainSizes(plain.machine), Equations(plain.solution)
+    rng = np.random.default_rng(4)
+    q, v, a = 1e-2 * rng.normal(size=(3, links))
+    ways = Ways(plain.machine, q)
+    assert sizes.reach(q) == pytest.approx(ways.reach(), rel=1e-13)
+    assert ways.reach() < 0.2
+    forces, opened = sizes.of(q, v, a)
+    assert forces == pytest.approx(ways.forces(v, a), rel=1e-12)
+    assert opened.shape == (0,)
+    assert sizes.still(q, a) == pytest.approx(np.full(links, max(abs(a))), rel=1e-13)
+    assert equations.sizes(q).tolist() == [x * (-1.0) ** k for k, x in enumerate(abs(q))]
+    assert equations.forces.tension(q[None], v[None]) == 0.0
+    unsure = plain.round_off(0.5, q, v, frozenset())
+    told = equations.round_off(0.5, q, v, frozenset())
+    assert told == pytest.approx(unsure, rel=1e-6, abs=1e-300)
+    assert equations.condition(q, frozenset()) == 1.0
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_forces_of_elements_and_trains(machines: dict[str, Mechanism], name: str) -> None:
+    """Their sums, and the sizes of all terms."""
+    plain = Plain(machines[name], False)
+    forces = Equations(plain.solution).forces
+    for t, (q, v, _) in enumerate(states(plain.model.nv)):
+        plain.look(q, v)
+        for one, other in zip(forces.of_elements(q, v), plain.elements(q, v), strict=True):
+            assert one == pytest.approx(other, rel=1e-9, abs=1e-9 * max(abs(other)))
+        for one, other in zip(forces.of_trains(t, q, v), plain.trains(t, q, v), strict=True):
+            assert one == pytest.approx(other[plain.driven], rel=1e-12)
+            assert np.count_nonzero(other) == len(plain.driven)
 
 
 def test_conditions_that_are_none(machines: dict[str, Mechanism]) -> None:
-    """A pin that nothing can move has a condition without bounds."""
+    """A pin that nothing can move, in one direction or both, has a condition without bounds."""
     plain = Plain(machines["links"], True)
     equations: Any = Equations(plain.solution)
-    q = np.zeros(plain.model.nv)
-    dead = SimpleNamespace(
-        closures=lambda q: (np.zeros(2), np.zeros((2, len(q)))), mass=equations.tree.mass
-    )
-    equations.tree = dead
-    assert equations.condition(q, frozenset()) == np.inf
+    q, mass = np.zeros(plain.model.nv), equations.tree.mass
+    for moved in (0.0, 1.0):
+        rows = np.zeros((2, len(q)))
+        rows[1, 2] = moved
+        equations.tree = SimpleNamespace(closures=lambda _, G=rows: (np.zeros(2), G), mass=mass)
+        assert equations.condition(q, frozenset()) == np.inf

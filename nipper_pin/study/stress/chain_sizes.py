@@ -33,7 +33,7 @@ class ChainSizes:
         self._steps = [float(np.linalg.norm(p.translation)) for p in model.jointPlacements]
         self._levers = [float(np.linalg.norm(item.lever)) for item in model.inertias]
         self._chains = [[j for j in model.supports[link] if j] for link in range(model.njoints)]
-        self.longest = max(map(len, self._chains), default=0)
+        self.longest = max(map(len, self._chains))
         frames = [
             [model.frames[model.getFrameId(name, _BODY)] for name in (item.frame_a, item.frame_b)]
             for item in mechanism.closures
@@ -47,7 +47,7 @@ class ChainSizes:
         """Longest way from the frame to a link's centre or to a cut joint [m]."""
         ends = [(link, self._levers[link]) for link in range(1, self._model.njoints)]
         ends += [end for pair in self._cuts for end in pair]
-        return max((float(self._ways(q, *end).max(initial=0.0)) for end in ends), default=0.0)
+        return max(float(self._ways(q, *end).max(initial=0.0)) for end in ends)
 
     def of(self, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sizes at one state.
@@ -68,7 +68,7 @@ class ChainSizes:
             forces[columns] += inertia.mass * levers * (self._gravity + moved)
             forces[columns] += inertia.inertia[1, 1] * turned * ~self._slides[columns]
         opened = [sum(self._point(q, v, a, *end)[2] for end in pair) for pair in self._cuts]
-        return forces, np.repeat(np.array(opened, dtype=float), 2)
+        return forces, np.repeat(np.array(opened), 2)
 
     def still(self, q: FloatArray, a: FloatArray) -> FloatArray:
         """Accelerations as large as the largest one, shape (nv,); slides count by the reach.
