@@ -23,8 +23,8 @@ TIME_S, SHARE = 1e-10, 1e-8
 OTHER, _OWN = Precision(12, 1e-10, 1.0 / 40.0), 0.1
 # Rates and impulses are known to a share of the largest of their kind.
 _SMALL = 1e-6
-# Time that the end of a series may take [s].
-_LIMITS = 1e-6
+# Time that the end of a series may take [s], and rates in it by the fastest one.
+_LIMITS, _ENDED = 1e-6, 1e-9
 # Times at which forces and motion are compared, in each turn.
 _TIMES = 61
 # Forces change fast beside an event, whose time differs by round-off [turns].
@@ -241,18 +241,20 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
     while i < len(ours) and j < len(theirs):
         one, other = ours[i], theirs[j]
         alike = one.kind.value == other.kind and set(one.stops) == set(other.stops)
-        resting = "rest" in (one.kind.value, other.kind)
+        slow = all(abs(rate) <= _ENDED * fastest[name] for name, rate in other.before.items())
+        resting = "rest" in (one.kind.value, other.kind) or slow
         if not alike or (resting and one.closed_after != other.closed):
             # One of the two takes the limit of a series earlier, or of all that rests at once.
-            places = _resting(ours, theirs, i, j) if resting else None
+            places = _resting(solution, theirs, one, j) if resting else None
             if places is None:
                 report.differs.append(
                     f"at {one.t:.9g} s {one.kind.value} of {', '.join(one.stops)}, the judge has "
                     f"at {other.t:.9g} s {other.kind} of {', '.join(other.stops)}"
                 )
                 return
-            i, j = places
-            one, other = ours[i], theirs[j]
+            number, j = places
+            i = number - 1
+            one, other = solution.events[i], theirs[j]
         _event(report, solution, one, other, fastest)
         i, j = i + 1, j + 1
     more = [item for item in ours[i:] if item.t < end]
@@ -266,21 +268,24 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         )
 
 
-def _resting(ours: list[Any], theirs: list[Event], i: int, j: int) -> tuple[int, int] | None:
-    """Places from i and j on where both rest on the same stops, at the same limit of a series."""
-    one, other = ours[i], theirs[j]
-    until = max(one.t, other.t) + _LIMITS
+def _resting(
+    solution: nip.Solution, theirs: list[Event], one: Any, j: int
+) -> tuple[int, int] | None:
+    """Numbers of the next rests on the same stops at the same time, the limit of one series."""
+    until = max(one.t, theirs[j].t) + _LIMITS
     rests = [
         place
         for place in range(j, len(theirs))
         if theirs[place].kind == "rest" and theirs[place].t <= until
     ]
-    for k in range(i, len(ours)):
-        if ours[k].t > until:
+    for mine in solution.events[one.number - 1 :]:
+        if mine.t > until:
             return None
-        for place in rests if ours[k].kind.value == "rest" else ():
-            if ours[k].closed_after == theirs[place].closed:
-                return k, place
+        apart = max(TIME_S, solution.errors[mine.number - 1].time)
+        for place in rests if mine.kind.value == "rest" else ():
+            same = mine.closed_after == theirs[place].closed
+            if same and abs(mine.t - theirs[place].t) <= apart:
+                return mine.number, place
     return None
 
 
