@@ -34,7 +34,10 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.Pow: ast.Mult,
 }
 _CONVERSIONS = {"degrees", "radians", "rad2deg", "deg2rad", "sqrt", "abs", "fabs"}
-_SYMMETRIC = {"hypot", "max", "min", "isinstance", "isclose", "gcd", "cross", "maximum", "minimum"}
+_SYMMETRIC = {
+    "hypot", "max", "min", "isinstance", "isclose", "array_equal", "gcd", "cross", "maximum",
+    "minimum",
+}  # fmt: skip
 # Names of pairs that are easily confused.
 _PAIRS = (
     ("before", "after"), ("approach", "separation"), ("min", "max"), ("first", "last"),

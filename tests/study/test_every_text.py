@@ -293,3 +293,48 @@ def test_highest_gap_of_a_motion() -> None:
     assert rebound_invariants._highest(run, stop, 0.0, 0.1) == pytest.approx(
         0.3 - 5.0 * 0.023**2, rel=1e-9
     )
+
+
+def test_segments_that_are_looked_at() -> None:
+    """Twenty-four of many, evenly chosen, to the last time that is before their end."""
+    panels = [SimpleNamespace(a=object()) for _ in range(70)]
+    segments = [
+        SimpleNamespace(pieces=lambda n=n: iter([(panels[n], n + 1.0, n + 2.0)])) for n in range(70)
+    ]
+    run: Any = SimpleNamespace(segments=segments)
+    found = [*looking.looked_at(run)]
+    places = [panels.index(panel) for _, panel, _ in found]
+    assert (len(places), places[0], places[-1]) == (24, 0, 69)
+    assert set(np.diff(places)) == {3}
+    for place, (_, _, t) in zip(places, found, strict=True):
+        assert t[0] == place + 1.0
+        assert t[-1] == np.nextafter(place + 2.0, 0.0)
+
+
+@pytest.mark.parametrize("parts", [2, 0])
+def test_what_a_solution_shows(parts: int) -> None:
+    """Motion, accelerations and forces at times; of the stops those that are closed."""
+    t = np.array([1.0, 2.0, 4.0])
+    numbers = np.multiply.outer(t, np.array([1.0, -2.0]))
+    forces = SimpleNamespace(
+        a=3.0 * numbers, closures={k: (k + 5.0) * numbers for k in range(parts)},
+        drives={k: (k + 7.0) * t for k in range(parts)}, stops={k: ord(k) * t for k in "abc"},
+    )  # fmt: skip
+    given = {
+        "evaluate": lambda at: SimpleNamespace(q=at[:, None] + numbers, v=2.0 * numbers),
+        "reactions": lambda at: forces if at is t else None,
+    }
+    run: Any = SimpleNamespace(
+        trajectory=SimpleNamespace(**given),
+        mechanism=SimpleNamespace(stops=[SimpleNamespace(name=name) for name in "cba"]),
+    )
+    found = looking.shown(run, frozenset("ac"), t)
+    assert np.array_equal(found.q, t[:, None] + numbers)
+    assert np.array_equal(found.v, 2.0 * numbers)
+    assert np.array_equal(found.a, 3.0 * numbers)
+    closures = np.hstack([5.0 * numbers, 6.0 * numbers]) if parts else np.empty((3, 0))
+    assert np.array_equal(found.closures, closures)
+    drives = np.stack([7.0 * t, 8.0 * t], axis=1) if parts else np.empty((3, 0))
+    assert np.array_equal(found.drives, drives)
+    assert list(found.stops) == ["c", "a"]
+    assert all(np.array_equal(found.stops[k], ord(k) * t) for k in "ac")

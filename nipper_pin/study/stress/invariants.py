@@ -190,7 +190,8 @@ def _motion(solution: Solution) -> Iterator[str]:
             # Of a machine at rest only what round-off of its coordinates would make of it.
             size += 1e5 * EPS * (1.0 + np.abs(panel.q).max()) / panel.h**2
             # And what holds its weight and its springs has the round-off of what these would do.
-            start, still = panel.q[:1], np.zeros_like(panel.v[:1])
+            start = panel.q[:1]
+            still = np.zeros_like(start)
             pulls = np.abs(equations.forces.of_elements(start[0], still[0])[0])
             pulls = pulls + np.abs(system.body.inverse_dynamics(start, still, still))
             if not system.held:
