@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,6 +46,7 @@ class Dynamics:
         self.machine, self.rate, self.start, self.held = machine, rate, start, held
         self.geometry = Geometry(machine)
         self._known: tuple[bytes, Array] = (b"", np.empty(0))
+        self._latest: tuple[Any, ...] = (None, None, None)
         bodies = machine.links.bodies[1:]
         self.shafts = 0 if held else len(machine.drives)
         self.bodies = 3 * len(bodies)
@@ -97,13 +98,17 @@ class Dynamics:
 
     def evaluate(self, q: Array, v: Array) -> Rows:
         """Rows of the machine, with the columns of the shafts."""
+        if q is self._latest[0] and v is self._latest[1]:
+            return self._latest[2]
         rows = self.geometry.evaluate(q[:, : self.bodies], v[:, : self.bodies])
-        if not self.shafts:
-            return rows
-        jacobian = np.concatenate(
-            [rows.jacobian, np.zeros((*rows.jacobian.shape[:2], self.shafts))], axis=2
-        )
-        return rows._replace(jacobian=jacobian)
+        if self.shafts:
+            jacobian = np.concatenate(
+                [rows.jacobian, np.zeros((*rows.jacobian.shape[:2], self.shafts))], axis=2
+            )
+            rows = rows._replace(jacobian=jacobian)
+        # What ends a step is asked stop by stop.
+        self._latest = q, v, rows
+        return rows
 
     def restrained(self, rows: Rows, q: Array, stops: Sequence[Stop]) -> tuple[Array, Array]:
         """Jacobian and values of the chosen rows; drives less their shafts."""

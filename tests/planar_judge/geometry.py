@@ -36,7 +36,14 @@ class Rows(NamedTuple):
 
 def across(vectors: Array) -> Array:
     """Vectors of the plane turned counter-clockwise by a right angle."""
-    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+    return plane(-vectors[..., 1], vectors[..., 0])
+
+
+def plane(x: Array, z: Array) -> Array:
+    """Vectors of the plane of these components."""
+    found = np.empty((*x.shape, 2))
+    found[..., 0], found[..., 1] = x, z
+    return found
 
 
 def dot(one: Array, other: Array) -> Array:
@@ -73,6 +80,11 @@ class Geometry:
         self.constraints, self.size = int(ends[2]), int(ends[3])
         self.line_rows = np.arange(ends[0], ends[1])
         self.lock_rows = np.arange(ends[1], ends[2])
+        self.turning_rows = self.constraints + np.array(self.hinge_rows, dtype=int)
+        self.sliding_rows = self.constraints + np.array(self.slide_rows, dtype=int)
+        self.sliding = np.array(self.slide_lines, dtype=int)
+        self.every = np.arange(len(lines))
+        self.pin_rows = [np.arange(axis, 2 * len(pins), 2) for axis in (0, 1)]
 
     def evaluate(self, q: Array, v: Array) -> Rows:
         """Evaluate all rows; q and v have shape (K, 3 (bodies - 1)), angles third."""
@@ -82,7 +94,7 @@ class Geometry:
         c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
         x, z = self.local[:, 0], self.local[:, 1]
         cp, sp = c[:, self.body], s[:, self.body]
-        arms = np.stack([cp * x - sp * z, sp * x + cp * z], axis=-1)
+        arms = plane(cp * x - sp * z, sp * x + cp * z)
         levers = across(arms)
         omega = rate[:, self.body, 2]
         points = pose[:, self.body, :2] + arms
@@ -94,7 +106,7 @@ class Geometry:
         self._lines(value, jacobian, bias, (c, s), rate, points, speeds, levers, falls)
         for rows, (one, other) in (
             (self.lock_rows, self.locks),
-            (self.constraints + np.array(self.hinge_rows, dtype=int), self.hinges),
+            (self.turning_rows, self.hinges),
         ):
             value[:, rows] = pose[:, other, 2] - pose[:, one, 2]
             jacobian[:, rows, other, 2] = 1.0
@@ -107,7 +119,7 @@ class Geometry:
         """Second point less first one, x and z."""
         one, other = self.pin_ends
         for axis in (0, 1):
-            rows = np.arange(axis, 2 * len(one), 2)
+            rows = self.pin_rows[axis]
             value[:, rows] = points[:, other, axis] - points[:, one, axis]
             bias[:, rows] = falls[:, other, axis] - falls[:, one, axis]
             for end, sign in ((one, -1.0), (other, 1.0)):
@@ -128,18 +140,18 @@ class Geometry:
     ) -> None:
         """Parts of u across and along the lines."""
         one, other = self.line_ends
+        if not one.size:
+            return
         first, second = self.body[one], self.body[other]
         r, r_dot = points[:, other] - points[:, one], speeds[:, other] - speeds[:, one]
         w = rate[:, first, 2][..., None]
         c, s = turn[0][:, first], turn[1][:, first]
         drop = falls[:, other] - falls[:, one] - 2.0 * w * across(r_dot) - w * w * r
         x, z = self.directions[:, 0], self.directions[:, 1]
-        along = np.stack([c * x - s * z, s * x + c * z], axis=-1)
-        chosen = np.array(self.slide_lines, dtype=int)
-        slides = self.constraints + np.array(self.slide_rows, dtype=int)
-        every = np.arange(len(one))
+        along = plane(c * x - s * z, s * x + c * z)
+        chosen, slides = self.sliding, self.sliding_rows
         for rows, part, e in (
-            (self.line_rows, every, across(along)),
+            (self.line_rows, self.every, across(along)),
             (slides, chosen, along[:, chosen]),
         ):
             a, b = first[part], second[part]
