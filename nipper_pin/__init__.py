@@ -27,13 +27,13 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from .dynamics.system import DriveMode
     from .hybrid.case import Case, Resolution, Window
-    from .hybrid.collisions import Collision, PhaseInterval, Transition
     from .hybrid.event import Event, EventKind
-    from .hybrid.record import record
+    from .hybrid.files.json_document import record
+    from .hybrid.files.npz import load_case, load_solution, save, save_case
+    from .hybrid.result.solution import Outcome, Solution
+    from .hybrid.result.tables import Collision, PhaseInterval, Transition
+    from .hybrid.result.trajectory import Motion, Reactions
     from .hybrid.simulate import simulate
-    from .hybrid.solution import Outcome, Solution
-    from .hybrid.storage import load_case, load_solution, save, save_case
-    from .hybrid.trajectory import Motion, Reactions
     from .mechanism import Mechanism, load
     from .study.calls import check, identify, optimise, sweep
     from .study.sweep import read_sweep
@@ -44,13 +44,13 @@ else:
     _PLACES = {
         "dynamics.system": ("DriveMode",),
         "hybrid.case": ("Case", "Resolution", "Window"),
-        "hybrid.collisions": ("Collision", "PhaseInterval", "Transition"),
+        "hybrid.result.tables": ("Collision", "PhaseInterval", "Transition"),
         "hybrid.event": ("Event", "EventKind"),
-        "hybrid.record": ("record",),
+        "hybrid.files.json_document": ("record",),
         "hybrid.simulate": ("simulate",),
-        "hybrid.solution": ("Outcome", "Solution"),
-        "hybrid.storage": ("load_case", "load_solution", "save", "save_case"),
-        "hybrid.trajectory": ("Motion", "Reactions"),
+        "hybrid.result.solution": ("Outcome", "Solution"),
+        "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
+        "hybrid.result.trajectory": ("Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),
         "study.calls": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),

@@ -128,7 +128,7 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-heat", "the energy balance without what dampers take",
-        "hybrid/energy.py", " - self.impact_losses - self.dissipated", " - self.impact_losses",
+        "hybrid/result/energy_balance.py", " - self.impact_losses - self.dissipated", " - self.impact_losses",
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
@@ -149,24 +149,24 @@ MUTATIONS = (
     ),
     Mutation(
         "series-slope", "the limit of a series of bounces with the slope of one flight",
-        "hybrid/series.py", "0.5 * (1.0 - e_N))", "0.5)",
+        "hybrid/contact/bounce_series.py", "0.5 * (1.0 - e_N))", "0.5)",
     ),
     Mutation(
         "half-left-out", "what bounces that are left out do to rates, without its second order",
-        "hybrid/left_out.py", "by_place + by_rates", "by_place",
+        "hybrid/error_estimate/truncated_bounces.py", "by_place + by_rates", "by_place",
     ),
     Mutation(
         "pressed-sign", "a stop stays closed when it is pulled open",
-        "hybrid/phases.py", ".rate(a) <= 0.0 else", ".rate(a) >= 0.0 else",
+        "hybrid/contact/complementarity.py", ".rate(a) <= 0.0 else", ".rate(a) >= 0.0 else",
     ),
     Mutation(
         "no-release", "closed stops never let go",
-        "hybrid/triggers.py", "for column, stop in enumerate(rows.shut):",
+        "hybrid/event_location/guards.py", "for column, stop in enumerate(rows.shut):",
         "for column, stop in enumerate(rows.shut[:0]):",
     ),
     Mutation(
         "lever-inverse", "the lip's impulse multiplied by the lever instead of divided",
-        "hybrid/collisions.py", "event.P_N[stop.name] / stop.lever",
+        "hybrid/result/tables.py", "event.P_N[stop.name] / stop.lever",
         "event.P_N[stop.name] * stop.lever",
     ),
     Mutation(
@@ -175,12 +175,12 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-impulse-work", "the energy balance without the work of the held drives' impulses",
-        "hybrid/energy.py", "self.drive_work + self.drive_impulse_work + self.gravity_work",
+        "hybrid/result/energy_balance.py", "self.drive_work + self.drive_impulse_work + self.gravity_work",
         "self.drive_work + self.gravity_work",
     ),
     Mutation(
         "saved-swapped", "velocities before and after change places on disk",
-        "hybrid/storage.py", "event.v_before, event.v_after, event.delta",
+        "hybrid/files/npz.py", "event.v_before, event.v_after, event.delta",
         "event.v_after, event.v_before, event.delta",
     ),
     Mutation(

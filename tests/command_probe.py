@@ -144,7 +144,7 @@ def stand_ins(probe: Probe) -> None:
     note = probe.stand_in
     note("nipper_pin.cli.simulate.simulate")
     note("nipper_pin.hybrid.simulate.simulate")
-    note("nipper_pin.hybrid.storage.load_solution")
+    note("nipper_pin.hybrid.files.npz.load_solution")
     note("nipper_pin.mechanism.skeleton.write_skeleton")
     note("nipper_pin.mechanism.drawing.write_drawing")
     note("nipper_pin.view.export.plot_solution", lambda _run, folder: [Path(folder)])

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from ..errors import InputError
-from ..hybrid.solution import Solution
+from ..hybrid.result.solution import Solution
 from .arguments import check_outputs, write_json
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 from ..errors import InputError
 from ..hybrid.case import Case, Window
-from ..hybrid.record import record
+from ..hybrid.files.json_document import record
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .arguments import (
     add_model,
@@ -88,7 +88,7 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
             "of them out"
         )
         raise InputError(message, argument=options.model)
-    from ..hybrid.storage import load_case
+    from ..hybrid.files.npz import load_case
     from ..mechanism import with_numbers
 
     mechanism, case = load_case(options.case)

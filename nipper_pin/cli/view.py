@@ -6,7 +6,7 @@ import argparse
 
 from ..errors import InputError
 from ..hybrid.case import Window
-from ..hybrid.solution import Solution
+from ..hybrid.result.solution import Solution
 from ..view.show import PORT
 from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
 from .case_options import add_window, new_case
@@ -64,7 +64,7 @@ def _run(options: argparse.Namespace) -> None:
         check_outputs(None, file)
     solution = _solution(options)
     if options.json is not None:
-        from ..hybrid.record import record
+        from ..hybrid.files.json_document import record
 
         write_json(record(solution), options.json)
     if options.html is not None:
@@ -102,6 +102,6 @@ def _solution(options: argparse.Namespace) -> Solution:
             "start_index": "--start-index",
         },
     )
-    from ..hybrid.storage import load_solution
+    from ..hybrid.files.npz import load_solution
 
     return load_solution(options.solution)

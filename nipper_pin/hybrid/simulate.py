@@ -21,21 +21,21 @@ from ..errors import (
 )
 from ..mechanism import Mechanism, Stop, need_mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
+from .advance import Segment, advance
 from .case import Case, Window
-from .cycles import repeats
+from .contact.bounce_series import BounceSeries
+from .contact.complementarity import Closed, after_collision, after_release, pressed, pressed_next
+from .contact.nested_series import NestedSeries
 from .event import Event, EventKind
-from .event_log import EventLog
-from .jams import check_jam
-from .locate import located
-from .nested import NestedSeries
-from .panel import Panel
-from .phases import Closed, after_collision, after_release, pressed, pressed_next
-from .rests import rest_of_nested, rest_of_series
-from .segment import Segment, advance
-from .series import BounceSeries
-from .solution import Outcome, Solution
-from .state import State, initial_state
-from .triggers import SIMULTANEOUS, TriggerKind
+from .event_location.guards import SIMULTANEOUS, TriggerKind
+from .motion.panel import Panel
+from .result.solution import Outcome, Solution
+from .run.diagnosis import located
+from .run.event_log import EventLog
+from .run.jamming import check_jam
+from .run.periodicity import repeats
+from .run.rest import rest_of_nested, rest_of_series
+from .run.state import State, initial_state
 
 
 def simulate(

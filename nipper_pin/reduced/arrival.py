@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.system import System
 from ..errors import SimulationError
-from ..hybrid.linear_maps import of_rates
+from ..hybrid.error_estimate.linear_maps import of_rates
 from ..mechanism import Mechanism, Stop
 from . import series2d
 from .functions import Sampler

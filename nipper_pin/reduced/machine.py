@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from ..arrays import FloatArray
-from ..hybrid.collocation import evaluate, nodes, prolonged
+from ..hybrid.motion.chebyshev import evaluate, nodes, prolonged
 from .layout import (
     DOUBLE,
     INTEGRAL,

@@ -11,8 +11,8 @@ from ..dynamics.assembly import Partition, assemble, partition
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import DriveMode, System
 from ..errors import InputError, NipperError
-from ..hybrid.cycles import comes_back
-from ..hybrid.linear_maps import of_rates
+from ..hybrid.error_estimate.linear_maps import of_rates
+from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
 from . import series2d

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError
-from ..hybrid.quantities import coordinate_unit
+from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
 from ..reduced.inputs import column, spring_rows
 

@@ -11,9 +11,9 @@ from ..dynamics.impact import impact_condition
 from ..errors import NipperError
 from ..hybrid.case import START_INDEX, Case, Window
 from ..hybrid.event import EventKind
-from ..hybrid.quantities import force_unit
+from ..hybrid.result.quantities import force_unit
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .interference import Clearance, clearances
 from .masses import LinkMass, link_masses

@@ -16,8 +16,8 @@ import numpy as np
 from ..dynamics.system import DriveMode
 from ..errors import SimulationError
 from ..hybrid.case import Case, Resolution, Window
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .certified import certified_cycle
 from .phase_cost import phase_cost, transition_parts

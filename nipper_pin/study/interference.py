@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..arrays import FloatArray
-from ..hybrid.solution import Solution
+from ..hybrid.result.solution import Solution
 from ..mechanism import Mechanism, collision_model
 
 # Lips in contact meet to the tolerance of the distance computation, not to zero.

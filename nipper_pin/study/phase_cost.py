@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.impact import collide
+from ..hybrid.advance import Advance, Segment, advance
 from ..hybrid.case import Case, Resolution, Window
-from ..hybrid.segment import Advance, Segment, advance
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .timing import timed
 

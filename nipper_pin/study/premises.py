@@ -15,8 +15,8 @@ from ..arrays import FloatArray
 from ..errors import NipperError
 from ..hybrid.case import Case, Window
 from ..hybrid.event import EventKind
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism, load
 from ..reduced import reduced_model, transitions
 from .transitions import retuned

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..frames import Column
-from ..hybrid.quantities import COLLISION, TRANSITION, coordinate_unit
+from ..hybrid.result.quantities import COLLISION, TRANSITION, coordinate_unit
 from ..notebook import html
 from .cases import SPRING_KEYS
 

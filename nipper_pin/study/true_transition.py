@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..errors import SimulationError
-from ..hybrid.accuracy import EventError
 from ..hybrid.case import Case, Window
-from ..hybrid.collisions import Collision, Transition
+from ..hybrid.error_estimate.event_errors import EventError
 from ..hybrid.event import EventKind
-from ..hybrid.premise import MOST_IN_TURN
+from ..hybrid.result.premise import MOST_IN_TURN
+from ..hybrid.result.solution import Outcome, Solution
+from ..hybrid.result.tables import Collision, Transition
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Outcome, Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
 
 # Turns that are followed from the touch; the last one is read, from half a turn before its touch.

@@ -26,8 +26,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..hybrid.case import Case, Resolution
+from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
-from ..hybrid.solution import Solution
 from ..mechanism import Mechanism
 from .certified import Certified
 from .timing import Timing, timed

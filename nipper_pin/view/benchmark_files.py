@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..errors import InputError
-from ..hybrid.storage import complete_file
+from ..hybrid.files.npz import complete_file
 from ..study.benchmark import Benchmark
 from ..study.work_precision import Row
 from .benchmark_report import markdown

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..arrays import FloatArray
-from ..hybrid.collisions import Transition
-from ..hybrid.quantities import force_unit
-from ..hybrid.solution import Solution
+from ..hybrid.result.quantities import force_unit
+from ..hybrid.result.solution import Solution
+from ..hybrid.result.tables import Transition
 from .reading import gap_noun, shown_collisions, units_of
 from .sampling import sample_coordinates
 from .style import SMALL, TEXT, line_colour, marker, new_figure, tidy

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..hybrid.collisions import Collision
-from ..hybrid.quantities import COLLISION, Quantity, coordinate_unit, force_unit
-from ..hybrid.solution import Solution
-from ..hybrid.storage import complete_file, save, save_case
+from ..hybrid.files.npz import complete_file, save, save_case
+from ..hybrid.result.quantities import COLLISION, Quantity, coordinate_unit, force_unit
+from ..hybrid.result.solution import Solution
+from ..hybrid.result.tables import Collision
 from .plots import plot_solution
 
 _SAMPLES_PER_PHASE = 100

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from ..errors import InputError
 from ..hybrid.case import Window
-from ..hybrid.solution import Solution
-from ..hybrid.storage import complete_file
+from ..hybrid.files.npz import complete_file
+from ..hybrid.result.solution import Solution
 from .bounces import impulse_figure, transition_figure
 from .timelines import force_figure, motion_figure, phase_figure
 

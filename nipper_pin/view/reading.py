@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 from ..hybrid.case import Window
-from ..hybrid.collisions import Collision, PhaseInterval, Transition
 from ..hybrid.event import Event, EventKind
-from ..hybrid.quantities import force_unit
-from ..hybrid.solution import Solution
+from ..hybrid.result.quantities import force_unit
+from ..hybrid.result.solution import Solution
+from ..hybrid.result.tables import Collision, PhaseInterval, Transition
 from ..mechanism import Mechanism, Stop, Strut
 
 TURNS_SHOWN = 2

@@ -6,7 +6,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from ..hybrid.quantities import force_unit
+from ..hybrid.result.quantities import force_unit
 from ..mechanism import Stop
 from ..study.check import ModelReport
 from .console import add_row, say

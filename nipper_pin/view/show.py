@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    from ..hybrid.solution import Solution
+    from ..hybrid.result.solution import Solution
 
 PORT = 7000
 """Port that a scene is served at."""
@@ -40,7 +40,7 @@ def view(
     Raises:
         InputError: A value is out of range, or the file or port cannot be used.
     """
-    from ..hybrid.solution import Solution as Simulated
+    from ..hybrid.result.solution import Solution as Simulated
 
     if not isinstance(solution, Simulated):
         message = f"view shows a solution, and this is {solution!r}: nip.view(nip.simulate(...))"

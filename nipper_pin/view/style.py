@@ -17,7 +17,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
-from ..hybrid.solution import Solution
+from ..hybrid.result.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
 from .reading import (
     case_text,

@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ..hybrid.collisions import Collision
 from ..hybrid.event import Event, EventKind
-from ..hybrid.quantities import COLLISION, Quantity
-from ..hybrid.solution import Solution
+from ..hybrid.result.quantities import COLLISION, Quantity
+from ..hybrid.result.solution import Solution
+from ..hybrid.result.tables import Collision
 from .reading import (
     Units,
     case_text,

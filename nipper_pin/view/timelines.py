@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..hybrid.event import EventKind
-from ..hybrid.solution import Solution
+from ..hybrid.result.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Stop
 from .reading import (
     force_name,

@@ -18,7 +18,7 @@ from nipper_pin import DriveMode, load
 from nipper_pin.dynamics.multipliers import multipliers
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid.phases import pressed
+from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Mechanism
 
 BOTH = frozenset({"jaw", "steeve"})

@@ -24,7 +24,7 @@ from nipper_pin.dynamics.assembly import Partition, close_positions
 from nipper_pin.dynamics.impact import arrest, collide, drive_impulses
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid.phases import pressed
+from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Stop
 
 SEEDS = range(60)

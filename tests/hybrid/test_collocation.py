@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.collocation import Series, decayed, evaluate, nodes, tail
+from nipper_pin.hybrid.motion.chebyshev import Series, decayed, evaluate, nodes, tail
 
 ORDERS = [3, 4, 5, 8, 12, 16]
 # Values and matrices are of order one; products of N terms leave N round-offs.

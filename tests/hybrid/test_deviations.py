@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.deviations import NOTHING_KNOWN, Deviations
+from nipper_pin.hybrid.error_estimate.zonotope import NOTHING_KNOWN, Deviations
 
 
 def _extent(found: Deviations, direction: np.ndarray) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, DriveMode, Solution, Window, load, simulate
-from nipper_pin.hybrid.energy import energy_balance
+from nipper_pin.hybrid.result.energy_balance import energy_balance
 
 RUNS = [(window, drive) for window in Window for drive in DriveMode]
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from nipper_pin.dynamics.impact import Impact
+from nipper_pin.hybrid.contact.complementarity import Closed
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.event_log import EventLog
-from nipper_pin.hybrid.phases import Closed
-from nipper_pin.hybrid.state import State
+from nipper_pin.hybrid.run.event_log import EventLog
+from nipper_pin.hybrid.run.state import State
 
 
 def _recorded(rest: float, later: float) -> EventLog:

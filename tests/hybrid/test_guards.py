@@ -11,10 +11,10 @@ from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.dynamics import impact
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid import rests
-from nipper_pin.hybrid.collocation import nodes
-from nipper_pin.hybrid.energy import _exchanged
-from nipper_pin.hybrid.panel import Panel
+from nipper_pin.hybrid.motion.chebyshev import nodes
+from nipper_pin.hybrid.motion.panel import Panel
+from nipper_pin.hybrid.result.energy_balance import _exchanged
+from nipper_pin.hybrid.run import rest as rests
 from nipper_pin.mechanism import Characteristic, Stop, from_sources
 from nipper_pin.study.stress.parts import description, frame, link, robot, slide
 

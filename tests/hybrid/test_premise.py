@@ -25,7 +25,7 @@ from nipper_pin import (
     simulate,
 )
 from nipper_pin.cli import main
-from nipper_pin.hybrid.premise import premise_of
+from nipper_pin.hybrid.result.premise import premise_of
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.mechanism.skeleton import write_skeleton
 from nipper_pin.study.transitions import TURN, transition_table

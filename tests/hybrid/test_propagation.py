@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Resolution, Solution, Window, load, simulate
-from nipper_pin.hybrid.collocation import evaluate
-from nipper_pin.hybrid.propagation import flight_map, free_coordinates
+from nipper_pin.hybrid.error_estimate.variational import flight_map, free_coordinates
+from nipper_pin.hybrid.motion.chebyshev import evaluate
 
 BENCHMARKS = Path(__file__).parents[2] / "models" / "benchmarks"
 

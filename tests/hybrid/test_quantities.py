@@ -10,7 +10,7 @@ import pytest
 from judge import press
 
 from nipper_pin import Case, InputError, Mechanism, UnknownNameError, simulate, transition_table
-from nipper_pin.hybrid.quantities import (
+from nipper_pin.hybrid.result.quantities import (
     COLLISION,
     RENAMED,
     TRANSITION,

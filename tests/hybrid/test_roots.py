@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.roots import first_descent, polish
+from nipper_pin.hybrid.event_location.roots import first_descent, polish
 
 GRID = np.linspace(0.0, 1.0, 12)
 EPS = float(np.finfo(float).eps)

@@ -14,9 +14,9 @@ import pytest
 from small_machines import SHAFT, frame, hinge, link, machine
 
 from nipper_pin import Case, DriveMode, EventKind, Resolution, Solution, Window, load, simulate
-from nipper_pin.hybrid.deviations import Deviations
-from nipper_pin.hybrid.propagation import flight_map
-from nipper_pin.hybrid.saltation import impact_map
+from nipper_pin.hybrid.error_estimate.saltation import impact_map
+from nipper_pin.hybrid.error_estimate.variational import flight_map
+from nipper_pin.hybrid.error_estimate.zonotope import Deviations
 
 CHANGE = 1e-6
 

@@ -13,8 +13,8 @@ from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid import segment
-from nipper_pin.hybrid.panel import Panel
-from nipper_pin.hybrid.triggers import _gap_root
+from nipper_pin.hybrid.event_location.guards import _gap_root
+from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.mechanism import Stop
 
 MODEL = Path(__file__).parents[1] / "verification" / "models" / "bouncing_mass"

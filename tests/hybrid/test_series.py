@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nipper_pin.hybrid.series import BounceSeries
+from nipper_pin.hybrid.contact.bounce_series import BounceSeries
 
 T_REST = 1.25
 EPS = float(np.finfo(float).eps)

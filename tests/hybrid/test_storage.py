@@ -27,7 +27,7 @@ from nipper_pin import (
     save_case,
     simulate,
 )
-from nipper_pin.hybrid import storage
+from nipper_pin.hybrid.files import npz as storage
 
 RUNS = {
     "transition": Case(speed_rpm=650.0),

@@ -16,7 +16,7 @@ from written_tables import bounded
 from nipper_pin import Case, InputError, Resolution, SimulationError, load, simulate
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.hybrid.solution import Solution
+from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel, arrival, build, reduced_model, sampling, unfit
 from nipper_pin.reduced.arrival import found_opening

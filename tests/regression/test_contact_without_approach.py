@@ -15,9 +15,9 @@ from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.impact import collide
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid.collocation import nodes
-from nipper_pin.hybrid.panel import Panel
-from nipper_pin.hybrid.triggers import _flight_root
+from nipper_pin.hybrid.event_location.guards import _flight_root
+from nipper_pin.hybrid.motion.chebyshev import nodes
+from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.stress.machines import flaps
 

@@ -20,8 +20,8 @@ from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid.crossings import shows_turns
-from nipper_pin.hybrid.panel import Panel
+from nipper_pin.hybrid.motion.panel import Panel
+from nipper_pin.hybrid.motion.residual_check import shows_turns
 
 RADIUS = 0.5
 OIL = {"oil": {"frame_a": "post", "frame_b": "tip", "damping_N_s_per_m": 1.0}}

@@ -8,8 +8,8 @@ next; a turn without it was copied as if the next one did not have it either.
 import pytest
 
 from nipper_pin import Case, Window, load, simulate
-from nipper_pin.hybrid.cycles import repeats
-from nipper_pin.hybrid.state import initial_state
+from nipper_pin.hybrid.run.periodicity import repeats
+from nipper_pin.hybrid.run.state import initial_state
 
 PARAMETERS = {
     "stops.jaw.restitution": 0.29362489155001664,

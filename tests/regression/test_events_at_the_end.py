@@ -13,7 +13,7 @@ import pytest
 from small_machines import SLED, link, machine, slide
 
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
-from nipper_pin.hybrid.energy import energy_balance
+from nipper_pin.hybrid.result.energy_balance import energy_balance
 
 GRAVITY, RESTITUTION, TURN_S = 9.81, 0.8, 1.0
 

@@ -22,7 +22,7 @@ import pytest
 from small_machines import SHAFT, SLED, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Resolution, Window, simulate
-from nipper_pin.hybrid.panel import defect
+from nipper_pin.hybrid.motion.panel import defect
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
 

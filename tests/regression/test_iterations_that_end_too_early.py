@@ -12,8 +12,8 @@ import pytest
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, DriveMode, Window, simulate
-from nipper_pin.hybrid.collocation import nodes
-from nipper_pin.hybrid.panel import defect
+from nipper_pin.hybrid.motion.chebyshev import nodes
+from nipper_pin.hybrid.motion.panel import defect
 
 TOLERANCE = 1e-12
 

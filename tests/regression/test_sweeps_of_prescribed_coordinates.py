@@ -15,7 +15,7 @@ from small_machines import SHAFT, hinge, link, machine, slide
 from nipper_pin import Resolution
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
-from nipper_pin.hybrid.flight import flight_panel
+from nipper_pin.hybrid.motion.picard import flight_panel
 
 TOLERANCE, LENGTH = 1e-10, 0.02
 

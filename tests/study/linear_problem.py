@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.errors import SimulationError
-from nipper_pin.hybrid.premise import Premise
+from nipper_pin.hybrid.result.premise import Premise
 from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.study.identify.fit import Descent, Fit
 from nipper_pin.study.identify.geometry import Sources

@@ -13,7 +13,7 @@ from linear_problem import AT, PATHS, RANGES, STARTS, Linear, fitted, problem
 from scipy.stats import qmc
 
 from nipper_pin.errors import InputError, MisfitError, SimulationError
-from nipper_pin.hybrid.premise import Premise
+from nipper_pin.hybrid.result.premise import Premise
 from nipper_pin.study.identify import fit as fit_module
 from nipper_pin.study.identify import search
 from nipper_pin.study.identify.determine import determinability

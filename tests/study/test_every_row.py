@@ -10,8 +10,8 @@ import pytest
 from made_up_clock import Clock
 
 from nipper_pin import Case, Mechanism, Resolution, simulate
-from nipper_pin.hybrid.collisions import Collision
-from nipper_pin.hybrid.solution import Solution
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.study import reduced_work, work_precision
 from nipper_pin.study.certified import Certified, certified
 from nipper_pin.study.timing import Timing

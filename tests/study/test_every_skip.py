@@ -13,7 +13,7 @@ from made_up_clock import Clock
 
 from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.dynamics.multibody import Multibody
-from nipper_pin.hybrid.trajectory import Trajectory
+from nipper_pin.hybrid.result.trajectory import Trajectory
 from nipper_pin.study import skips
 from nipper_pin.study.skips import Skip
 

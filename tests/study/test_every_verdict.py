@@ -15,7 +15,7 @@ import pytest
 
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
-from nipper_pin.hybrid.solution import Outcome
+from nipper_pin.hybrid.result.solution import Outcome
 from nipper_pin.study.stress import judging, refusals
 from nipper_pin.study.stress.campaign import Campaign
 from nipper_pin.study.stress.files import load_trial, save_trial

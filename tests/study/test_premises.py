@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from nipper_pin.hybrid.premise import Premise
+from nipper_pin.hybrid.result.premise import Premise
 from nipper_pin.study import premises
 from nipper_pin.study.premises import draw, judged
 
@@ -36,7 +36,7 @@ def test_a_lie_is_noticed(lie: str, monkeypatch: pytest.MonkeyPatch) -> None:
     fast = [replace(one, speed_rpm=740.0, preload=0.007) for one in drawn[:3]]
     if lie == "direct":
         monkeypatch.setattr(
-            "nipper_pin.hybrid.premise.premise_of", lambda _: Premise(True, "a lie")
+            "nipper_pin.hybrid.result.premise.premise_of", lambda _: Premise(True, "a lie")
         )
     else:
         real = premises.transitions

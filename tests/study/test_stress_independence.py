@@ -95,7 +95,7 @@ def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
     """Also where it is imported within a function."""
     planted = tmp_path / "planted.py"
     planted.write_text("def f():\n    from ...hybrid.roughness import roughness\n")
-    assert foreign(planted) == [("hybrid.roughness", "roughness")]
+    assert foreign(planted) == [("hybrid.motion.noise_floor", "roughness")]
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.result.solution import Outcome, Solution
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Outcome, Solution
 from nipper_pin.mechanism import load
 
 MODEL = Path(__file__).parent / "models" / "four_bar"

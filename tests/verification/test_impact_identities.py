@@ -19,8 +19,8 @@ from planar_tree import Motion, PlanarTree
 
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.event import Event, EventKind
+from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
 from nipper_pin.mechanism import Mechanism
 
 RELATIVE = 1e-11

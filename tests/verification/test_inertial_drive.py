@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.collisions import Collision
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
 from nipper_pin.mechanism import Mechanism, load
 
 # Above 1e4 the deviation, some 1e-8, comes near the accuracy of event times over a rebound (1e-12).

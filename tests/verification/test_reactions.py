@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "dynamics"))
 from planar_tree import Motion, PlanarTree
 
 from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.result.trajectory import Reactions
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
-from nipper_pin.hybrid.trajectory import Reactions
 from nipper_pin.mechanism import Mechanism
 
 EXACT = 1e-10

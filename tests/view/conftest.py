@@ -3,8 +3,8 @@
 import pytest
 
 from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
 from nipper_pin.mechanism import load
 
 

@@ -20,7 +20,7 @@ from rich.console import Console
 
 from nipper_pin import Case, Solution, Window, load, record, simulate
 from nipper_pin.hybrid.event import Event
-from nipper_pin.hybrid.quantities import COLLISION, TRANSITION
+from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION
 from nipper_pin.view.export import export
 from nipper_pin.view.table import print_solution
 

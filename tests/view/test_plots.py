@@ -15,8 +15,8 @@ from rich.console import Console
 from nipper_pin.errors import InputError
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.event import EventKind
+from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
 from nipper_pin.mechanism import load
 from nipper_pin.view.bounces import impulse_figure, transition_figure
 from nipper_pin.view.plots import plot_solution

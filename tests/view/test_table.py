@@ -9,10 +9,10 @@ import pytest
 from rich.console import Console
 
 from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.collisions import Collision
 from nipper_pin.hybrid.event import EventKind
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.hybrid.solution import Solution
 from nipper_pin.mechanism import load
 from nipper_pin.view.reading import digits, fixed
 from nipper_pin.view.table import print_solution

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from ...arrays import FloatArray
 from ...errors import MisfitError, NipperError
-from ...hybrid.premise import Premise
+from ...hybrid.result.premise import Premise
 from .limits import broken_limits
 from .objective import Objective
 from .targets import Condition, Target

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import InputError, UnknownNameError
-from ...hybrid.quantities import refuse_unknown
+from ...hybrid.result.quantities import refuse_unknown
 from .targets import QUANTITIES, Condition, Target
 
 _STIFFNESS = ("stiffness_N_per_m", "stiffness_N_m_per_rad")

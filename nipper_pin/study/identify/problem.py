@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from ...errors import InputError, ModelError
-from ...hybrid.quantities import refuse_unknown
+from ...hybrid.result.quantities import refuse_unknown
 from ...mechanism import Mechanism
 from ...mechanism.description import Positive, Restitution
 from ..toml_files import Bounds, Table, base_mechanism, read_table, refuse

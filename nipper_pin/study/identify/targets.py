@@ -12,11 +12,11 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import InputError, SimulationError
 from ...hybrid.case import Case, Resolution
-from ...hybrid.collisions import Collision, Transition
-from ...hybrid.premise import Premise
-from ...hybrid.quantities import of_transition
+from ...hybrid.result.premise import Premise
+from ...hybrid.result.quantities import of_transition
+from ...hybrid.result.solution import Outcome, Solution
+from ...hybrid.result.tables import Collision, Transition
 from ...hybrid.simulate import simulate
-from ...hybrid.solution import Outcome, Solution
 from ...mechanism import Mechanism
 from ..true_transition import true_transition
 
@@ -26,7 +26,7 @@ QUANTITIES = (
     "first_two_share",
     "approach_rate_1",
 )
-"""Quantities of a transition (:mod:`nipper_pin.hybrid.quantities`): rebounds of the transition stop
+"""Quantities of a transition (:mod:`nipper_pin.hybrid.result.quantities`): rebounds of the transition stop
 in rad (or m) and s, the time from the first collision to rest in s, the share of the first two
 rebounds in it, and the rate at which the stop closes first."""
 

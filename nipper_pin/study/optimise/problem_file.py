@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from ...hybrid.quantities import refuse_unknown
+from ...hybrid.result.quantities import refuse_unknown
 from ...mechanism import Mechanism
 from ...mechanism.description import Positive
 from ..identify.geometry import Sources

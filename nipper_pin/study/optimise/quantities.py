@@ -15,7 +15,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...hybrid.quantities import coordinate_unit, of_transition
+from ...hybrid.result.quantities import coordinate_unit, of_transition
 from ...mechanism import INDEX_PER_TURN, Mechanism
 from ..identify.working import Phase, WorkingCycle, unfit
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import msgspec
 
-from ...hybrid.storage import complete_file
+from ...hybrid.files.npz import complete_file
 from ..folders import claim, make_folder
 from .problem import Problem
 

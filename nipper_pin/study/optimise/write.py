@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ...hybrid.storage import complete_file, save_case
+from ...hybrid.files.npz import complete_file, save_case
 from ...mechanism import load
 from ..folders import make_folder
 from .result import Optimum

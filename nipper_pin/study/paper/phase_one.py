@@ -15,8 +15,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid.case import Case, Window
 from ...hybrid.event import EventKind
+from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
-from ...hybrid.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
 from .branches import branch, touch_index
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...hybrid.case import Case
+from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
-from ...hybrid.solution import Solution
 from ...mechanism import Mechanism, load
 from .counts import Counts, collision_counts
 from .designs import DesignMap, design_map

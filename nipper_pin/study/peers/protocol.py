@@ -14,7 +14,7 @@ from math import isfinite
 from typing import Protocol, cast
 
 from ...errors import SimulationError
-from ...hybrid.series import BounceSeries
+from ...hybrid.contact.bounce_series import BounceSeries
 from ...mechanism import Mechanism
 
 MODULES = (

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...hybrid.accuracy import EventError
+from ...hybrid.error_estimate.event_errors import EventError
 from ...hybrid.event import Event, EventKind
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from .invariants import Violation
 from .looking import EPS
 

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from .chain_sizes import ChainSizes
 from .looking import EPS
 from .plain_tree import PlainTree

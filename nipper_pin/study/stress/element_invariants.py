@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...dynamics.system import System
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from ...mechanism import Strut
 from .looking import EPS, beyond, looked_at
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import InputError
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from .invariants import Violation
 from .looking import EPS
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from .applied_forces import AppliedForces
 from .chain_sizes import ChainSizes
 from .looking import EPS

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...errors import InputError
 from ...hybrid.case import Case, Resolution
-from ...hybrid.storage import FORMAT, complete_file
+from ...hybrid.files.npz import FORMAT, complete_file
 from ..folders import make_folder
 from .judging import Verdict
 from .parts import Source

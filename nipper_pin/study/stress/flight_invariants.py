@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.panel import Panel
-from ...hybrid.solution import Solution
+from ...hybrid.motion.panel import Panel
+from ...hybrid.result.solution import Solution
 from .equations import Equations
 from .interpolants import farthest, halfway, interpolated
 from .looking import EPS, beyond, looked_at

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...hybrid.event import EventKind
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from .looking import EPS, EVENTS, beyond, some
 
 

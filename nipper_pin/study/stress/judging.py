@@ -14,8 +14,8 @@ from types import FrameType
 
 from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
+from ...hybrid.result.solution import Outcome
 from ...hybrid.simulate import simulate
-from ...hybrid.solution import Outcome
 from .agreement import bits, mirror_images, same_bits, within_errors
 from .engines import engines_agree
 from .invariants import Violation, violations

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from ...mechanism import Mechanism
 from .from_text import Text
 from .looking import EPS, beyond, looked_at

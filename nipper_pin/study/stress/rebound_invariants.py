@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.collisions import Collision
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.tables import Collision
 from ...mechanism import Stop
 from .looking import EPS, beyond, some
 

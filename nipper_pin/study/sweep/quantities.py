@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
-from ...hybrid.quantities import COLLISION, RENAMED, TRANSITION, of_transition
+from ...hybrid.result.quantities import COLLISION, RENAMED, TRANSITION, of_transition
 from ...mechanism import Mechanism
 from ..transitions import TransitionTable
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from ...hybrid.quantities import of_transition
+from ...hybrid.result.quantities import of_transition
 from ...mechanism import Mechanism
 from .axes import Axis
 

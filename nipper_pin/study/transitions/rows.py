@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.rebound_errors import rebound_error
+from ...hybrid.result.rebound_errors import rebound_error
 from ...reduced import layout as rows
 from ..true_transition import TrueTransition
 

@@ -11,10 +11,10 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import NipperError
 from ...hybrid.case import Case
-from ...hybrid.collisions import Collision
-from ...hybrid.quantities import force_unit
+from ...hybrid.result.quantities import force_unit
+from ...hybrid.result.solution import Outcome, Solution
+from ...hybrid.result.tables import Collision
 from ...hybrid.simulate import simulate
-from ...hybrid.solution import Outcome, Solution
 from ...mechanism import Mechanism
 from ..reading import digits, units_of
 from ..sampling import sample_coordinates

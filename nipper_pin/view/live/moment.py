@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...arrays import FloatArray
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from ..reading import digits, index_at, units_of
 from ..scene.arrows import FADE, HELD, drawn_collisions
 

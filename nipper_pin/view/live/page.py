@@ -12,7 +12,7 @@ import viser
 from viser import uplot
 
 from ...errors import InputError
-from ...hybrid.quantities import force_unit
+from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
 from ..reading import gap_noun, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated

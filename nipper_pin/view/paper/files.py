@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ...errors import InputError
-from ...hybrid.storage import complete_file
+from ...hybrid.files.npz import complete_file
 from ...study.paper import PaperStudy
 from .report import material, report_html, study_plates
 from .supplements import Supplements

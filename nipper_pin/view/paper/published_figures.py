@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ...arrays import FloatArray
-from ...hybrid.quantities import force_unit
+from ...hybrid.result.quantities import force_unit
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study

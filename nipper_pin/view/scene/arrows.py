@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...hybrid.collisions import Collision
-from ...hybrid.quantities import force_unit
-from ...hybrid.solution import Solution
+from ...hybrid.result.quantities import force_unit
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...mechanism.tree import joint_placements
 from .solids import FIXED

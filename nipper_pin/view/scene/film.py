@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...dynamics.assembly import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
-from ...hybrid.solution import Solution
+from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ..reading import shown_until
 from .pace import Pace, pace

@@ -12,8 +12,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...hybrid.solution import Solution
-from ...hybrid.storage import complete_file
+from ...hybrid.files.npz import complete_file
+from ...hybrid.result.solution import Solution
 from ...mechanism import Stop
 from ..reading import case_text, digits, phase_name
 from .arrows import (

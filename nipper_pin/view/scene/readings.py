@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.collisions import Collision
-from ...hybrid.quantities import force_unit
+from ...hybrid.result.quantities import force_unit
+from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ..reading import case_text, digits, force_name, gap_noun, phase_name, units_of
 from .colours import phase_colour

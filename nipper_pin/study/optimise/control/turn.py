@@ -12,10 +12,10 @@ import numpy as np
 
 from ....errors import SimulationError
 from ....hybrid.case import Case, Window
-from ....hybrid.collisions import Collision
 from ....hybrid.event import Event, EventKind
+from ....hybrid.result.solution import Solution
+from ....hybrid.result.tables import Collision
 from ....hybrid.simulate import simulate
-from ....hybrid.solution import Solution
 from ....mechanism import INDEX_PER_TURN, Mechanism
 
 MOST_TURNS = 8

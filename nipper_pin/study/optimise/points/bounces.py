@@ -17,8 +17,8 @@ import numpy as np
 
 from ....errors import NipperError, SimulationError
 from ....hybrid.case import Case, Resolution
-from ....hybrid.cycles import comes_back
-from ....hybrid.solution import Outcome
+from ....hybrid.result.solution import Outcome
+from ....hybrid.run.periodicity import comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns

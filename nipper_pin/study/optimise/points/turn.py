@@ -13,7 +13,7 @@ import numpy as np
 
 from ....errors import SimulationError
 from ....hybrid.event import Event
-from ....hybrid.solution import Solution
+from ....hybrid.result.solution import Solution
 from ....mechanism import INDEX_PER_TURN
 from ...identify.working import WorkingCycle, middle_half
 from ...true_transition import TrueTransition

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ....errors import InputError
-from ....hybrid.storage import complete_file
+from ....hybrid.files.npz import complete_file
 from ...folders import make_folder
 from ..plan import Chunk, Plan
 from .chunk_file import check, read_file

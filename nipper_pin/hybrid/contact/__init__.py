@@ -1,0 +1,1 @@
+"""Which stops are closed after an event, and where a series of bounces ends."""

@@ -1,0 +1,160 @@
+"""Transitions between phases, as pure functions of the set of closed stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.multipliers import multipliers
+from ...dynamics.shaft import Driven
+from ...dynamics.system import ConstraintSet, System
+from ...errors import SimulationError, SingularConfigurationError
+from ...mechanism import Stop
+from ..motion.panel import Panel, one_state_at
+
+Closed = frozenset[str]
+
+# A force or an acceleration this much below zero, by the largest one of the stop in any set, is
+# round-off.
+_ROUND_OFF = 1e-12
+# Part of a turn in which accelerations tell how they change.
+_AHEAD = 1e-7
+
+
+def after_release(closed: Closed, released: Iterable[str]) -> Closed:
+    """Closed stops after the forces of some have fallen to zero."""
+    return closed - frozenset(released)
+
+
+def after_collision(closed: Closed, rates: dict[str, float]) -> Closed:
+    """Stops that may be closed after a collision: those in contact that do not separate.
+
+    Args:
+        closed: Closed stops before.
+        rates: Rate of every stop in contact after the impact, by name.
+    """
+    return frozenset(name for name, rate in rates.items() if rate == 0.0) | (closed - rates.keys())
+
+
+def pressed(
+    system: System,
+    motion: Driven,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    at_rest: Closed,
+) -> Closed:
+    """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
+
+    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest, solved by trying the sets of
+    stops that can stay closed together, the largest ones first: with W M^-1 W' positive definite
+    only one satisfies it. One stop alone pushes if it would close without a force.
+
+    Args:
+        system: The system.
+        motion: Driven coordinates at this time, as one row.
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
+        at_rest: Names of the stops at rest.
+
+    Returns:
+        Names of the stops that stay closed.
+
+    Raises:
+        SimulationError: No set satisfies the conditions.
+    """
+    stops = [stop for stop in system.mechanism.stops if stop.name in at_rest]
+    if len(stops) == 1:
+        free = system.constraint_set(frozenset())
+        if free.freedom > 0:
+            a = system.accelerations(motion, q[None], v[None], free)[0]
+            return at_rest if stops[0].rate(a) <= 0.0 else frozenset()
+    tried: list[_Held] = []
+    for size in range(len(stops), -1, -1):
+        for chosen in combinations(stops, size):
+            names = frozenset(stop.name for stop in chosen)
+            found = _held(system, motion, q, v, jacobian, names, stops)
+            if found is None:
+                continue
+            if min(found.forces.min(initial=0.0), found.leaving.min(initial=0.0)) >= 0.0:
+                return names
+            tried.append(found)
+    if tried:
+        force, leaving = (
+            _ROUND_OFF * np.abs(values).max(axis=0)
+            for values in ([item.forces for item in tried], [item.leaving for item in tried])
+        )
+        for item in tried:
+            if (item.forces >= -force).all() and (item.leaving >= -leaving).all():
+                return item.names
+    message = (
+        f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
+        "either pulls or penetrates; check the sides of the stops"
+    )
+    raise SimulationError(message, stops=sorted(at_rest))
+
+
+def pressed_next(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Closed:
+    """Which closed stops stay closed a moment later.
+
+    Where forces vanish together, so do all accelerations: what comes next tells which stops open.
+
+    Args:
+        system: The system.
+        rows: The phase that ends.
+        panel: Its last panel.
+        t: Its end [s].
+
+    Returns:
+        Names of the stops that stay closed.
+
+    Raises:
+        SimulationError: No set satisfies the conditions.
+    """
+    q, v, jacobian, motion = one_state_at(system, rows, panel, t + _AHEAD * system.shaft.period)
+    return pressed(system, motion, q, v, jacobian, rows.closed)
+
+
+class _Held(NamedTuple):
+    """What a choice of closed stops asks of those at rest.
+
+    Attributes:
+        names: The stops that are held closed.
+        forces: la_N of every stop at rest, zero of those that are not held, shape (stops,).
+        leaving: g_N_ddot likewise, zero of those that are held, shape (stops,).
+    """
+
+    names: Closed
+    forces: FloatArray
+    leaving: FloatArray
+
+
+def _held(
+    system: System,
+    motion: Driven,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    names: Closed,
+    stops: Sequence[Stop],
+) -> _Held | None:
+    """Try one choice; None if these stops depend on one another, so that fewer hold as much."""
+    rows = system.constraint_set(names)
+    if rows.freedom < 0:
+        return None
+    try:
+        split = system.split(jacobian, rows.given, rows.yielding)
+    except SingularConfigurationError:
+        return None
+    a = system.accelerations(motion, q[None], v[None], rows)
+    la_N = multipliers(system, motion, q[None], v[None], a, jacobian[None], rows, split).la_N[0]
+    held = np.array([stop.name in names for stop in stops], dtype=bool)
+    forces = np.zeros(len(stops))
+    forces[held] = la_N
+    leaving = np.where(held, 0.0, [stop.rate(a[0]) for stop in stops])
+    return _Held(names, forces, leaving)

@@ -1,0 +1,292 @@
+"""Estimated errors of event times and impulses, from what a run has left unresolved.
+
+What flights leave unresolved (``unresolved.py``) and round-off are the sources of deviations
+(``deviations.py``) of the computed motion. The variational equation carries them over flights
+(``propagation.py``), the saltation matrix over collisions (``saltation.py``). A deviation (dq, dv)
+reaches a stop of the coordinate x late by dt = -dx/v-, with a rate that is wrong by dv + a- dt and
+an impulse that is wrong by the derivative of the impact law. A phase without freedom forgets the
+past: only the round-off of its closures and of time is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...dynamics.system import System
+from ..advance import Segment
+from ..event import Event, EventKind
+from .linear_maps import RATE, ImpactMap, LinearMaps, of_rates, pushing
+from .local_error import round_off
+from .release_time import release_error
+from .zonotope import Deviations
+
+_EPS = float(np.finfo(float).eps)
+# Round-off of the clock, relative.
+_CLOCK = 2.0 * _EPS
+# The limit of a series of bounces was off by up to 1.8 times what its points tell.
+_LIMIT = 2.0
+
+
+@dataclass(frozen=True)
+class EventError:
+    """Estimated errors of an event.
+
+    Attributes:
+        time: Of its time [s].
+        impulse: Of the rates and the impulse of its first stop, ``event.stops[0]``, relative [-]:
+            the one that a collision is listed with. At a release, of the collision before.
+        since: Of the time since the event before it [s].
+        impulses: Of every impulse that the event lists in ``P_N``, by stop and in its unit
+            [N m s or N s]. An impulse beside a much larger one has at least the round-off of that.
+    """
+
+    time: float
+    impulse: float
+    since: float
+    impulses: dict[str, float]
+
+
+# Where drives determine the motion, or nothing has happened yet.
+_FRESH = EventError(0.0, RATE, 0.0, {})
+
+
+def event_errors(
+    system: System, segments: Sequence[Segment], events: Sequence[Event]
+) -> tuple[EventError, ...]:
+    """Estimate the errors of all events, in their order.
+
+    Args:
+        system: The system.
+        segments: Segments in order of time.
+        events: Events in order of time.
+    """
+    if not events:
+        return ()
+    maps = LinearMaps(system)
+    state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
+    last: dict[int, _Step] = {}
+    found: list[EventError] = []
+    for event in events:
+        first = place
+        # A rest lies beyond the end of the motion before it.
+        while (
+            event.kind is not EventKind.REST
+            and place < len(segments)
+            and segments[place].t_end <= event.t
+        ):
+            if segments[place].kinematic:
+                state = _State(maps.end(segments[place]), _FRESH)
+            place += 1
+        step = last.get(id(event.delta))
+        if step is None or not step.starts_from(state):
+            arrival = _Arrival(event, segments[max(first - 1, 0) : place], place - first)
+            step = last[id(event.delta)] = _stepped(system, maps, state, arrival)
+        state = step.after
+        # What a copy is wrong by is what it is a copy of, and round-off of its time.
+        shifted = _CLOCK * (event.t - step.t)
+        stated = replace(step.stated, time=step.stated.time + shifted)
+        if found and any(segment.kinematic for segment in segments[first:place]):
+            # Nothing that makes the event before late goes on.
+            stated = replace(stated, since=stated.time + found[-1].time)
+        found.append(stated)
+    return tuple(found)
+
+
+def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
+    """Round-off of the rates with which a run begins: before an event that it begins with."""
+    if segments and segments[0].t_start < first.t:
+        panel = segments[0].panels[0]
+        return of_rates(system, segments[0].closed, panel.t, panel.q[0], panel.v[0])
+    return of_rates(system, first.closed_before, first.t, first.q, first.v_before)
+
+
+class _State(NamedTuple):
+    """What is known after an event, or after motion that forgets what was before.
+
+    Attributes:
+        deviations: Of the motion, at the time of the event of each source.
+        error: Errors of the event.
+    """
+
+    deviations: Deviations
+    error: EventError
+
+
+class _Step(NamedTuple):
+    """An event with what was known before and after it: the same for all copies of a turn.
+
+    Attributes:
+        t: Time of the event [s].
+        before: What was known before it.
+        after: What is known after it.
+        stated: Its errors.
+    """
+
+    t: float
+    before: _State
+    after: _State
+    stated: EventError
+
+    def starts_from(self, state: _State) -> bool:
+        """True if this is what was known before."""
+        deviations, error = self.before
+        return deviations is state.deviations and error is state.error
+
+
+class _Arrival(NamedTuple):
+    """How a run comes to an event.
+
+    Attributes:
+        event: The event.
+        segments: The last segments before it.
+        new: How many of them there are since the event before.
+    """
+
+    event: Event
+    segments: Sequence[Segment]
+    new: int
+
+    @property
+    def last(self) -> Segment | None:
+        """The segment that ends there, if there is one."""
+        return self.segments[-1] if self.segments else None
+
+    @property
+    def since(self) -> Sequence[Segment]:
+        """The segments since the event before."""
+        return self.segments[len(self.segments) - self.new :]
+
+    @property
+    def flown(self) -> float:
+        """Time since the event before [s]."""
+        return sum(segment.t_end - segment.t_start for segment in self.since)
+
+    @property
+    def flights(self) -> list[Segment]:
+        """Flights of some length since the event before, or since a segment without freedom."""
+        found: list[Segment] = []
+        for segment in self.since:
+            if segment.kinematic:
+                found.clear()
+            elif segment.t_end > segment.t_start:
+                found.append(segment)
+        return found
+
+
+def _stepped(system: System, maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
+    """From one event to the next."""
+    event, (deviations, error) = arrival.event, before
+    for place, segment in enumerate(arrival.flights):
+        flight = maps.flight(segment)
+        if place == 0:
+            deviations = deviations.departed(flight.rates)
+        deviations = deviations.through(flight.matrix).joined(flight.own).merged()
+    arrived = _State(deviations, error)
+    if event.kind is EventKind.REST:
+        deviations, stated = _rested(system, maps, arrived, arrival)
+        return _Step(event.t, before, _State(deviations, error), stated)
+    if event.kind is EventKind.COLLISION:
+        deviations, error = _struck(system, maps, arrived, arrival)
+    else:
+        error = _released(system, arrived, arrival)
+    return _Step(event.t, before, _State(deviations, error), error)
+
+
+def _struck(
+    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
+) -> tuple[Deviations, EventError]:
+    """Deviations after a collision and its errors, from the deviations before it."""
+    event, nv, flown = arrival.event, system.body.nv, arrival.flown
+    index = system.mechanism.stop(event.stops[0]).index
+    rate = float(event.v_before[index])
+    if rate == 0.0:
+        impulses = {name: before.error.impulse * abs(P) for name, P in event.P_N.items()}
+        return before.deviations, replace(before.error, impulses=impulses)
+    impact = maps.impact(event)
+    # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
+    most = before.error.time + flown
+    late = -before.deviations.states[index] / rate
+    total = float(np.abs(late).sum())
+    if total > most:
+        late *= most / total
+    seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
+    found = before.deviations.later(late, impact.rates)
+    found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
+    time = float(np.abs(found.late).sum())
+    since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
+    found = found.within(index, 0.0)
+    relative = found.size(nv + index) / abs(rate)
+    found = found.within(nv + index, abs(rate))
+    impulses = dict.fromkeys(event.P_N, 0.0)
+    if stops := pushing(system, event):
+        pushed = _pushed(system, event, impact, found)
+        first, size = stops[0].name, abs(event.P_N[stops[0].name])
+        relative = max(relative, pushed[first] / size) + impact.lost * (impact.beside[first] / size)
+        impulses = _with_round_off(event, impact, pushed)
+        found = found.through(impact.matrix).joined(impact.own)
+    return found.merged(), EventError(time, min(relative, 1.0), since, impulses)
+
+
+def _pushed(
+    system: System, event: Event, impact: ImpactMap, before: Deviations
+) -> dict[str, float]:
+    """What deviations before an event make of its impulses [N m s or N s], by stop."""
+    sizes = np.abs(impact.pushes @ before.states).sum(axis=1).tolist()
+    names = [stop.name for stop in pushing(system, event)]
+    return dict(zip(names, sizes, strict=True))
+
+
+def _with_round_off(event: Event, impact: ImpactMap, pushed: dict[str, float]) -> dict[str, float]:
+    """The same with the round-off of the impulses; all stops of an event, pushing or not."""
+    return {name: pushed.get(name, 0.0) + impact.lost * impact.beside[name] for name in event.P_N}
+
+
+def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
+    """By how much a gap is seen to close late: round-off of time, and of a dependent gap [s]."""
+    event, segment, wrong = arrival.event, arrival.segments[-1], 0.0
+    split = segment.panels[-1].split
+    if not segment.kinematic and index in split.dependent:
+        wrong = float(round_off(system, split, event.q)[index])
+        wrong += float(maps.flight(segment).position[index])
+    return _CLOCK * event.t + wrong / abs(float(event.v_before[index]))
+
+
+def _rested(
+    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
+) -> tuple[Deviations, EventError]:
+    """Deviations after a rest and its errors, from the deviations after the last collision."""
+    event, deviations, late = arrival.event, before.deviations, before.deviations.late
+    left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)
+    index = system.mechanism.stop(event.stops[0]).index
+    rate = float(event.v_before[index])
+    impulses = dict.fromkeys(event.P_N, 0.0)
+    if rate != 0.0 and pushing(system, event):
+        # What is left of the series lasts in proportion to its rate.
+        beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
+        shorter = beyond * deviations.states[system.body.nv + index] / rate
+        late, left = late + shorter, left + shorter
+        impact = maps.impact(event)
+        impulses = _with_round_off(event, impact, _pushed(system, event, impact, deviations))
+        deviations = deviations.through(impact.matrix)
+        deviations = deviations.joined(maps.left_out(event, beyond)).merged()
+    limit = _LIMIT * event.series_error
+    time, since = (float(np.abs(item).sum()) + limit for item in (late, left))
+    return deviations, EventError(time, before.error.impulse, since, impulses)
+
+
+def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
+    """Errors of a release, from the deviations there; it changes none of them."""
+    event, segment, flown = arrival.event, arrival.last, arrival.flown
+    if segment is None or flown <= 0.0:
+        return replace(before.error, impulses={})
+    rows = system.constraint_set(segment.closed)
+    index = system.mechanism.stop(event.stops[0]).index
+    if index not in rows.stops:
+        return replace(before.error, impulses={})
+    late = release_error(system, rows, segment.panels[-1], event.t, before.deviations, index)
+    late = min(late, flown) + _CLOCK * event.t
+    return EventError(late, before.error.impulse, late + before.error.time, {})

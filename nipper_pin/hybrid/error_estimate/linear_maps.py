@@ -1,0 +1,216 @@
+"""The linear maps that carry deviations along one run, over flights and over impacts.
+
+Neither depends on the deviations that come in, nor do those that a flight makes itself.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.impact import impact_condition, impulse_sizes
+from ...dynamics.system import System
+from ...errors import SingularConfigurationError
+from ...mechanism import Stop
+from ..advance import Segment
+from ..event import Event, EventKind
+from .local_error import independent_round_off, of_closures, unresolved
+from .saltation import impact_map
+from .truncated_bounces import left_out
+from .variational import flight_map, free_coordinates
+from .zonotope import NOTHING_KNOWN, Deviations
+
+_EPS = float(np.finfo(float).eps)
+RATE = 16.0 * _EPS
+"""Round-off of rates that follow from drives and closures, relative."""
+# Round-off of the cylinder angle, beside the angle or a radian, whichever is more: near the
+# extreme of a drive law terms of the size of one cancel in its rate.
+_ANGLE = 2.0 * _EPS
+
+
+class FlightMap(NamedTuple):
+    """A flight, from one event to the next.
+
+    Attributes:
+        matrix: Carries deviations to its end, shape (2 nv, 2 nv).
+        own: Deviations there that it makes itself.
+        rates: Velocities and accelerations at its start, shape (2 nv,).
+        position: What each position is left unresolved by on its last panel, shape (nv,).
+    """
+
+    matrix: FloatArray
+    own: Deviations
+    rates: FloatArray
+    position: FloatArray
+
+
+class ImpactMap(NamedTuple):
+    """An event with impulses.
+
+    Attributes:
+        matrix: Carries deviations over it, shape (2 nv, 2 nv).
+        own: Deviations after it that it makes itself.
+        pushes: Deviations of impulses by those before, shape (stops, 2 nv).
+        rates: Velocities and accelerations before, shape (2 nv,).
+        lost: Relative round-off of the largest impulse: the digits that the impact matrix loses.
+        beside: Round-off of each impulse in units of ``lost``: of the largest one itself, and of
+            those beside it as much in energy [N m s or N s], by name of the stop.
+    """
+
+    matrix: FloatArray
+    own: Deviations
+    pushes: FloatArray
+    rates: FloatArray
+    lost: float
+    beside: dict[str, float]
+
+
+class LinearMaps:
+    """Maps of flights and impacts, each found once: copies of a turn share arrays, and maps.
+
+    Args:
+        system: The system.
+    """
+
+    def __init__(self, system: System) -> None:
+        """Begin with none."""
+        self._system = system
+        self._flights: dict[int, FlightMap] = {}
+        self._ends: dict[int, Deviations] = {}
+        self._impacts: dict[int, ImpactMap] = {}
+
+    def flight(self, segment: Segment) -> FlightMap:
+        """A segment with freedom, and of some length."""
+        key = id(segment.panels[0].a)
+        if key not in self._flights:
+            self._flights[key] = self._flight(segment)
+        return self._flights[key]
+
+    def end(self, segment: Segment) -> Deviations:
+        """Deviations at the end of a segment without freedom, which forgets those before."""
+        panel = segment.panels[-1]
+        if id(panel.a) not in self._ends:
+            q, v = panel.interpolate_at(segment.t_end)
+            opened = Deviations.of(of_closures(self._system, panel, q, v))
+            found = of_rates(self._system, segment.closed, segment.t_end, q, v)
+            self._ends[id(panel.a)] = found.joined(opened)
+        return self._ends[id(panel.a)]
+
+    def impact(self, event: Event) -> ImpactMap:
+        """An event with impulses at some of its stops."""
+        if id(event.delta) not in self._impacts:
+            self._impacts[id(event.delta)] = self._impact(event)
+        return self._impacts[id(event.delta)]
+
+    def left_out(self, rest: Event, remaining: float) -> Deviations:
+        """What bounces make that are not computed, in a time before a rest [s]."""
+        if remaining <= 0.0 or self._system.constraint_set(rest.closed_after).freedom == 0:
+            return Deviations.of(np.empty((2 * self._system.body.nv, 0)))
+        try:
+            found = left_out(self._system, rest, remaining)
+        except (SingularConfigurationError, np.linalg.LinAlgError):
+            found = np.full(2 * self._system.body.nv, NOTHING_KNOWN)
+        return Deviations.of(found[:, None])
+
+    def _flight(self, segment: Segment) -> FlightMap:
+        system, rows = self._system, self._system.constraint_set(segment.closed)
+        first, nv = segment.panels[0], system.body.nv
+        touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
+        matrix, own = np.eye(2 * nv), Deviations.of(np.empty((2 * nv, 0)))
+        position = np.zeros(nv)
+        for panel, begin, end in segment.pieces():
+            free = free_coordinates(rows, panel.split)
+            loose = np.zeros(nv)
+            # Where panels meet a gap has the round-off of its coordinate, however small it is; at
+            # the start, where it has not just opened, that of the closures.
+            loose[free] = _EPS * np.abs(panel.q[0, free])
+            if panel is first:
+                loose[free] = independent_round_off(system)
+                loose[touching] = 0.0
+            own = own.joined(Deviations.independent(loose, np.zeros(nv)))
+            try:
+                carried, lifted = flight_map(system, rows, panel, end - begin)
+            except (SingularConfigurationError, np.linalg.LinAlgError):
+                # A motion that a step of 1e-6 takes to a dead centre is known by no derivative.
+                carried, lifted = np.zeros((2 * nv, 2 * nv)), np.full((2 * nv, 1), NOTHING_KNOWN)
+                made, position = lifted, lifted[:nv, 0]
+            else:
+                position, velocity = unresolved(system, rows, panel)
+                made = lifted * np.concatenate([position[free], velocity[free]])
+            with np.errstate(over="ignore", invalid="ignore"):
+                matrix = np.nan_to_num(carried @ matrix)
+            own = own.through(carried).joined(Deviations.of(made)).merged()
+        rates = np.concatenate([first.v[0], first.a[0]])
+        return FlightMap(np.clip(matrix, -NOTHING_KNOWN, NOTHING_KNOWN), own, rates, position)
+
+    def _impact(self, event: Event) -> ImpactMap:
+        system = self._system
+        rows = system.constraint_set(event.closed_before)
+        motion = system.shaft.driven(np.array([event.t]))
+        a = system.accelerations(motion, event.q[None], event.v_before[None], rows)[0]
+        stops = pushing(system, event)
+        rest = event.kind is EventKind.REST
+        restitution = [0.0 if rest else stop.restitution for stop in stops]
+        try:
+            matrix, pushes = impact_map(system, event.q, event.v_before, stops, restitution)
+        except (SingularConfigurationError, np.linalg.LinAlgError):
+            size = 2 * system.body.nv
+            matrix = np.full((size, size), NOTHING_KNOWN)
+            pushes = matrix[: len(stops)]
+        _, jacobian = system.body.closures(event.q[None])
+        struck = [stop.index for stop in stops]
+        lost = min(_EPS * impact_condition(system, event.q, jacobian[0], struck), 1.0)
+        # The law itself determines the rates of the stops that are struck.
+        rough = lost * np.abs(event.delta)
+        rough[struck] = 0.0
+        own = Deviations.independent(np.zeros_like(rough), rough)
+        rates = np.concatenate([event.v_before, a])
+        return ImpactMap(matrix, own, pushes, rates, lost, self._beside(event))
+
+    def _beside(self, event: Event) -> dict[str, float]:
+        """One system of equations gives all impulses: each has the round-off of the largest."""
+        names = list(event.P_N)
+        columns = [self._system.mechanism.stop(name).index for name in names]
+        try:
+            sizes = impulse_sizes(self._system, event.q, columns)
+        except np.linalg.LinAlgError:
+            return dict.fromkeys(names, NOTHING_KNOWN)
+        pushed = np.abs(np.array(list(event.P_N.values())))
+        energies = pushed * sizes
+        largest = float(energies.max(initial=0.0))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            others = np.nan_to_num(largest / sizes, nan=0.0, posinf=NOTHING_KNOWN)
+        # Of the largest one to the last bit.
+        found = np.where(energies == largest, pushed, others)
+        return dict(zip(names, found.tolist(), strict=True))
+
+
+def of_rates(
+    system: System, closed: frozenset[str], t: float, q: FloatArray, v: FloatArray
+) -> Deviations:
+    """Round-off of rates that follow from drives and closures.
+
+    That of a rate itself, and what the round-off of the cylinder angle does to all of them: with
+    accelerations a and cylinder speed W it is a dpsi / W, also where a rate passes through zero.
+
+    Args:
+        system: The system.
+        closed: Names of the closed stops.
+        t: When [s].
+        q: Configuration, shape (nv,).
+        v: Velocity, shape (nv,).
+    """
+    shaft = system.shaft
+    rows, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
+    a = system.accelerations(motion, q[None], v[None], rows)[0]
+    shifted = _ANGLE * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
+    turned = Deviations.of(np.concatenate([np.zeros_like(a), a * shifted])[:, None])
+    return Deviations.independent(np.zeros_like(v), RATE * np.abs(v)).joined(turned)
+
+
+def pushing(system: System, event: Event) -> list[Stop]:
+    """The stops that give an impulse, those that an event concerns first; negative at a rest."""
+    names = [*event.stops, *(name for name in event.P_N if name not in event.stops)]
+    return [system.mechanism.stop(name) for name in names if event.P_N.get(name, 0.0) != 0.0]

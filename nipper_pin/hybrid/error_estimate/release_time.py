@@ -1,0 +1,60 @@
+"""How well the time is known at which a stop lets go, where its force falls through zero."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...dynamics.multipliers import multipliers
+from ...dynamics.system import ConstraintSet, System
+from ..motion.panel import NEARBY, SMALLEST, Panel, forces_at
+from .local_error import of_closures
+from .variational import free_coordinates, tangents
+from .zonotope import Deviations
+
+_EPS = float(np.finfo(float).eps)
+# Part of a panel over which the slope of the force is taken.
+_SLOPE_STEP = 1e-3
+# Step of its differences along a freedom, as a share of a radian or metre and of the largest rate.
+_STEP = 1e-6
+
+
+def release_error(
+    system: System, rows: ConstraintSet, panel: Panel, t: float, deviations: Deviations, index: int
+) -> float:
+    """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
+
+    Args:
+        system: The system.
+        rows: The phase before.
+        panel: The panel on which the force vanishes.
+        t: When it does so [s].
+        deviations: Those of the motion there.
+        index: Coordinate of the stop, a closed one.
+
+    Returns:
+        The error [s]; infinite if the force does not fall.
+    """
+    column, step = rows.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
+    if step <= 0.0:
+        return np.inf
+    q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
+    slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step
+    q, v, nv = q[1:], v[1:], system.body.nv
+    free = free_coordinates(rows, panel.split) if panel.integrated else []
+    units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
+    x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
+    w = x * max(float(np.abs(v).max()), SMALLEST)
+    # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
+    opened = of_closures(system, panel, q[0], v[0]).T
+    places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
+    rates = [opened[:, nv:], np.diag(NEARBY * _EPS * np.abs(v[0])), x * turned, w * units]
+    moved, moving = q + np.vstack(places), v + np.vstack(rates)
+    _, jacobian = system.body.closures(moved)
+    motion = system.shaft.driven(np.full(len(moved), t))
+    a = system.accelerations(motion, moved, moving, rows)
+    there = multipliers(system, motion, moved, moving, a, jacobian, rows, panel.split)
+    changes = there.la_N[:, column] - forces.la_N[1, column]
+    wrong = float(np.abs(changes[: 2 * nv]).sum())
+    along = changes[2 * nv :] / np.repeat([x, w], len(free))
+    wrong += float(np.abs(along @ deviations.states[[*free, *(nv + k for k in free)]]).sum())
+    return wrong / abs(slope) if slope else np.inf

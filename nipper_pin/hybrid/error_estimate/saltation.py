@@ -1,0 +1,94 @@
+"""How a small deviation before a collision becomes one after it: the saltation matrix.
+
+A neighbouring motion strikes later by dt, at another place and with other rates. At its own time it
+deviates by (dq + v- dt, dv + a- dt); the impact law carries that over to the rates after, and back
+at the time of the collision it deviates by that less (v+, a+) dt.
+
+Source: N. J. Kong, J. J. Payne, J. Zhu, A. M. Johnson, Saltation Matrices: The Essential Tool for
+Linearizing Hybrid Dynamical Systems, arXiv 2306.06862.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import Partition
+from ...dynamics.system import System
+from ...mechanism import Stop
+from .variational import lifts, tangents
+
+# Step of the differences of configurations [rad or m].
+_STEP = 1e-6
+
+
+def impact_map(
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    struck: Sequence[Stop],
+    restitution: Sequence[float],
+) -> tuple[FloatArray, FloatArray]:
+    """Derivative of the impact law at stops that receive an impulse.
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        v: Velocity before, shape (nv,).
+        struck: The stops.
+        restitution: e_N of each; zero takes their rates away.
+
+    Returns:
+        Deviations (dq, dv) after by those before, both at the time at which the neighbouring motion
+        strikes, shape (2 nv, 2 nv); and those of the impulses, shape (struck, 2 nv).
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the dependent coordinates.
+    """
+    nv = system.body.nv
+    _, jacobian = system.body.closures(q[None])
+    columns = tuple(stop.index for stop in struck)
+    split = system.split(jacobian[0], system.held_coordinates, columns)
+    y = list(split.independent)
+    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
+    steps = _STEP / np.maximum(np.abs(units).max(axis=1, keepdims=True), 1.0)
+    aside = np.vstack([q, q + steps * units])
+    laws, impulses = _laws(system, aside, split, struck, restitution)
+    neighbours = np.vstack([v, v + steps * turned])[:, :, None]
+    after, pushed = (laws @ neighbours)[:, :, 0], (impulses @ neighbours)[:, :, 0]
+    whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
+    whole[:nv, y] = units.T
+    whole[nv:, y] = ((after[1:] - after[0]) / steps).T
+    whole[nv:, [nv + k for k in y]] = laws[0] @ units.T
+    pushes[:, y] = ((pushed[1:] - pushed[0]) / steps).T
+    pushes[:, [nv + k for k in y]] = impulses[0] @ units.T
+    return whole, pushes
+
+
+def _laws(
+    system: System,
+    q: FloatArray,
+    split: Partition,
+    struck: Sequence[Stop],
+    restitution: Sequence[float],
+) -> tuple[FloatArray, FloatArray]:
+    """Velocities after and impulses of the stops by velocities before, at N configurations.
+
+    Returns:
+        Shapes (N, nv, nv) and (N, struck, nv).
+    """
+    nv = system.body.nv
+    free = [k for k in split.independent if k not in system.held_coordinates]
+    units = np.moveaxis(lifts(system.body.closures(q)[1], split, free), 0, 2)
+    mass = system.body.mass_matrices(q)
+    if not system.held:
+        mass += np.diag(system.drive_armature)
+    gaps = np.zeros((len(struck), nv))
+    gaps[range(len(struck)), [stop.index for stop in struck]] = [stop.sense for stop in struck]
+    turned, rows = np.swapaxes(units, 1, 2), gaps @ units
+    response = np.linalg.solve(turned @ mass @ units, np.swapaxes(rows, 1, 2))
+    wanted = -(1.0 + np.array(restitution))[:, None] * gaps
+    impulses = np.linalg.solve(rows @ response, np.broadcast_to(wanted, (len(q), *wanted.shape)))
+    return np.eye(nv) + units @ response @ impulses, np.asarray(impulses, dtype=np.float64)

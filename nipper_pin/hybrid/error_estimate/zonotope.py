@@ -1,0 +1,117 @@
+"""Deviations of a computed motion from the true one: a set that linear maps carry along.
+
+Errors come from many independent sources, each of a size that is known and of a sign that is not.
+So the deviation (dq, dv) is one of a zonotope, the sum of columns of which each counts with a
+factor between -1 and 1. Maps act on the columns with their signs; only where an error is stated are
+their sizes added. Small columns are merged along the principal directions of their sum, which makes
+the set a little larger and never smaller.
+
+Source: A.-K. Kopetzki, B. Schuermann, M. Althoff, Methods for Order Reduction of Zonotopes, IEEE
+Conference on Decision and Control 2017.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...arrays import FloatArray
+
+# Columns before some are merged, and how many of them are kept as they are.
+_MOST, _KEPT = 64, 32
+_ROUND_OFF = 1e-12
+NOTHING_KNOWN = 1e100
+"""Beyond any motion: a deviation that has grown to this says nothing, and may not overflow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Deviations:
+    """Deviations of positions and velocities, at the time of an event of their own.
+
+    Attributes:
+        states: (dq, dv), one column a source, shape (2 nv, K).
+        late: By how much each source makes the last event late [s], shape (K,); zero in flight,
+            where states are compared at one time.
+        before: By how much each makes the event before that late [s], shape (K,).
+    """
+
+    states: FloatArray
+    late: FloatArray
+    before: FloatArray
+
+    @classmethod
+    def of(cls, states: FloatArray) -> Deviations:
+        """Sources of deviations at one time, shape (2 nv, K); those that are nothing are none."""
+        counting = states[:, np.abs(states).any(axis=0)]
+        return cls(counting, *np.zeros((2, counting.shape[1])))
+
+    @classmethod
+    def independent(cls, q: FloatArray, v: FloatArray) -> Deviations:
+        """Deviations of every position and every velocity of their own, each of shape (nv,)."""
+        return cls.of(np.diag(np.concatenate([q, v])))
+
+    def through(self, matrix: FloatArray) -> Deviations:
+        """Return them after a linear map of the states."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            states = matrix @ self.states
+            if not np.vdot(states, states) < NOTHING_KNOWN**2:
+                states = np.nan_to_num(states, nan=NOTHING_KNOWN)
+                states = np.clip(states, -NOTHING_KNOWN, NOTHING_KNOWN)
+        return replace(self, states=states)
+
+    def joined(self, other: Deviations) -> Deviations:
+        """Return the sum of two sets whose sources are independent."""
+        return Deviations(
+            np.concatenate([self.states, other.states], axis=1),
+            np.concatenate([self.late, other.late]),
+            np.concatenate([self.before, other.before]),
+        )
+
+    def departed(self, rates: FloatArray) -> Deviations:
+        """Return them at one time, after an event that each source makes late.
+
+        Args:
+            rates: Velocities and accelerations there, shape (2 nv,).
+        """
+        return replace(self.later(-self.late, rates), before=self.late)
+
+    def later(self, late: FloatArray, rates: FloatArray) -> Deviations:
+        """Return them at times that are later by so much for each source.
+
+        Args:
+            late: The times [s], shape (K,).
+            rates: Velocities and accelerations there, shape (2 nv,).
+        """
+        states = self.states + np.outer(rates, late)
+        return replace(self, states=states, late=self.late + late)
+
+    def size(self, row: int) -> float:
+        """How far one position or velocity may deviate."""
+        return float(np.abs(self.states[row]).sum())
+
+    def within(self, row: int, most: float) -> Deviations:
+        """Return them with this position or velocity deviating by no more."""
+        size = self.size(row)
+        if size <= most:
+            return self
+        states = self.states.copy()
+        states[row] *= most / size
+        return replace(self, states=states)
+
+    def merged(self) -> Deviations:
+        """Return a set that contains this one and has few columns."""
+        count = self.states.shape[1]
+        if count <= _MOST:
+            return self
+        columns = np.vstack([self.states, self.late, self.before])
+        sizes = np.abs(columns).sum(axis=1, keepdims=True)
+        scaled = columns / np.where(sizes > 0.0, sizes, 1.0)
+        order = np.argsort(-np.abs(scaled).sum(axis=0), kind="stable")
+        kept, small = columns[:, order[:_KEPT]], scaled[:, order[_KEPT:]]
+        directions, lengths, _ = np.linalg.svd(small, full_matrices=False)
+        # The closures leave only some: the others are round-off.
+        directions = directions[:, lengths > _ROUND_OFF * lengths[0]]
+        box = directions * np.abs(directions.T @ small).sum(axis=1)
+        columns = np.hstack([kept, box * sizes])
+        return Deviations(columns[:-2], columns[-2], columns[-1])

@@ -1,0 +1,244 @@
+"""Triggers: where a gap closes or a contact force vanishes on a panel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray, product
+from ...dynamics.system import ConstraintSet, System
+from ...errors import SimulationError
+from ...mechanism import Stop
+from ..motion.chebyshev import Series, evaluate, nodes
+from ..motion.panel import SMALLEST, Panel, forces_at, one_state_at
+from .roots import first_descent, polish
+
+SIMULTANEOUS = 1e-13
+"""Triggers nearer than this fraction of a turn are one event."""
+# Round-off of a gap that the closures determine [rad or m].
+_ROUND_OFF = 1e-13
+# A gap starts to close from zero if it does so with this share of its largest acceleration.
+_CLOSING = 1e-3
+# A force that starts at zero may start, by round-off, below it: by this share of its largest value.
+_RISING = 1e-9
+# A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
+# that by a factor of no more than 1 + 2 log(N) / pi, which is 3.7 for 64 of them.
+_FARTHEST = 0.5 * 3.7
+
+
+class TriggerKind(StrEnum):
+    """What a root function belongs to."""
+
+    GAP = "gap"
+    FORCE = "force"
+
+
+class Trigger(NamedTuple):
+    """A root: the gap of an open stop, or the force of a closed one, falls through zero.
+
+    Attributes:
+        t: Time [s].
+        kind: Gap or force.
+        stop: Name of the stop.
+    """
+
+    t: float
+    kind: TriggerKind
+    stop: str
+
+
+def triggers(
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    forces: FloatArray,
+) -> tuple[Trigger, ...]:
+    """Earliest triggers on a panel, simultaneous ones together.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        forces: Forces of the closed stops at its nodes, shape (N, closed).
+    """
+    found = []
+    for stop in rows.open:
+        t = _gap_root(system, rows, panel, stop)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.GAP, stop.name))
+    for column, stop in enumerate(rows.shut):
+        t = _force_root(system, rows, panel, forces[:, column], column)
+        if t is not None:
+            found.append(Trigger(t, TriggerKind.FORCE, stop.name))
+    if not found:
+        return ()
+    earliest = min(trigger.t for trigger in found)
+    limit = earliest + SIMULTANEOUS * system.shaft.period
+    return tuple(
+        trigger if trigger.t == earliest else trigger._replace(t=earliest)
+        for trigger in sorted(found, key=lambda item: item.stop)
+        if trigger.t <= limit
+    )
+
+
+def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> float | None:
+    """Time at which a gap falls through zero on a panel, or None."""
+    gap, rate = stop.gap(panel.q[0]), stop.rate(panel.v[0])
+    if rate < 0.0 and gap <= 0.0:
+        # A zero on the border of two panels may lie, by round-off, on neither of them: the one
+        # ends before it and the other starts behind it. And a stop may meet its contact in the
+        # same instant in which a collision at another one turns it back.
+        return panel.t
+    if panel.integrated:
+        return _flight_root(panel, stop, gap, rate)
+    h, gaps = panel.h, stop.gaps(panel.q)
+
+    def rough(t: float) -> tuple[float, float]:
+        both = np.stack([gaps, stop.rates(panel.v)], axis=1)
+        gap_rate = evaluate(both, np.array([(t - panel.t) / h]), 0)[0]
+        return float(gap_rate[0]), float(gap_rate[1])
+
+    def exact(t: float) -> tuple[float, float]:
+        state = one_state_at(system, rows, panel, t)
+        return stop.gap(state.q), stop.rate(state.v)
+
+    grid = nodes(panel.order)
+    values = grid.sample_value @ gaps
+    if gap <= 0.0 < rate and values[1] <= 0.0:
+        # It opens from round-off and closes before the next sample: its highest place is between.
+        peak = panel.t - rate / min(stop.rate(panel.a[0]), -SMALLEST)
+        first = panel.t + h * float(grid.samples[1])
+        if not peak < first or exact(peak)[0] <= 0.0:
+            return panel.t
+        return polish(exact, peak, first)
+
+    def lowest(sigma: float) -> float:
+        return exact(panel.t + h * sigma)[0]
+
+    return _polished(panel, first_descent(grid.samples, values, lowest), rough, exact)
+
+
+def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | None:
+    """Time at which a gap in flight falls through zero, or None.
+
+    Dividing out the zero at the start leaves the next one as the only one, to full precision.
+
+    Args:
+        panel: The panel.
+        stop: The open stop.
+        gap: Its gap at the start of the panel [rad or m].
+        rate: The rate of the gap there.
+    """
+    grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
+    if -_ROUND_OFF <= gap < 0.0 < rate:
+        # It opens from where round-off of the last event has left it, and may close at once.
+        gap = 0.0
+    if gap + h * min(rate, 0.0) > _FARTHEST * h**2 * float(np.abs(a).max()):
+        return None
+    scale = stop.sense * h**2
+    power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)
+    coefficients = scale * product(grid.deflated[power], a)
+    if power == 0:
+        coefficients[0] += gap + 0.5 * h * rate
+        coefficients[1] += 0.5 * h * rate
+    elif power == 1:
+        coefficients[0] += h * rate
+    series = Series(coefficients)
+    if series.positive:
+        return None
+    first, last = series.ends
+    if series.falls and first > 0.0:
+        if last > 0.0:
+            return None
+        bracket = 0.0, 1.0
+        guess = min(max(0.5 - 0.5 * series.coefficients[0] / series.coefficients[1], 0.0), 1.0)
+        return panel.t + h * polish(series.value_and_slope, *bracket, guess)
+    values = scale * (grid.sample_twice[power] @ a)
+    if power < 2:
+        values += gap + h * rate * grid.samples if power == 0 else h * rate
+    if power == 2 and values[0] < -_CLOSING * float(np.abs(values).max()):
+        # It was opened where its force only just touched zero, and is pressed shut again.
+        return panel.t
+    if (values < 0.0).all():
+        if rate < 0.0 < gap <= _ROUND_OFF:
+            # It closes within the round-off of its integral.
+            return panel.t + min(-gap / rate, h)
+        message = (
+            f"stop {stop.name!r} is open but its gap starts to close from zero: the accelerations "
+            "contradict the closed stops; this is an error of the package, please report the case"
+        )
+        raise SimulationError(message, stop=stop.name, gap=gap, rate=rate)
+    found = first_descent(grid.samples, values, series.value)
+    return None if found is None else panel.t + h * polish(series.value_and_slope, *found)
+
+
+def _force_root(
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    force: FloatArray,
+    column: int,
+) -> float | None:
+    """Time at which the force of a closed stop falls through zero on a panel, or None."""
+    grid = nodes(panel.order)
+    values = grid.sample_value @ force
+    if values[0] < 0.0 and not (
+        values[1] > 0.0 and -values[0] <= _RISING * float(np.abs(values).max())
+    ):
+        # The force was zero to round-off when the stop was taken to be pressed, and does not rise.
+        return panel.t
+
+    def interpolant(sigma: float) -> float:
+        return float(evaluate(force, np.array([sigma]), 0)[0])
+
+    samples, start = grid.samples, 0
+    bracket = first_descent(samples, values, interpolant)
+    if bracket is None:
+        return None
+    slope = np.gradient(values, samples) / panel.h
+
+    def rough(t: float) -> tuple[float, float]:
+        sigma = (t - panel.t) / panel.h
+        return interpolant(sigma), float(np.interp(sigma, samples, slope))
+
+    def exact(t: float) -> tuple[float, float]:
+        la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
+        return float(la_N[0, column]), rough(t)[1]
+
+    while bracket is not None:
+        left, right = bracket
+        # The interpolant is not resolved as far as the force itself: it may fall too soon.
+        while exact(panel.t + panel.h * right)[0] > 0.0:
+            start = int(np.searchsorted(samples, right, side="right"))
+            if start == len(samples):
+                return None
+            left, right = right, float(samples[start])
+            if values[start] > 0.0:
+                break
+        else:
+            # Nor too late: then it has vanished at an earlier sample already.
+            before = int(np.searchsorted(samples, left))
+            while before > 0 and exact(panel.t + panel.h * left)[0] <= 0.0:
+                before -= 1
+                left, right = float(samples[before]), left
+            return _polished(panel, (left, right), rough, exact)
+        bracket = first_descent(samples[start:], values[start:], interpolant)
+    return None
+
+
+def _polished(
+    panel: Panel,
+    bracket: tuple[float, float] | None,
+    *functions: Callable[[float], tuple[float, float]],
+) -> float | None:
+    """Root in a bracket, by one function after the other: the cheap ones find the start."""
+    if bracket is None:
+        return None
+    left, right = (panel.t + panel.h * sigma for sigma in bracket)
+    root = right
+    for function in functions:
+        root = polish(function, left, right, root)
+    return root

@@ -1,0 +1,1 @@
+"""Solutions on disk and as a plain document."""

@@ -1,0 +1,339 @@
+"""Solutions on disk: one ``.npz`` file with the model, the case and every number, without loss.
+
+The file holds arrays and one JSON text; nothing in it is executed when it is read. Python writes
+and reads floats in JSON so that every bit comes back.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import Partition
+from ...dynamics.shaft import ShaftMotion
+from ...errors import InputError
+from ...mechanism import Mechanism, from_sources
+from ..advance import Segment
+from ..case import Case, Resolution
+from ..event import Event, EventKind
+from ..motion.panel import Panel
+from ..result.solution import Outcome, Solution
+from . import npz_schema as stored_run
+
+FORMAT = 2
+_Nodes = tuple[FloatArray, FloatArray, FloatArray]
+# What reading an archive or a document can run into that is not what it should be.
+_DAMAGE = (
+    OSError,
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    EOFError,
+    RuntimeError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+def save(solution: Solution, path: str | Path) -> Path:
+    """Write a solution; the file appears only when it is complete.
+
+    Args:
+        solution: The solution.
+        path: File to write; the suffix ``.npz`` is added if it lacks one.
+
+    Returns:
+        The path written.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        target = target.with_name(target.name + ".npz")
+    arrays: dict[str, FloatArray] = {}
+    places: dict[int, int] = {}
+    segments = [_segment_record(segment, arrays, places) for segment in solution.segments]
+    states: dict[tuple[int, int, int], int] = {}
+    rows: list[list[FloatArray]] = []
+    events = []
+    for event in solution.events:
+        # Copies of a turn share their arrays here, too.
+        key = (id(event.q), id(event.v_before), id(event.v_after))
+        if key not in states:
+            states[key] = len(rows)
+            rows.append([event.q, event.v_before, event.v_after, event.delta])
+        events.append({**_event_record(event), "state": states[key]})
+    arrays["events"] = np.array(rows)
+    document = {
+        **_setting(solution.mechanism, solution.case),
+        "shaft": {
+            "speed_rad_s": solution.shaft.speed_rad_s,
+            "start_angle_rad": solution.shaft.start_angle_rad,
+        },
+        "segments": segments,
+        "events": events,
+        "outcome": solution.outcome.name,
+        "evaluations": solution.evaluations,
+        "wall_s": solution.wall_s,
+        "repeated_from": solution.repeated_from,
+    }
+    with complete_file(target) as partial, partial.open("wb") as stream:
+        np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
+    return target
+
+
+def load_solution(path: str | Path) -> Solution:
+    """Read a solution written by :func:`save`; its mechanism is validated again.
+
+    Args:
+        path: The file.
+
+    Returns:
+        A solution equal to the saved one in every number.
+
+    Raises:
+        InputError: The file is missing, damaged or of another format.
+    """
+    try:
+        # A file of our own is closed whatever is wrong with its content.
+        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+            document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
+            _check_format(document, path)
+            return _solution(stored_run.run(document), stored)
+    except _DAMAGE as error:
+        message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
+        raise InputError(message, file=str(path)) from error
+
+
+def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
+    """Write everything that a run needs to be repeated, model included, as one JSON file."""
+    with complete_file(Path(path)) as partial:
+        partial.write_text(json.dumps(_setting(mechanism, case), indent=1), encoding="utf-8")
+    return Path(path)
+
+
+def load_case(path: str | Path) -> tuple[Mechanism, Case]:
+    """Read a case written by :func:`save_case`; its mechanism is validated again.
+
+    Raises:
+        InputError: The file is missing, damaged or of another format.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        document = json.loads(text, parse_constant=_refuse_constant)
+        _check_format(document, path)
+        setting = stored_run.setting(document)
+        return _mechanism(setting), _case(setting)
+    except _DAMAGE as error:
+        message = f"{path}: not a saved case, or a damaged one ({error})"
+        raise InputError(message, file=str(path)) from error
+
+
+@contextmanager
+def complete_file(target: Path) -> Iterator[Path]:
+    """Give a temporary path beside the target that takes its place only if nothing fails."""
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        partial.replace(target)
+    except OSError as error:
+        message = f"{target}: cannot be written ({error.strerror or error})"
+        raise InputError(message, file=str(target)) from error
+    finally:
+        # Where no file can be there is none to remove, and the first error is the one to tell.
+        with suppress(OSError):
+            partial.unlink()
+
+
+def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "version": version("nipper-pin"),
+        "mechanism": {
+            "name": mechanism.name,
+            "urdf": mechanism.urdf,
+            "description": mechanism.description,
+            "folder": mechanism.mesh_folder,
+        },
+        "case": asdict(case),
+    }
+
+
+def _check_format(document: dict[str, Any], path: str | Path) -> None:
+    if document["format"] != FORMAT:
+        message = (
+            f"{path}: this is format {document['format']!r}, and this version reads format "
+            f"{FORMAT}; simulate the case again"
+        )
+        raise InputError(message, file=str(path), format=document["format"])
+
+
+def _refuse_constant(name: str) -> None:
+    """Python's JSON writes what is not finite, but no run that was saved holds it."""
+    message = f"{name} is no number of a run"
+    raise ValueError(message)
+
+
+def _mechanism(setting: stored_run.Setting) -> Mechanism:
+    source = setting.mechanism
+    return from_sources(source.name, source.urdf, source.description, Path(source.folder))
+
+
+def _case(setting: stored_run.Setting) -> Case:
+    values = msgspec.structs.asdict(setting.case)
+    return Case(
+        **{**values, "resolution": Resolution(**msgspec.structs.asdict(setting.case.resolution))}
+    )
+
+
+def _segment_record(
+    segment: Segment, arrays: dict[str, FloatArray], places: dict[int, int]
+) -> dict[str, Any]:
+    panels = []
+    for panel in segment.panels:
+        # Copies of a turn share their arrays, in memory and on disk.
+        place = places.setdefault(id(panel.q), len(places))
+        if f"panel{place}" not in arrays:
+            arrays[f"panel{place}"] = np.stack([panel.q, panel.v, panel.a])
+        panels.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
+    return {
+        "t_start": segment.t_start,
+        "t_end": segment.t_end,
+        "closed": sorted(segment.closed),
+        "kinematic": segment.kinematic,
+        "panels": panels,
+    }
+
+
+def _event_record(event: Event) -> dict[str, Any]:
+    return {
+        "number": event.number,
+        "t": event.t,
+        "kind": event.kind.value,
+        "stops": event.stops,
+        "P_N": event.P_N,
+        "P_g": event.P_g.tolist(),
+        "energy_lost": event.energy_lost,
+        "closed_before": sorted(event.closed_before),
+        "closed_after": sorted(event.closed_after),
+        "series_error": event.series_error,
+    }
+
+
+def _solution(run: stored_run.Run, stored: Any) -> Solution:
+    mechanism = _mechanism(run)
+    size = len(mechanism.joints)
+    # Copies of a turn share their arrays again, as they did when they were written.
+    panels: dict[int, _Nodes] = {}
+    for segment in run.segments:
+        for panel in segment.panels:
+            if panel.place not in panels:
+                panels[panel.place] = tuple(_numbers(stored[f"panel{panel.place}"], 3, None, size))
+    states = [tuple(row) for row in _numbers(stored["events"], None, 4, size)] if run.events else []
+    if {event.state for event in run.events} != set(range(len(states))):
+        message = "the events do not belong to the stored states"
+        raise ValueError(message)
+    rows = 2 * len(mechanism.closures)
+    return Solution(
+        mechanism=mechanism,
+        case=_case(run),
+        shaft=ShaftMotion(mechanism, run.shaft.speed_rad_s, run.shaft.start_angle_rad),
+        events=tuple(_event(item, states[item.state], mechanism, rows) for item in run.events),
+        segments=tuple(_segment(item, panels, mechanism) for item in run.segments),
+        outcome=Outcome[run.outcome],
+        evaluations=run.evaluations,
+        wall_s=run.wall_s,
+        repeated_from=run.repeated_from,
+    )
+
+
+def _numbers(array: Any, *shape: int | None) -> FloatArray:
+    """An array of finite numbers of this shape, None for any length but none at all."""
+    fits = array.ndim == len(shape) and all(
+        length > 0 if wanted is None else length == wanted
+        for length, wanted in zip(array.shape, shape, strict=True)
+    )
+    if array.dtype != np.float64 or not fits or not np.isfinite(array).all():
+        message = f"an array of {array.dtype} {array.shape} where numbers {shape} should be"
+        raise ValueError(message)
+    return np.asarray(array)
+
+
+def _segment(
+    record: stored_run.SegmentRecord,
+    panels: dict[int, _Nodes],
+    mechanism: Mechanism,
+) -> Segment:
+    size = len(mechanism.joints)
+    rows = 2 * len(mechanism.closures)
+    for panel in record.panels:
+        if sorted(set(panel.dependent) & set(range(size))) != sorted(panel.dependent) or (
+            len(panel.dependent) != rows
+        ):
+            message = f"{panel.dependent} are not the dependent coordinates of a panel"
+            raise ValueError(message)
+    return Segment(
+        t_start=record.t_start,
+        t_end=record.t_end,
+        closed=_stops(record.closed, mechanism),
+        panels=tuple(
+            _panel(panel, *panels[panel.place], Partition.of(panel.dependent, size))
+            for panel in record.panels
+        ),
+        kinematic=record.kinematic,
+    )
+
+
+def _panel(
+    record: stored_run.PanelRecord, q: FloatArray, v: FloatArray, a: FloatArray, split: Partition
+) -> Panel:
+    return Panel(record.t, record.h, q, v, a, split, record.integrated)
+
+
+def _event(
+    record: stored_run.EventRecord,
+    state: tuple[FloatArray, ...],
+    mechanism: Mechanism,
+    rows: int,
+) -> Event:
+    q, v_before, v_after, delta = state
+    kind = EventKind(record.kind)
+    _stops((*record.stops, *record.P_N), mechanism)
+    if kind is EventKind.COLLISION and not set(record.stops) <= record.P_N.keys():
+        message = f"the collision of {record.stops} has no impulse"
+        raise ValueError(message)
+    return Event(
+        number=record.number,
+        t=record.t,
+        kind=kind,
+        stops=record.stops,
+        q=q,
+        v_before=v_before,
+        v_after=v_after,
+        delta=delta,
+        P_N=record.P_N,
+        P_g=_numbers(np.array(record.P_g), rows) if rows else np.empty(0),
+        energy_lost=record.energy_lost,
+        closed_before=_stops(record.closed_before, mechanism),
+        closed_after=_stops(record.closed_after, mechanism),
+        series_error=record.series_error,
+    )
+
+
+def _stops(names: tuple[str, ...], mechanism: Mechanism) -> frozenset[str]:
+    """Names of stops that there are."""
+    return frozenset(mechanism.stop(name).name for name in names)

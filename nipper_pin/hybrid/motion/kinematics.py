@@ -1,0 +1,162 @@
+"""Panels of phases without freedom: the drives determine the motion, node by node."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import (
+    MAX_CONDITION,
+    Partition,
+    close_positions,
+    close_velocities,
+    inverted,
+)
+from ...dynamics.multipliers import multipliers
+from ...dynamics.system import ConstraintSet, System
+from ...errors import SingularConfigurationError
+from ..case import Resolution
+from .chebyshev import nodes, tail
+from .noise_floor import of_closures
+from .panel import SMALLEST, Attempt, Panel, judged
+
+# Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
+# what is amplified further counts as unresolved.
+_AMPLIFIED = 1e3
+# One way out of many in which round-off may fall.
+_SAFETY = 8.0
+# Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
+_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
+
+
+def kinematic_panel(
+    system: System,
+    rows: ConstraintSet,
+    split: Partition,
+    t: float,
+    h: float,
+    q: FloatArray,
+    v: FloatArray,
+    a: FloatArray,
+    resolution: Resolution,
+) -> Attempt:
+    """Motion of a phase without freedom, where the drives determine everything.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        split: Dependent and independent coordinates.
+        t: Start [s].
+        h: Length [s].
+        q: Configuration at the start, shape (nv,); with v and a the guess for the nodes.
+        v: Velocity there.
+        a: Acceleration there.
+        resolution: Number of nodes, and what they may leave unresolved.
+
+    Returns:
+        The panel with the stop forces, or the advice to try a shorter one.
+    """
+    grid = nodes(resolution.kinematic_nodes)
+    tau = (h * grid.sigma)[:, None]
+    guess = q + tau * v + 0.5 * tau**2 * a
+    times = t + h * grid.sigma
+    rates = np.repeat(v[None], len(times), axis=0)
+    motion = system.shaft.driven(times)
+    system.prescribe(motion, guess, rates, rows)
+    q_nodes, jacobian = close_positions(system.body, guess, split)
+    _check_branch(jacobian, split)
+    _check_digits(jacobian, split)
+    v_nodes = close_velocities(rates, jacobian, split)
+    a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
+    moving = np.abs(h * v_nodes).max(axis=0)
+    # What no shorter panel would resolve either must not advise one.
+    round_off = _round_off(system, q_nodes, jacobian, split)
+    rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+    if resolution.adaptive and rough_a.max() > 1.0:
+        # Stops may lock links through closures, or all of them while drive trains wind up: what
+        # these have of accelerations is round-off of the forces on them.
+        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, rows, split)
+        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+        still = moving + h**2 * np.abs(a_nodes).max(axis=0)
+        rough_a[still <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
+    if not resolution.adaptive:
+        return Attempt(panel, forces, 1.0)
+    left_over = np.maximum(tail(q_nodes) - round_off, 0.0)
+    rough = left_over / (resolution.tolerance * moving + SMALLEST)
+    # Stop forces are second derivatives: they are resolved less far than positions, and their
+    # roots are polished on the exact motion.
+    size = np.abs(forces).max(axis=0) + SMALLEST
+    rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
+    excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
+    if system.mechanism.struts:
+        # Where points of a strut pass one another closely, its force is rougher than all motion.
+        pulls = system.point_forces(q_nodes, v_nodes).reshape(len(q_nodes), -1)
+        rough_pull = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
+        excess = max(excess, float(rough_pull.max()))
+    return judged(panel, forces, excess, resolution.kinematic_nodes)
+
+
+def _rough_accelerations(
+    h: float, v: FloatArray, a: FloatArray, round_off: FloatArray, resolution: Resolution
+) -> FloatArray:
+    """What a panel leaves unresolved of accelerations, in units of the tolerance, shape (nv,).
+
+    They are second derivatives: they are resolved less far than positions, by what they change.
+    Near a dead centre they rise within the round-off of the positions.
+
+    Args:
+        h: Length of the panel [s].
+        v: Velocities at the nodes, shape (N, nv).
+        a: Accelerations at the nodes, shape (N, nv).
+        round_off: Round-off of the positions, shape (nv,).
+        resolution: Number of nodes, and what they may leave unresolved.
+    """
+    changed = np.abs(h * v).max(axis=0) + h**2 * np.abs(a).max(axis=0) + SMALLEST
+    # The last coefficients of round-off may be small by chance, but rates, found without them, are
+    # then not the integral of accelerations.
+    apart = np.abs(v - v[0] - h * (nodes(len(v)).once @ a)).max(axis=0)
+    apart = np.maximum(h * apart - round_off, 0.0)
+    left_over = np.maximum(h**2 * tail(a), apart)
+    return np.asarray(left_over / (np.sqrt(resolution.tolerance) * changed))
+
+
+def _check_branch(jacobian: FloatArray, split: Partition) -> None:
+    """Refuse to pass a dead centre, behind which the nodes may lie on another branch.
+
+    On one branch the determinant of the dependent columns keeps its sign.
+    """
+    if split.dependent:
+        volumes = np.linalg.det(jacobian[:, :, split.columns])
+        if volumes.min() <= 0.0 <= volumes.max():
+            message = (
+                "the motion passes through a dead centre, behind which the links can go either "
+                "way; change the dimensions or the drive"
+            )
+            raise SingularConfigurationError(message, volumes=volumes.tolist())
+
+
+def _check_digits(jacobian: FloatArray, split: Partition) -> None:
+    """Refuse a node so near a dead centre that rates are not determined any more."""
+    if not split.dependent:
+        return
+    blocks = jacobian[:, :, split.columns]
+    # No determinant is zero: `_check_branch` has been passed.
+    sizes, inverses = (np.linalg.norm(m, axis=(1, 2)) for m in (blocks, np.linalg.inv(blocks)))
+    condition = float((sizes * inverses).max())
+    if not condition < MAX_CONDITION:
+        message = (
+            f"a dead centre is so near (condition {condition:.2g}) that round-off decides on the "
+            "rates; change the dimensions or the drive"
+        )
+        raise SingularConfigurationError(message, condition=condition)
+
+
+def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+    """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
+    size = np.abs(q).max(axis=0) + np.finfo(float).eps
+    _, inverse = inverted(jacobian[0].take(split.columns, 1))
+    moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
+    size[split.columns] += np.minimum(moved, _AMPLIFIED)
+    return np.asarray(_ROUND_OFF * size)

@@ -1,0 +1,236 @@
+"""One panel of motion: what it holds, and exact states and forces at any time on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray, product
+from ...dynamics.assembly import Partition, close_positions, close_velocities
+from ...dynamics.multipliers import Multipliers, multipliers
+from ...dynamics.shaft import Driven
+from ...dynamics.system import ConstraintSet, System
+from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
+
+_EPS = float(np.finfo(float).eps)
+SMALLEST = 1e-300
+NEARBY = 4.0
+"""Round-off of a coordinate in units of its last digit."""
+
+
+class Attempt(NamedTuple):
+    """A panel, or why there is none, and the length that the next attempt should have.
+
+    Attributes:
+        panel: The panel; None if the nodes do not resolve it.
+        forces: Stop forces at its nodes, shape (N, closed).
+        factor: Ratio of the advised next length to this one.
+    """
+
+    panel: Panel | None
+    forces: FloatArray
+    factor: float
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Motion over [t, t + h] at its collocation nodes.
+
+    Attributes:
+        t: Start [s].
+        h: Length [s].
+        q: Configurations at the nodes, shape (N, nv).
+        v: Velocities at the nodes, shape (N, nv).
+        a: Accelerations at the nodes, shape (N, nv).
+        split: Dependent and independent coordinates.
+        integrated: True if the free coordinates are integrals of ``a`` from the first node; False
+            if all follow from the drives, node by node.
+    """
+
+    t: float
+    h: float
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    split: Partition
+    integrated: bool
+
+    @property
+    def order(self) -> int:
+        """Number of nodes."""
+        return len(self.q)
+
+    @property
+    def times(self) -> FloatArray:
+        """Times of the nodes [s], shape (N,)."""
+        return self.t + self.h * nodes(self.order).sigma
+
+    def shifted(self, delay: float, wound: FloatArray) -> Panel:
+        """Return the same motion at a later time; it shares its accelerations with this one.
+
+        Args:
+            delay: How much later [s].
+            wound: What is added to the coordinates, shape (nv,).
+        """
+        q = self.q + wound if wound.any() else self.q
+        return replace(self, t=self.t + delay, q=q)
+
+    def interpolate(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Positions and velocities at times t, before the closures are met exactly.
+
+        Args:
+            t: Times within the panel, shape (K,) [s].
+
+        Returns:
+            q and v, shape (K, nv).
+        """
+        sigma = (t - self.t) / self.h
+        if not self.integrated:
+            return evaluate(self.q, sigma, 0), evaluate(self.v, sigma, 0)
+        h = self.h
+        twice, once = evaluate_motion(self.a, sigma)
+        q = self.q[0] + (h * sigma)[:, None] * self.v[0] + h**2 * twice
+        return q, self.v[0] + h * once
+
+    def interpolate_at(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity at one time t [s], each (nv,); otherwise as :meth:`interpolate`."""
+        if t == self.t:
+            # Collisions in one instant: of the integrals round-off would be left.
+            return self.q[0].copy(), self.v[0].copy()
+        h = self.h
+        sigma = (t - self.t) / h
+        if not self.integrated:
+            q, v = self.interpolate(np.array([t]))
+            return q[0], v[0]
+        twice, once = product(motion_weights(self.order, sigma), self.a)
+        return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
+
+
+class Exact(NamedTuple):
+    """States on a panel in which prescribed motion and closures are met to round-off.
+
+    Attributes:
+        q: Configurations, shape (K, nv); of one state (nv,).
+        v: Velocities, likewise.
+        jacobian: Closure Jacobians, shape (K, m, nv); of one state (m, nv).
+        motion: Driven coordinates, rates and accelerations, always one row a state.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    jacobian: FloatArray
+    motion: Driven
+
+
+def state_at(system: System, rows: ConstraintSet, panel: Panel, t: FloatArray) -> Exact:
+    """Exact states on a panel.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        t: Times within it, shape (K,) [s].
+    """
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
+    q, jacobian = close_positions(system.body, q, panel.split)
+    return Exact(q, close_velocities(v, jacobian, panel.split), jacobian, motion)
+
+
+def one_state_at(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Exact:
+    """One exact state on a panel, with what leads to it left ready for the impact that follows.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        t: Time within it [s].
+    """
+    q, v = panel.interpolate_at(t)
+    motion = system.shaft.driven_at(t)
+    guess = q[None]
+    system.prescribe(motion, guess, v[None], rows)
+    closed, jacobians = close_positions(system.body, guess, panel.split)
+    jacobian = jacobians[0]
+    return Exact(closed[0], system.closed_velocity(v, jacobian, panel.split), jacobian, motion)
+
+
+def forces_at(
+    system: System,
+    rows: ConstraintSet,
+    panel: Panel,
+    t: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
+    """Exact states with accelerations and forces of constraint; arguments as :func:`state_at`.
+
+    Returns:
+        q, v, a of shape (K, nv) and the forces of constraint.
+    """
+    q, v, jacobian, motion = state_at(system, rows, panel, t)
+    if panel.integrated:
+        a = system.accelerations(motion, q, v, rows)
+    else:
+        # Near a dead centre, and of links of very different masses, those of the dynamics differ.
+        a = system.determined_accelerations(motion, q, v, jacobian, rows, panel.split)
+    return q, v, a, multipliers(system, motion, q, v, a, jacobian, rows, panel.split)
+
+
+def defect(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
+    """How far the interpolated accelerations of a panel are from the dynamics.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        sigma: Places on it, in [0, 1], shape (K,).
+
+    Returns:
+        Differences at motion that is not closed anew, not negative, shape (K, nv).
+    """
+    t = panel.t + panel.h * sigma
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    system.prescribe(motion, q, v, rows)
+    there = system.accelerations(motion, q, v, rows)
+    return np.asarray(np.abs(evaluate(panel.a, sigma, 0) - there))
+
+
+def nearby(
+    system: System, q: FloatArray, v: FloatArray, split: Partition
+) -> tuple[FloatArray, FloatArray]:
+    """The same states but for round-off: what moves between the two cannot be resolved.
+
+    Dependent coordinates stand where the closures let them stand, and have the rates of that place:
+    what the closures are open by near a dead centre makes itself felt there.
+
+    Args:
+        system: The system.
+        q: Configurations, shape (N, nv).
+        v: Velocities, shape (N, nv).
+        split: Dependent and independent coordinates.
+
+    Returns:
+        q and v, shape (N, nv).
+    """
+    body, columns = system.body, split.columns
+    signs = (-1.0) ** np.arange(body.nv)
+    # The length of a strut is a difference of places.
+    size = np.abs(q) + (body.reach_m if system.mechanism.struts else 0.0)
+    q = q + NEARBY * _EPS * signs * size
+    if columns.size:
+        g, jacobian = body.closures(q)
+        q[:, columns] -= np.linalg.solve(jacobian[:, :, columns], g[:, :, None])[:, :, 0]
+        v = close_velocities(v, body.closures(q)[1], split)
+    return q, v
+
+
+def judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attempt:
+    """Accept a panel whose unresolved part is at most 1 in units of the tolerance."""
+    factor = 0.9 * max(excess, SMALLEST) ** (-1.0 / order)
+    factor = min(max(factor, 0.2), 2.0)
+    if excess <= 1.0:
+        return Attempt(panel, forces, factor)
+    return Attempt(None, forces, min(factor, 0.7))

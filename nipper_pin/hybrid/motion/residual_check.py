@@ -1,0 +1,179 @@
+"""What nodes may miss of tables and struts: what happens between them.
+
+A force that changes within a narrow step or spike, and changes back before the next node, leaves no
+trace in the nodes; of a step that stays they show the height, not the place. So the equations of
+motion are asked for where a coordinate crosses a row of its table and where it turns back, and with
+struts, whose points may pass one another closely, between any two nodes.
+
+Closer still, the line of a damper turns by half a turn in no time. Its force falls to zero there
+and is afterwards what it was before: a pass that lies between two nodes is looked for itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.elements import Elements
+from ...dynamics.system import ConstraintSet, System
+from ...mechanism import COINCIDENT_M
+from .chebyshev import nodes
+from .panel import SMALLEST, Panel, defect, nearby
+
+_NEWTON_STEPS = 3
+# One way out of many in which round-off may fall.
+_SAFETY = 8.0
+# Cosine of the angle by which a damper may turn from one node to the next.
+_TURN = 0.5
+# Share of the way between two nodes in which they do not see what happens.
+_NARROW = 0.1
+
+
+def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
+    """True if the nodes of a panel show how its dampers turn.
+
+    Args:
+        elements: Tables and struts of the system.
+        panel: The panel.
+        tolerance: Relative accuracy of its positions.
+    """
+    lines = elements.damper_lines(panel.q)
+    if not lines.size:
+        return True
+    before, after = lines[:-1], lines[1:]
+    if _hidden(before, after, tolerance).any():
+        return False
+    turned = np.argwhere(_turned(before, after))
+    sigma = nodes(panel.order).sigma
+    return all(
+        _in_line(elements, panel, int(damper), float(sigma[node]), float(sigma[node + 1]))
+        for node, damper in turned
+    )
+
+
+def _turned(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Whether lines (x, z) turn by more than an interval may show, shape (...)."""
+    along = np.einsum("...i,...i->...", before, after)
+    sizes = np.linalg.norm(before, axis=-1) * np.linalg.norm(after, axis=-1)
+    return np.asarray(along < _TURN * sizes)
+
+
+def _hidden(before: FloatArray, after: FloatArray, tolerance: float) -> FloatArray:
+    """Whether lines (x, z) turn beside a node where they are short, shape (...).
+
+    A line of length d turns by delta within a way of about d. For so long the damper lacks a share
+    sin^2 delta of its force, and its impulse that of d beside the whole way of the interval.
+    """
+    first, second = np.linalg.norm(before, axis=-1), np.linalg.norm(after, axis=-1)
+    way, shorter = np.linalg.norm(after - before, axis=-1), np.minimum(first, second)
+    across = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
+    lacking = shorter * across**2 > tolerance * way * (first * second) ** 2
+    return np.asarray((shorter < _NARROW * way) & lacking)
+
+
+def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: float) -> bool:
+    """True if the points of a damper that turns meet on the way, which needs no direction.
+
+    The turn is halved until it is either spread over both halves or in a length that is none. The
+    chord does not tell: it may meet the point that the arc over it passes by.
+    """
+    while True:
+        sigma = np.array([left, 0.5 * (left + right), right])
+        q, _ = panel.interpolate(panel.t + panel.h * sigma)
+        lines = elements.damper_lines(q)[:, damper]
+        if np.linalg.norm(lines[1]) <= COINCIDENT_M:
+            return True
+        first, second = _turned(lines[:-1], lines[1:])
+        if first == second or not left < sigma[1] < right:
+            return False
+        left, right = (left, float(sigma[1])) if first else (float(sigma[1]), right)
+
+
+def shows_forces(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:
+    """True if a flight panel obeys its equations between its nodes, as far as forces ask for it.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel, resolved by its nodes.
+        tolerance: Relative accuracy of its positions.
+    """
+    sigma = rows_met(system, panel)
+    if system.mechanism.struts:
+        sigma = np.concatenate([sigma, nodes(panel.order).between])
+    return not sigma.size or _obeys(system, rows, panel, tolerance, sigma)
+
+
+def shows_end(
+    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, t_end: float
+) -> bool:
+    """True if a flight panel obeys its equations where an event ends it.
+
+    Points of a strut may be at one place where a stop closes, and only there.
+
+    Args:
+        system: The system.
+        rows: The phase.
+        panel: The panel.
+        tolerance: Relative accuracy of its positions.
+        t_end: Time of the event [s].
+    """
+    if not system.mechanism.struts:
+        return True
+    return _obeys(system, rows, panel, tolerance, np.array([(t_end - panel.t) / panel.h]))
+
+
+def _obeys(
+    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, sigma: FloatArray
+) -> bool:
+    """True if the dynamics at places of a panel differ from it by no more than it may leave."""
+    off = rows.moving * defect(system, rows, panel, sigma)
+    # What the closures determine follows from the others; where its mass is small beside theirs,
+    # its acceleration is round-off of a large force.
+    off[:, panel.split.columns] = 0.0
+    moved = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0) + SMALLEST
+    # Two integrations divide what the interpolant misses by about (2 N)^2.
+    most = (2.0 * panel.order) ** 2 * tolerance * moved / panel.h**2
+    if (off <= most).all():
+        return True
+    return bool((off <= most + _round_off(system, rows, panel, sigma)).all())
+
+
+def _round_off(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
+    """Round-off of the accelerations at some places of a panel, shape (K, nv)."""
+    t = panel.t + panel.h * sigma
+    q, v = panel.interpolate(t)
+    motion = system.shaft.driven(t)
+    there = system.accelerations(motion, q, v, rows)
+    close = system.accelerations(motion, *nearby(system, q, v, panel.split), rows)
+    return np.asarray(_SAFETY * np.abs(close - there))
+
+
+def rows_met(system: System, panel: Panel) -> FloatArray:
+    """Places sigma on a panel at which coordinates of tables cross a row or turn, shape (K,)."""
+    if not system.mechanism.tabulated_springs:
+        return np.empty(0)
+    samples = nodes(panel.order).samples
+    q, v = panel.interpolate(panel.t + panel.h * samples)
+    found = []
+    for table in system.mechanism.tabulated_springs:
+        x, rate, index = q[:, table.index], v[:, table.index], table.index
+        found.append(_crossed(samples, rate))
+        for row in table.characteristic.coordinate:
+            sigma = _crossed(samples, x - row)
+            for _ in range(_NEWTON_STEPS if sigma.size else 0):
+                there, speed = panel.interpolate(panel.t + panel.h * sigma)
+                slope = panel.h * speed[:, index]
+                step = np.divide(there[:, index] - row, slope, where=slope != 0.0,
+                                 out=np.zeros_like(sigma))  # fmt: skip
+                sigma = np.clip(sigma - step, 0.0, 1.0)
+            found.append(sigma)
+    return np.concatenate(found)
+
+
+def _crossed(samples: FloatArray, values: FloatArray) -> FloatArray:
+    """Places at which sampled values change their sign, by the chord."""
+    left, right = values[:-1], values[1:]
+    place = np.flatnonzero(left * right < 0.0)
+    part = left[place] / (left[place] - right[place])
+    return np.asarray(samples[place] + part * (samples[place + 1] - samples[place]))

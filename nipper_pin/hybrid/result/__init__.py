@@ -1,0 +1,1 @@
+"""What a simulation returns: events, motion, tables and energies."""

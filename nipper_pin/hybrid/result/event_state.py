@@ -1,0 +1,48 @@
+"""State at the time of an event; a rest lies beyond the last collision that was computed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..event import Event, EventKind
+from ..run.state import State
+from ..simulate import go_on
+from .trajectory import Motion
+
+if TYPE_CHECKING:
+    from .solution import Solution
+
+
+def motion_at(solution: Solution, event: Event) -> Motion:
+    """The state just after an event, at its time; see :meth:`Solution.motion_at`.
+
+    Args:
+        solution: The solution.
+        event: One of its events.
+
+    Raises:
+        SimulationError: The motion cannot be followed to the time of a rest.
+    """
+    system, t = solution.system, event.t
+    q, v = event.q, event.v_after
+    if event.kind is EventKind.REST:
+        if solution.segments and t <= solution.segments[-1].t_end:
+            return solution.trajectory.evaluate(t)
+        began = _known_at(solution, event)
+        _, jacobian = system.body.closures(q[None])
+        motion = system.shaft.driven_at(began)
+        start = State(began, q, v, jacobian[0], motion, event.closed_after)
+        reached, _ = go_on(system, solution.case, start, t)
+        if reached is not None:
+            q, v = reached.q, reached.v
+    times = np.array([t])
+    return Motion(times, system.shaft.angle(times), q[None], v[None])
+
+
+def _known_at(solution: Solution, rest: Event) -> float:
+    """Time of the state that a rest was found from [s]: that of the bounce before it."""
+    before = solution.events[: rest.number - 1]
+    bounces = (item.t for item in reversed(before) if item.kind is not EventKind.REST)
+    return next(bounces, rest.t)

@@ -1,0 +1,73 @@
+"""How well the rebound after a collision is known: its amplitude and its time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..advance import Segment
+from ..error_estimate.event_errors import EventError
+from ..error_estimate.linear_maps import LinearMaps
+from ..event import EventKind
+from .solution import Solution
+from .tables import Collision
+
+# Round-off of the clock, relative.
+_CLOCK = 2.0 * float(np.finfo(float).eps)
+
+
+class ReboundError(NamedTuple):
+    """Estimated errors of a rebound.
+
+    Attributes:
+        amplitude: Of its largest gap [rad or m].
+        time: Of its time [s].
+    """
+
+    amplitude: float
+    time: float
+
+
+def rebound_error(solution: Solution, hit: Collision) -> ReboundError:
+    """Estimate the errors of the rebound after a collision.
+
+    Its time is that between two events, of which what makes both late is no part. Of a nearly
+    ballistic flight the height goes with the square of the rate: the collision at its end holds
+    what the flight has left unresolved.
+
+    Args:
+        solution: The solution.
+        hit: One of its collisions.
+
+    Returns:
+        Infinite errors where a rebound is unknown.
+    """
+    height, duration = hit.rebound_amplitude, hit.rebound_time
+    end, left_out = hit.rebounds.until(hit.event)
+    if height is None or duration is None or end is None:
+        return ReboundError(np.inf, np.inf)
+    error = solution.errors[hit.event.number - 1]
+    if left_out is not None:
+        return _left_out(solution, hit, left_out, error)
+    later = solution.errors[hit.event.number : end.number]
+    relative = error.impulse
+    if end.kind is EventKind.COLLISION and later:
+        relative = max(relative, later[-1].impulse)
+    return ReboundError(2.0 * relative * height, float(sum(item.since for item in later)))
+
+
+def _left_out(
+    solution: Solution, hit: Collision, flight: Segment, error: EventError
+) -> ReboundError:
+    """Errors of a rebound that the run did not follow: those of its rate, and of its own flight."""
+    index = solution.mechanism.stop(hit.stop).index
+    own = LinearMaps(solution.system).flight(flight).own
+    _, v = flight.panels[-1].interpolate_at(flight.t_end)
+    rate = abs(float(v[index]))
+    relative = error.impulse + own.size(len(v) + index) / rate
+    duration = flight.t_end - flight.t_start
+    late = own.size(index) / rate + _CLOCK * (hit.t + duration)
+    return ReboundError(
+        2.0 * relative * float(hit.rebound_amplitude or 0.0), relative * duration + late
+    )

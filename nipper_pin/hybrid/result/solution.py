@@ -1,0 +1,236 @@
+"""What a simulation returns: events, motion between them, and how the run ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ...arrays import FloatArray
+from ...dynamics.shaft import ShaftMotion
+from ...dynamics.system import System
+from ...mechanism import Mechanism
+from ..advance import Segment
+from ..case import Case
+from ..event import Event
+from .tables import (
+    Collision,
+    PhaseInterval,
+    Transition,
+    collision_table,
+    phase_intervals,
+    transitions,
+)
+
+if TYPE_CHECKING:
+    from ..error_estimate.event_errors import EventError
+    from .energy_balance import EnergyBalance
+    from .premise import Premise
+    from .trajectory import Motion, Trajectory
+
+
+class Outcome(StrEnum):
+    """How a run ended; the value is the sentence for the user."""
+
+    COMPLETED = "The window was simulated to its end."
+    AT_REST = "The transition ended with the stop at rest."
+    STILL_BOUNCING = "The window ended while a stop was still bouncing; it came to no rest."
+    NO_REST = (
+        "The stop did not come to rest within one turn of the first collision: its bounces outlast "
+        "the time in which it is pressed shut; lower the speed or the restitution."
+    )
+    TOO_MANY_COLLISIONS = (
+        "The run was stopped at its largest number of collisions: the bounces are long, or stops "
+        "keep throwing one another open; raise max_collisions, or let bounces slower than a rate "
+        "end (rest_rate)."
+    )
+
+
+@dataclass(frozen=True)
+class LinkVelocities:
+    """Velocities of the moving links at one state.
+
+    Attributes:
+        links: Names.
+        angular: Counter-clockwise in the side view [rad/s], shape (links,).
+        centroid: (x, z) of the centre of mass [m/s], shape (links, 2).
+    """
+
+    links: tuple[str, ...]
+    angular: FloatArray
+    centroid: FloatArray
+
+
+@dataclass(frozen=True)
+class Checks:
+    """What a run should be zero in.
+
+    Attributes:
+        closure_m: Largest closure gap of the computed motion [m].
+        closure_rate_m_s: Largest closure rate [m/s].
+        energy_balance: Residual of the energy balance by the largest kinetic energy [-].
+    """
+
+    closure_m: float
+    closure_rate_m_s: float
+    energy_balance: float
+
+
+# Most runs are asked for none of what the properties below import where they need it.
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution:
+    """A simulated stretch of motion; a transition without rebound is a collision and no motion.
+
+    Tables, dense motion, forces and balances are computed when they are first asked for; a solution
+    that is pickled leaves them behind.
+
+    Attributes:
+        mechanism: The mechanism.
+        case: The case.
+        shaft: Motion of the cylinder; its start angle belongs to time zero.
+        events: Events in order of time.
+        segments: Motion between events, in order of time, without gaps.
+        outcome: How the run ended.
+        evaluations: Evaluations of the constrained dynamics.
+        wall_s: Wall time of the run [s].
+        repeated_from: Turn that all further ones are copies of, or None.
+    """
+
+    mechanism: Mechanism
+    case: Case
+    shaft: ShaftMotion
+    events: tuple[Event, ...]
+    segments: tuple[Segment, ...]
+    outcome: Outcome
+    evaluations: int
+    wall_s: float
+    repeated_from: int | None
+
+    def __repr__(self) -> str:
+        """One line."""
+        from .summary import line
+
+        return line(self)
+
+    def _repr_html_(self) -> str:
+        from .summary import page
+
+        return page(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was simulated; Pinocchio's objects, which are found again, cannot be pickled."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def to_frame(self, library: str | None = None) -> Any:
+        """Collisions as a data frame, with the names and units of the JSON document.
+
+        Args:
+            library: "pandas", "polars" or "pyarrow"; by default the first that is installed.
+
+        Raises:
+            InputError: It is not installed.
+        """
+        from ...frames import data_frame
+        from .summary import columns
+
+        return data_frame(columns(self), library)
+
+    @cached_property
+    def system(self) -> System:
+        """The system that the solution belongs to, for evaluations afterwards."""
+        return System(self.mechanism, self.shaft, self.case.drive)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """Dense motion and forces at any time."""
+        from .trajectory import Trajectory
+
+        return Trajectory(self.system, self.segments)
+
+    @cached_property
+    def collisions(self) -> tuple[Collision, ...]:
+        """Collisions with their rebounds."""
+        return collision_table(self.system, self.segments, self.events, self.case.resolution)
+
+    @cached_property
+    def phases(self) -> tuple[PhaseInterval, ...]:
+        """Phases in order of time."""
+        initial = self.mechanism.phase(self.mechanism.initial_phase).closed
+        t_end = self.segments[-1].t_end if self.segments else 0.0
+        return phase_intervals(self.system, self.events, initial, t_end)
+
+    @cached_property
+    def transitions(self) -> tuple[Transition, ...]:
+        """Completed bounce series of the transition stop."""
+        stop = self.mechanism.transition_stop
+        return transitions(self.collisions, self.events, stop)
+
+    @cached_property
+    def premise(self) -> Premise:
+        """Whether a turn brings the machine to where a transition starts, and why."""
+        from .premise import premise_of
+
+        return premise_of(self)
+
+    @property
+    def premise_holds(self) -> bool | None:
+        """True or False; None where it was not asked or cannot be told: see :attr:`premise`."""
+        return self.premise.holds
+
+    @cached_property
+    def drive_impulses(self) -> tuple[FloatArray, ...]:
+        """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
+        from .energy_balance import impulses_of_drives
+
+        return impulses_of_drives(self.system, self.events)
+
+    @cached_property
+    def errors(self) -> tuple[EventError, ...]:
+        """Estimated errors of the events, in their order."""
+        from ..error_estimate.event_errors import event_errors
+
+        return event_errors(self.system, self.segments, self.events)
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """Energy balance of the whole run."""
+        from .energy_balance import energy_balance
+
+        return energy_balance(self.system, self.segments, self.events)
+
+    @cached_property
+    def checks(self) -> Checks:
+        """Closure and energy residuals of the whole run."""
+        from .trajectory import closure_residuals
+
+        gap, rate = closure_residuals(self.system, self.segments)
+        return Checks(gap, rate, self.energy.relative)
+
+    def motion_at(self, event: Event) -> Motion:
+        """State just after an event, at its own time; not computed before it is asked for.
+
+        The limit of a series of bounces lies beyond the last collision that is computed, whose
+        configuration and velocities ``event.q`` and ``event.v_after`` of a rest are. The motion is
+        followed from there with the stop at rest.
+
+        Args:
+            event: One of the events of this solution.
+
+        Returns:
+            The state, with one row.
+
+        Raises:
+            SimulationError: The motion cannot be followed to the time of a rest.
+        """
+        from .event_state import motion_at
+
+        return motion_at(self, event)
+
+    def link_velocities(self, event: Event) -> tuple[LinkVelocities, LinkVelocities]:
+        """Velocities of every link before and after an event (eqs 18 to 27 of the paper)."""
+        before, after = (
+            LinkVelocities(self.mechanism.links, *self.system.body.link_velocities(event.q, v))
+            for v in (event.v_before, event.v_after)
+        )
+        return before, after

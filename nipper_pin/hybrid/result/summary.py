@@ -1,0 +1,75 @@
+"""A solution in one line, as a notebook shows it, and its collisions as columns."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...frames import Column
+from ...notebook import html
+from ..event import EventKind
+
+if TYPE_CHECKING:
+    from .solution import Solution
+
+_SHOWN = ("number", "stop", "time_s", "index", "approach_rate", "separation_rate", "energy_lost_J",
+          "rebound_amplitude", "rebound_time_s")  # fmt: skip
+
+
+def line(solution: Solution) -> str:
+    """One line; nothing is computed for it.
+
+    Args:
+        solution: The solution.
+    """
+    count = sum(event.kind is EventKind.COLLISION for event in solution.events)
+    return (
+        f"<Solution of {solution.mechanism.name}: {_case(solution)}, {count} "
+        f"collision{'' if count == 1 else 's'}, {solution.outcome.name.lower()}>"
+    )
+
+
+def page(solution: Solution) -> str:
+    """HTML: the case, how the run ended, and its collisions.
+
+    Args:
+        solution: The solution.
+    """
+    facts = {"case": _case(solution), "outcome": solution.outcome.value}
+    if solution.transitions:
+        facts["transition"] = f"{1e3 * solution.transitions[0].duration:.6g} ms"
+    table = columns(solution)
+    shown = {name: table[name] for name in _SHOWN if name in table}
+    rows = list(zip(*shown.values(), strict=True))
+    return html(solution.mechanism.title or solution.mechanism.name, facts, list(shown), rows)
+
+
+def columns(solution: Solution) -> dict[str, Column]:
+    """Collisions as columns, by the names of the JSON document (docs/json.md).
+
+    Args:
+        solution: The solution.
+
+    Returns:
+        Numbers as arrays, shape (collisions,), NaN where the document has none; names as lists.
+        Without collisions nothing.
+    """
+    from ..files.json_document import record
+
+    hits = record(solution)["collisions"]
+    names = dict.fromkeys(name for hit in hits for name in hit)
+    return {name: _column([hit.get(name) for hit in hits]) for name in names}
+
+
+def _column(values: list[Any]) -> Column:
+    if any(isinstance(value, str | int) for value in values):
+        return values
+    return np.array([np.nan if value is None else value for value in values])
+
+
+def _case(solution: Solution) -> str:
+    case = solution.case
+    turns = f"{case.cycles} turn{'' if case.cycles == 1 else 's'}"
+    window = turns if case.window.value == "cycle" else case.window.value
+    return f"{case.speed_rpm:g} r/min, {window}, {case.drive.value} drive"

@@ -1,0 +1,178 @@
+"""Dense motion and forces of a solution, at any time, by left or right limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.system import System
+from ...errors import InputError
+from ..advance import Segment
+from ..motion.panel import Panel, forces_at, state_at
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """States at K times.
+
+    Attributes:
+        t: Times [s], shape (K,).
+        cylinder_angle: psi [rad], shape (K,).
+        q: Configurations [rad or m], shape (K, nv).
+        v: Velocities, shape (K, nv).
+    """
+
+    t: FloatArray
+    cylinder_angle: FloatArray
+    q: FloatArray
+    v: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Reactions:
+    """Forces at K times; every force is the one on the child link or on the side of frame a.
+
+    Attributes:
+        t: Times [s], shape (K,).
+        a: Accelerations, shape (K, nv).
+        joints: By tree joint: force x, force z [N] and moment counter-clockwise about the joint
+            [N m] that the parent link exerts on the child, world axes, shape (K, 3). Along a
+            joint's own coordinate this contains springs, dampers, stops and drives that act there;
+            springs and dampers between two points act past the joints.
+        closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
+        drives: By drive: torque on the driven joint [N m], shape (K,).
+        stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
+            shape (K,).
+        contacts: By stop: normal force at its contact point [N]; along the joint of a stop without
+            one [N or N m], shape (K,).
+    """
+
+    t: FloatArray
+    a: FloatArray
+    joints: dict[str, FloatArray]
+    closures: dict[str, FloatArray]
+    drives: dict[str, FloatArray]
+    stops: dict[str, FloatArray]
+    contacts: dict[str, FloatArray]
+
+
+class Trajectory:
+    """Evaluates the segments of a solution; prescribed motion and closures are met to round-off.
+
+    Args:
+        system: The system that the segments were computed with.
+        segments: Segments in order of time, without gaps.
+    """
+
+    def __init__(self, system: System, segments: Sequence[Segment]) -> None:
+        """Store the segments."""
+        self.system = system
+        self.segments = tuple(segments)
+        self._starts = np.array([segment.t_start for segment in self.segments])
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time [s]; both zero in a run without motion."""
+        if not self.segments:
+            return 0.0, 0.0
+        return self.segments[0].t_start, self.segments[-1].t_end
+
+    def evaluate(self, t: FloatArray | float, *, left: bool = False) -> Motion:
+        """States at times t.
+
+        Args:
+            t: Times [s], shape (K,) or a number.
+            left: At an event, the limit from before instead of the one from after.
+
+        Returns:
+            The states.
+
+        Raises:
+            InputError: A time lies outside the solution.
+        """
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        q = np.empty((len(times), self.system.body.nv))
+        v = np.empty_like(q)
+        for segment, panel, chosen in self._groups(times, left):
+            rows = self.system.constraint_set(segment.closed)
+            exact = state_at(self.system, rows, panel, times[chosen])
+            q[chosen], v[chosen] = exact.q, exact.v
+        return Motion(times, self.system.shaft.angle(times), q, v)
+
+    def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
+        """Forces at all joints, cut joints, drives and stops; arguments as :meth:`evaluate`."""
+        mechanism, body = self.system.mechanism, self.system.body
+        times = np.atleast_1d(np.asarray(t, dtype=float))
+        count = len(times)
+        a = np.empty((count, body.nv))
+        wrenches = np.empty((count, len(mechanism.joints), 3))
+        cuts = np.empty((count, len(mechanism.closures), 2))
+        torques = np.empty((count, len(mechanism.drives)))
+        stops = np.zeros((count, len(mechanism.stops)))
+        for segment, panel, chosen in self._groups(times, left):
+            rows = self.system.constraint_set(segment.closed)
+            q, v, a_chosen, forces = forces_at(self.system, rows, panel, times[chosen])
+            a[chosen] = a_chosen
+            torques[chosen] = forces.drive
+            closed = [i for i, stop in enumerate(mechanism.stops) if stop.name in segment.closed]
+            stops[np.ix_(chosen, closed)] = forces.la_N
+            pulls = self.system.point_forces(q, v)
+            for row, place in enumerate(chosen):
+                wrenches[place], cuts[place] = body.joint_wrenches(
+                    q[row], v[row], a_chosen[row], forces.la_g[row], pulls[row]
+                )
+        return Reactions(
+            t=times,
+            a=a,
+            joints={joint.name: wrenches[:, i] for i, joint in enumerate(mechanism.joints)},
+            closures={closure.name: cuts[:, i] for i, closure in enumerate(mechanism.closures)},
+            drives={drive.name: torques[:, i] for i, drive in enumerate(mechanism.drives)},
+            stops={stop.name: stops[:, i] for i, stop in enumerate(mechanism.stops)},
+            contacts={
+                stop.name: stops[:, i] / stop.lever for i, stop in enumerate(mechanism.stops)
+            },
+        )
+
+    def _groups(self, times: FloatArray, left: bool) -> Iterator[tuple[Segment, Panel, list[int]]]:
+        """Times grouped by the panel that holds them."""
+        first, last = self.span
+        # A time that was computed in another way than the span may lie, by round-off, outside.
+        slack = 4.0 * np.finfo(float).eps * max(abs(first), abs(last))
+        inside = (first - slack <= times) & (times <= last + slack)
+        outside = times[~inside] if self.segments else times
+        if outside.size:
+            message = (
+                f"time {outside[0]:.9g} s lies outside the solution, which spans "
+                f"{first:.9g} s to {last:.9g} s"
+            )
+            raise InputError(message, time=float(outside[0]), span=self.span)
+        places = np.searchsorted(self._starts, times, side="left" if left else "right") - 1
+        groups: dict[tuple[int, int], list[int]] = {}
+        for row, place in enumerate(np.maximum(places, 0)):
+            panel = self.segments[place].panel_number(float(times[row]))
+            groups.setdefault((int(place), panel), []).append(row)
+        for (place, panel), rows in groups.items():
+            yield self.segments[place], self.segments[place].panels[panel], rows
+
+
+def closure_residuals(system: System, segments: Sequence[Segment]) -> tuple[float, float]:
+    """Largest closure gap [m] and closure rate [m/s] of the motion as it was computed.
+
+    The nodes of the panels are looked at as they are; a motion that was integrated meets the
+    closures only as well as its integration.
+    """
+    gap = rate = 0.0
+    seen: set[int] = set()
+    for segment in segments:
+        for panel in segment.panels:
+            if id(panel.a) in seen:
+                continue
+            seen.add(id(panel.a))
+            g, jacobian = system.body.closures(panel.q)
+            gap = max(gap, float(np.abs(g).max(initial=0.0)))
+            g_dot = np.einsum("nij,nj->ni", jacobian, panel.v)
+            rate = max(rate, float(np.abs(g_dot).max(initial=0.0)))
+    return gap, rate

@@ -1,0 +1,1 @@
+"""Following the motion from event to event."""

@@ -1,0 +1,60 @@
+"""Collisions that do not end: drives press a link against two stops at once.
+
+The link flies from one stop to the other in ever shorter times, whose sum is finite, and is no
+slower in the end: no motion goes on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ...errors import ImpactError
+from ...mechanism import Mechanism
+from ..event import Event, EventKind
+
+# As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
+_JAM, _NO_SLOWER = 20, 1e-3
+# Rates below this share of the fastest one are the end of a series of bounces, where round-off
+# keeps times and rates from falling.
+_OVER = 1e-9
+
+
+def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
+    """Refuse to go on from a jam.
+
+    Args:
+        mechanism: The mechanism.
+        events: All events so far.
+        instant: Times nearer than this are one [s].
+
+    Raises:
+        ImpactError: The last collisions are one.
+    """
+    if len(events) < _JAM or events[-1].t - events[-_JAM].t > instant:
+        return
+    latest = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
+    if len(latest) < _JAM or latest[-1].t - latest[0].t > instant:
+        return
+    stops = sorted({name for event in latest for name in event.stops})
+    series = {name: _approaches(mechanism, name, latest) for name in stops}
+    struck = {name: rates for name, rates in series.items() if rates}
+    fastest = (max(_approaches(mechanism, name, events)) for name in struck)
+    # Contacts without approach strike nothing.
+    least = _OVER * max(fastest, default=0.0)
+    if len(struck) > 1 and all(
+        len(rates) > 1 and rates[-1] >= max((1.0 - _NO_SLOWER) * rates[0], least)
+        for rates in struck.values()
+    ):
+        message = (
+            f"the stops {', '.join(struck)} are struck {_JAM} times within {instant:.1g} s and "
+            "nothing gets slower: they jam what moves between them against its drives; give it "
+            "room, or let the drives be inertial"
+        )
+        raise ImpactError(message, stops=list(struck), rates_before=series)
+
+
+def _approaches(mechanism: Mechanism, name: str, events: Iterable[Event]) -> list[float]:
+    """Rates at which a stop was struck, positive [rad/s or m/s]."""
+    stop = mechanism.stop(name)
+    rates = (-stop.rate(event.v_before) for event in events if name in event.stops)
+    return [rate for rate in rates if rate > 0.0]

@@ -1,0 +1,121 @@
+"""State of a run between two segments, and the one it starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import assemble
+from ...dynamics.shaft import Driven
+from ...dynamics.system import System
+from ...errors import InputError
+from ...mechanism import Start, Stop
+from ..contact.bounce_series import BounceSeries
+from ..contact.complementarity import Closed
+
+_ASSEMBLY_STEPS = 12
+_NOW = np.zeros(1)
+# Round-off of a gap that the closures determine [rad or m]: one as small is a contact.
+_TOUCHING = 1e-13
+
+
+class State(NamedTuple):
+    """State of a run between two segments.
+
+    Attributes:
+        t: Time [s].
+        q: Configuration, shape (nv,).
+        v: Velocity (right limit), shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
+        motion: Driven coordinates at this time, as one row.
+        closed: Closed stops.
+        series: Bounces that have not come to rest yet.
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    jacobian: FloatArray
+    motion: Driven
+    closed: Closed
+    series: BounceSeries | None = None
+
+
+def initial_state(system: System, start_index: float, starts: Sequence[Start] = ()) -> State:
+    """The initial phase at time zero, assembled along the drives from the touch position.
+
+    Coordinates that neither drives nor closed stops nor starts prescribe and that the closures
+    leave free stay zero, as in the touch position, and have no rate.
+
+    Args:
+        system: The system; its shaft has the start angle.
+        start_index: Index that belongs to that angle, for the message.
+        starts: Coordinates and rates that are given for the start.
+
+    Raises:
+        InputError: An open stop would be beyond its contact there, or starts are too many.
+    """
+    mechanism, shaft = system.mechanism, system.shaft
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    shut = [stop for stop in mechanism.stops if stop.name in closed]
+    travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
+    # In the touch configuration all coordinates are zero: there is nothing to assemble.
+    places = [(stop.index, stop.at) for stop in shut] + [(item.index, item.at) for item in starts]
+    away = travel != 0.0 or any(at for _, at in places)
+    times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
+    angles, rates, accelerations = shaft.driven(times) if away else shaft.driven_at(0.0)
+    driven = shaft.indices
+    given = [*driven, *[index for index, _ in places]]
+    _check_starts(system, starts, shut, given)
+    path = np.zeros((len(times) - 1, len(given)))
+    path[:, : len(driven)] = angles[1:]
+    for column, (_, at) in enumerate(places, start=len(driven)):
+        if at:
+            path[:, column] = np.linspace(0.0, at, len(times))[1:]
+    end_rates = np.zeros(len(given))
+    end_rates[: len(driven)] = rates[-1]
+    end_rates[len(given) - len(starts) :] = [item.rate for item in starts]
+    q, v, jacobian = assemble(system.body, path, given, end_rates)
+    for stop in mechanism.stops:
+        gap = stop.gap(q)
+        if abs(gap) <= _TOUCHING:
+            q[stop.index] = stop.at
+        elif stop.name not in closed and gap < 0.0:
+            message = (
+                f"stop {stop.name!r} would be {-gap:.3g} beyond its contact at the "
+                f"start, index {start_index:g}; start_index has to lie in phase "
+                f"{mechanism.initial_phase}"
+            )
+            if starts:
+                message += ", or [initial] has to give other coordinates"
+            raise InputError(message, stop=stop.name, gap=gap)
+    motion = (angles[-1:], rates[-1:], accelerations[-1:])
+    return State(0.0, q, v, jacobian, motion, closed)
+
+
+def _check_starts(
+    system: System, starts: Sequence[Start], shut: Sequence[Stop], given: Sequence[int]
+) -> None:
+    """Refuse starts of what stands on a stop, and more than the closures leave free."""
+    phase = system.mechanism.initial_phase
+    for item in starts:
+        for stop in shut:
+            if item.index == stop.index:
+                message = (
+                    f"initial.{item.joint} gives a start to a joint that stands on stop "
+                    f"{stop.name!r} in phase {phase}, in which turns start: leave it out, or let "
+                    "initial_phase be one in which this stop is open"
+                )
+                raise InputError(message, joint=item.joint, stop=stop.name)
+    free = system.body.nv - system.body.closure_rows
+    if starts and len(given) > free:
+        names = ", ".join(item.joint for item in starts)
+        message = (
+            f"[initial] gives {names}: with the drives and the closed stops of phase {phase} these "
+            f"are {len(given)} coordinates, and the closures leave {free} free; leave "
+            f"{len(given) - free} of them out"
+        )
+        raise InputError(message, given=len(given), free=free)
