@@ -136,11 +136,11 @@ MUTATIONS = (
     ),
     Mutation(
         "preload-unit", "preload lengths in centimetres",
-        "mechanism/build_elements.py", "        1e-3,\n", "        1e-2,\n",
+        "mechanism/build/elements.py", "        1e-3,\n", "        1e-2,\n",
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",
-        "mechanism/assembly.py", "if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:",
+        "mechanism/build/touch_checks.py", "if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:",
         "if np.hypot(*gap) > 1e9 * ASSEMBLY_TOLERANCE_M:",
     ),
     Mutation(
@@ -185,7 +185,7 @@ MUTATIONS = (
     ),
     Mutation(
         "mesh-outside", "mesh paths may leave the model folder through links",
-        "mechanism/urdf_values.py", "if not path.is_relative_to(mesh_folder.resolve()):",
+        "mechanism/files/urdf_values.py", "if not path.is_relative_to(mesh_folder.resolve()):",
         "if not path.is_absolute():",
     ),
 )  # fmt: skip

@@ -15,7 +15,7 @@ import pytest
 from nipper_pin import Case, Mechanism, Outcome, Solution, Window, load, simulate, transition_table
 from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
-from nipper_pin.mechanism.schema import model_schema
+from nipper_pin.mechanism.files.schema import model_schema
 from nipper_pin.study.check import check_model
 from nipper_pin.study.next_steps import next_steps
 

@@ -35,8 +35,8 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     """
     import tomllib
 
-    from .build import build_mechanism
-    from .csv_tables import inline_tables
+    from .build.build import build_mechanism
+    from .files.csv_tables import inline_tables
 
     folder = find_model(model)
     name = folder.name
@@ -49,7 +49,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
         ) from error
     if overrides:
-        from .overrides import apply_overrides, by_path, with_tables
+        from .edit.overrides import apply_overrides, by_path, with_tables
 
         data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
         data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
@@ -72,10 +72,10 @@ def number_of(mechanism: Mechanism, path: str) -> float:
         UnknownNameError: The path leads nowhere.
         ModelError: There is no number.
     """
-    from .dimensions import HEADS, read_dimension
-    from .layout import read_layout
-    from .toml_paths import number_at
-    from .urdf import parse_xml
+    from .edit.dimensions import HEADS, read_dimension
+    from .edit.layout import read_layout
+    from .edit.toml_paths import number_at
+    from .files.urdf import parse_xml
 
     if path.partition(".")[0] not in HEADS:
         return number_at(mechanism.description, path, f"{mechanism.name}.toml")
@@ -119,8 +119,8 @@ def from_sources(
         UnknownNameError: A name in the data does not exist.
         ModelError: A value in the data cannot be used.
     """
-    from .build import build_mechanism
-    from .csv_tables import inline_tables
+    from .build.build import build_mechanism
+    from .files.csv_tables import inline_tables
 
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
@@ -139,7 +139,7 @@ def with_numbers(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mecha
         ModelError: A value cannot be used.
         AssemblyError: The closures do not meet at touch.
     """
-    from .overrides import apply_overrides, by_path
+    from .edit.overrides import apply_overrides, by_path
 
     name, data = mechanism.name, mechanism.description
     toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"

@@ -20,8 +20,8 @@ def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, 
         of the URDF, and these names by link.
     """
     # The URDF is read again here, and a run that looks at no shape needs no parser.
-    from .tree import collision_geometry
-    from .urdf import check_urdf, parse_xml
+    from .build.tree import collision_geometry
+    from .files.urdf import check_urdf, parse_xml
 
     file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
     urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)

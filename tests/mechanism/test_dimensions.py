@@ -11,15 +11,15 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 import pytest
+from nipper_pin.mechanism.build.build.touch_checks import closure_gaps
+from nipper_pin.mechanism.build.build.tree import joint_placements
 
 from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism, load
-from nipper_pin.mechanism.assembly import closure_gaps
-from nipper_pin.mechanism.dimensions import read_dimension
-from nipper_pin.mechanism.layout import Layout, read_layout
-from nipper_pin.mechanism.tree import joint_placements
-from nipper_pin.mechanism.urdf import parse_xml
-from nipper_pin.mechanism.urdf_paths import find_value, steps_of
+from nipper_pin.mechanism.edit.dimensions import read_dimension
+from nipper_pin.mechanism.edit.layout import Layout, read_layout
+from nipper_pin.mechanism.edit.urdf_paths import find_value, steps_of
+from nipper_pin.mechanism.files.urdf import parse_xml
 
 MODELS = ["e62", "e62_offset_guide", "hanging_pendulum"]
 

@@ -29,7 +29,7 @@ from nipper_pin.mechanism.drawing import (
     write_drawing,
 )
 from nipper_pin.mechanism.drawing.places import place, vector
-from nipper_pin.mechanism.toml_writing import toml
+from nipper_pin.mechanism.files.toml_writing import toml
 from tests.small_machines import hinge, link, machine
 
 POINTS = {

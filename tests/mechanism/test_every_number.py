@@ -15,12 +15,12 @@ import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism, known_models, load
-from nipper_pin.mechanism.describe import describe
-from nipper_pin.mechanism.dimensions import read_dimension
-from nipper_pin.mechanism.layout import read_layout
-from nipper_pin.mechanism.overrides import apply_overrides, with_tables
-from nipper_pin.mechanism.toml_paths import number_at
-from nipper_pin.mechanism.urdf import parse_xml
+from nipper_pin.mechanism.edit.dimensions import read_dimension
+from nipper_pin.mechanism.edit.layout import read_layout
+from nipper_pin.mechanism.edit.overrides import apply_overrides, with_tables
+from nipper_pin.mechanism.edit.toml_paths import number_at
+from nipper_pin.mechanism.files.describe import describe
+from nipper_pin.mechanism.files.urdf import parse_xml
 
 MODELS = {
     **known_models(),

@@ -8,14 +8,15 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
+from nipper_pin.mechanism.build.build.laws import extreme_angle
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table, description
+from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table
 from nipper_pin.mechanism.cams import Cam
 from nipper_pin.mechanism.cylinder import Cylinder
 from nipper_pin.mechanism.drives import check_table
 from nipper_pin.mechanism.elements import Characteristic
-from nipper_pin.mechanism.laws import extreme_angle
+from nipper_pin.mechanism.files import description
 from tests.small_machines import hinge, link, machine, slide
 
 TURN = [math.radians(angle) for angle in range(0, 361, 45)]

@@ -13,13 +13,13 @@ import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Fourier, OscillatingGuide, Table, from_sources, with_numbers
-from nipper_pin.mechanism.describe import describe
+from nipper_pin.mechanism.edit.overrides import by_path
+from nipper_pin.mechanism.edit.toml_paths import number_at, number_from, replace_value
 from nipper_pin.mechanism.elements import Characteristic
+from nipper_pin.mechanism.files.describe import describe
+from nipper_pin.mechanism.files.urdf import check_urdf, flatten, parse_xml
+from nipper_pin.mechanism.files.urdf_values import path_inside, rotation_from_rpy
 from nipper_pin.mechanism.mechanism import Start
-from nipper_pin.mechanism.overrides import by_path
-from nipper_pin.mechanism.toml_paths import number_at, number_from, replace_value
-from nipper_pin.mechanism.urdf import check_urdf, flatten, parse_xml
-from nipper_pin.mechanism.urdf_values import path_inside, rotation_from_rpy
 from tests.small_machines import frame, hinge, link, machine, slide, sources
 
 PARTS = [link("lever"), hinge("pivot", "frame", "lever"), link("sled"),

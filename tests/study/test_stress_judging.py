@@ -15,7 +15,8 @@ from nipper_pin import Case, Mechanism, Solution, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.event import Event
 from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.mechanism import build, from_sources
+from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism.build.build import build
 from nipper_pin.study.stress import (
     FAMILIES,
     REFUSED,

@@ -6,11 +6,11 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+from ..files.schema import SCHEMA_FILE, schema_text
+from ..files.toml_writing import toml
 from ..load import from_sources
 from ..mechanism import Mechanism
 from ..new_folder import check_model_folder, new_folder
-from ..schema import SCHEMA_FILE, schema_text
-from ..toml_writing import toml
 from .parts import Drawing
 from .tables import document
 from .tree import grown

@@ -1,16 +1,16 @@
 """Numbers of a model by path: what may be free in an identification or a sensitivity.
 
-The paths are those of ``--set`` (:mod:`nipper_pin.mechanism.dimensions`).
+The paths are those of ``--set`` (:mod:`nipper_pin.mechanism.edit.dimensions`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...mechanism.dimensions import HEADS, read_dimension
-from ...mechanism.layout import Layout
-from ...mechanism.overrides import apply_overrides
-from ...mechanism.toml_paths import number_at
+from ...mechanism.edit.dimensions import HEADS, read_dimension
+from ...mechanism.edit.layout import Layout
+from ...mechanism.edit.overrides import apply_overrides
+from ...mechanism.edit.toml_paths import number_at
 from .geometry import Sources, layout
 
 

@@ -10,10 +10,10 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...mechanism import Mechanism, load
+from ...mechanism.files.toml_writing import toml
+from ...mechanism.files.urdf import parse_xml
+from ...mechanism.files.urdf_values import path_inside
 from ...mechanism.new_folder import new_folder
-from ...mechanism.toml_writing import toml
-from ...mechanism.urdf import parse_xml
-from ...mechanism.urdf_values import path_inside
 from .fit import Fit
 from .goodness import Goodness
 from .parameters import with_values

@@ -11,7 +11,7 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from ...mechanism.tree import joint_placements
+from ...mechanism.build.tree import joint_placements
 from .planar import Planar, compiled, guide
 from .planar_bodies import BODIES
 

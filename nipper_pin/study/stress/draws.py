@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...mechanism.overrides import apply_overrides
+from ...mechanism.edit.overrides import apply_overrides
 from .machines import e62
 from .parts import Source
 

@@ -11,7 +11,7 @@ import copy
 from typing import Any
 from xml.etree import ElementTree
 
-from ...mechanism.urdf import edit
+from ...mechanism.files.urdf import edit
 from .parts import Source
 
 _OTHER_SIDE = {"lower": "upper", "upper": "lower"}

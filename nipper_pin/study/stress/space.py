@@ -16,8 +16,8 @@ import numpy as np
 
 from ...errors import UnknownNameError
 from ...mechanism import from_sources
+from ...mechanism.files.urdf import edit
 from ...mechanism.mechanism import Mechanism
-from ...mechanism.urdf import edit
 from .draws import (
     JAW,
     PRELOAD,

@@ -7,11 +7,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from ...mechanism import Mechanism, from_sources, known_models
-from ...mechanism.dimensions import HEADS, read_dimension
-from ...mechanism.layout import read_layout
-from ...mechanism.overrides import apply_overrides
-from ...mechanism.toml_paths import number_at
-from ...mechanism.urdf import parse_xml
+from ...mechanism.edit.dimensions import HEADS, read_dimension
+from ...mechanism.edit.layout import read_layout
+from ...mechanism.edit.overrides import apply_overrides
+from ...mechanism.edit.toml_paths import number_at
+from ...mechanism.files.urdf import parse_xml
 from .job import Job
 
 

@@ -16,9 +16,9 @@ from msgspec import Meta
 from ...dynamics.system import DriveMode
 from ...errors import InputError, NipperError
 from ...mechanism import Mechanism, from_sources
-from ...mechanism.description import Positive
-from ...mechanism.overrides import apply_overrides
-from ...mechanism.urdf import parse_xml
+from ...mechanism.edit.overrides import apply_overrides
+from ...mechanism.files.description import Positive
+from ...mechanism.files.urdf import parse_xml
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths

@@ -18,7 +18,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism, OscillatingGuide
-from ...mechanism.urdf_values import (
+from ...mechanism.files.urdf_values import (
     mesh_path,
     numbers,
     origin,

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..errors import ModelError, UnknownNameError
+from ...errors import ModelError, UnknownNameError
 from .urdf_values import (
     check_dynamics,
     check_inertial,

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
 
-from ..errors import ModelError
+from ...errors import ModelError
 from .description import (
     ClosureDescription,
     DamperDescription,

@@ -10,12 +10,12 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from ..arrays import FloatArray
-from ..errors import ModelError, UnknownNameError
-from .description import ContactDescription
-from .mechanism import Contact
+from ...arrays import FloatArray
+from ...errors import ModelError, UnknownNameError
+from ..files.description import ContactDescription
+from ..mechanism import Contact
 from .tree import supports
-from .urdf import Urdf, UrdfJoint
+from ..files.urdf import Urdf, UrdfJoint
 
 TOUCH_TOLERANCE_M = 1e-6
 """Largest gap or overlap of the bodies at coordinate zero [m]."""

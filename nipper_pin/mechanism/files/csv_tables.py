@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..errors import InputError, ModelError
-from .drives import Table
-from .elements import Characteristic
+from ...errors import InputError, ModelError
+from ..drives import Table
+from ..elements import Characteristic
 
 Columns = tuple[str, str]
 _DRIVE: Columns = ("cylinder_angle_deg", "coordinate_rad")

@@ -19,11 +19,11 @@ import math
 from collections.abc import Mapping, Sequence
 from xml.etree import ElementTree
 
-from ..errors import ModelError, UnknownNameError
+from ...errors import ModelError, UnknownNameError
+from ..files.urdf_values import numbers, origin
 from .layout import Layout, read_layout
 from .points import move_points, write_origin
 from .urdf_paths import find_value, steps_of
-from .urdf_values import numbers, origin
 
 HEADS = ("points", "links", "urdf")
 """First steps of the paths that lead into the URDF."""

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ..arrays import FloatArray
-from ..errors import AssemblyError, ModelError
-from .drives import OscillatingGuide
-from .mechanism import Closure, Drive, Joint, Phase, Stop
+from ...arrays import FloatArray
+from ...errors import AssemblyError, ModelError
+from ..drives import OscillatingGuide
+from ..mechanism import Closure, Drive, Joint, Phase, Stop
 from .tree import supports
-from .urdf import Urdf
+from ..files.urdf import Urdf
 
 ASSEMBLY_TOLERANCE_M = 1e-9
 """Largest gap of a closure in the touch configuration [m]."""

@@ -12,9 +12,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..arrays import FloatArray
-from ..errors import ModelError, UnknownNameError
-from .urdf_values import origin, rotation_from_rpy
+from ...arrays import FloatArray
+from ...errors import ModelError, UnknownNameError
+from ..files.urdf_values import origin, rotation_from_rpy
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from ..errors import ModelError, UnknownNameError
+from ...errors import ModelError, UnknownNameError
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ANGLES = {"r": 0, "p": 1, "y": 2}

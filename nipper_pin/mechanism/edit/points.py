@@ -25,10 +25,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ..arrays import FloatArray
-from ..errors import ModelError
+from ...arrays import FloatArray
+from ...errors import ModelError
+from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from .layout import Layout, element_name, end
-from .urdf_values import numbers, origin, rotation_from_rpy
 
 _SAME_M = 1e-9
 _PARTS = ("inertial", "visual", "collision")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ..errors import ModelError, UnknownNameError
-from .description import InitialDescription
-from .mechanism import Drive, Joint, Start, Stop
+from ...errors import ModelError, UnknownNameError
+from ..files.description import InitialDescription
+from ..mechanism import Drive, Joint, Start, Stop
 
 _KEYS = {
     "prismatic": (("at_mm", 1e-3), ("rate_mm_per_s", 1e-3)),

@@ -13,8 +13,8 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..errors import ModelError, UnknownNameError
-from .describe import optional_numbers
+from ...errors import ModelError, UnknownNameError
+from ..files.describe import optional_numbers
 from .urdf_paths import steps_of
 
 _OPTIONAL = ("drives", "stops", "initial")

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from ..errors import ModelError, UnknownNameError
-from .csv_tables import inline_tables
-from .describe import describe
+from ...errors import ModelError, UnknownNameError
+from ..files.csv_tables import inline_tables
+from ..files.describe import describe
+from ..files.urdf import parse_xml
 from .dimensions import HEADS, change_dimensions
 from .toml_paths import number_at, number_from, replace_value
-from .urdf import parse_xml
 from .urdf_paths import steps_of
 
 # Squares and products of what is larger leave the range of a float before anything can be checked.

@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from ..errors import InputError, ModelError, UnknownNameError
-from .cylinder import Cylinder
-from .description import (
+from ...errors import InputError, ModelError, UnknownNameError
+from ..cylinder import Cylinder
+from ..files.description import (
     CamDrive,
     ConstantSpeedDrive,
     CylinderDescription,
@@ -22,7 +22,7 @@ from .description import (
     ScrewDrive,
     TableDrive,
 )
-from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
+from ..drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 
 
 def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, DriveLaw]:
@@ -101,7 +101,7 @@ def _basic(drive: DriveDescription) -> DriveLaw:
         return Table(cylinder_angle_rad=angles, coordinate=rows)
     if isinstance(drive, CamDrive):
         # Few machines have one.
-        from .cams import Cam
+        from ..cams import Cam
 
         return Cam(
             motion=drive.motion,

@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ..errors import ModelError
-from .mechanism import Joint
-from .urdf import Urdf
-from .urdf_values import mesh_path
+from ...errors import ModelError
+from ..mechanism import Joint
+from ..files.urdf import Urdf
+from ..files.urdf_values import mesh_path
 
 
 def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..arrays import FloatArray
-from ..errors import ModelError
+from ...arrays import FloatArray
+from ...errors import ModelError
 
 _TOLERANCE = 1e-9
 _MOST_DAMPING = 1e15

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..errors import ModelError
-from .description import CamDrive, DriveDescription, FourierDrive, ScrewDrive, TableDrive
-from .mechanism import Joint
+from ...errors import ModelError
+from ..files.description import CamDrive, DriveDescription, FourierDrive, ScrewDrive, TableDrive
+from ..mechanism import Joint
 
 # Keys of a hinge, and those of a slide.
 _KEYS: dict[type, tuple[tuple[str, ...], tuple[str, ...]]] = {

@@ -10,12 +10,12 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from ..errors import InputError, ModelError, UnknownNameError
-from .description import DamperDescription, Description, SpringDescription
-from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
-from .mechanism import Joint, Spring
+from ...errors import InputError, ModelError, UnknownNameError
+from ..files.description import DamperDescription, Description, SpringDescription
+from ..elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
+from ..mechanism import Joint, Spring
 from .tree import joint_placements
-from .urdf import Urdf
+from ..files.urdf import Urdf
 
 
 @dataclass(frozen=True)

@@ -10,20 +10,20 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ..errors import ModelError, UnknownNameError
-from .assembly import check_assembly
-from .build_elements import build_elements
+from ...errors import ModelError, UnknownNameError
+from .touch_checks import check_assembly
+from .elements import build_elements
 from .contact import find_contact
-from .describe import describe
-from .description import Description, StopDescription
+from ..files.describe import describe
+from ..files.description import Description, StopDescription
 from .drive_keys import check_drive
-from .drives import DriveLaw
+from ..drives import DriveLaw
 from .laws import build_cylinder, build_laws
-from .mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
+from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
-from .urdf import Urdf, check_urdf, flatten, parse_xml
+from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 
 _STOP_PLACES = {"prismatic": ("at_mm", 1e-3), "revolute": ("at_deg", math.pi / 180.0)}
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}

@@ -15,11 +15,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..errors import ModelError, UnknownNameError
-from .description import ClosureDescription
-from .layout import read_layout
-from .points import text_of
-from .urdf import Urdf, UrdfJoint, parse_xml
+from ...errors import ModelError, UnknownNameError
+from ..files.description import ClosureDescription
+from ..edit.layout import read_layout
+from ..edit.points import text_of
+from ..files.urdf import Urdf, UrdfJoint, parse_xml
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

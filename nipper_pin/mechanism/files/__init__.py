@@ -1,0 +1,1 @@
+"""The files of a model: URDF, TOML and CSV, read, checked and written."""
