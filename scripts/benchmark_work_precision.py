@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import sys
 
-from nipper_pin.study.certified import certified
-from nipper_pin.study.peer_work import peer_rows
-from nipper_pin.study.reduced_work import reduced_work
-from nipper_pin.study.timing import environment
-from nipper_pin.study.work_precision import Row, direct_rows
+from nipper_pin.bench.run_time.certified import certified
+from nipper_pin.bench.run_time.peer_work import peer_rows
+from nipper_pin.bench.run_time.reduced_work import reduced_work
+from nipper_pin.bench.run_time.timing import environment
+from nipper_pin.bench.run_time.work_precision import Row, direct_rows
 
 
 def show(row: Row) -> None:

@@ -110,7 +110,7 @@ def _runs(options: argparse.Namespace, home: Path) -> Iterator[Run]:
             for drive in options.drive:
                 yield Run(folder, speed, drive, options.turns, *more)
     if options.random:
-        from nipper_pin.study.stress.linkages import write_linkage
+        from nipper_pin.bench.stress.linkages import write_linkage
 
         for number in range(options.first, options.first + options.random):
             folder = home / f"linkage_{number}"

@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from nipper_pin import Case, EventKind, Mechanism, Resolution, Solution, simulate
+from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import NipperError
-from nipper_pin.study.stress.space import FAMILIES, trial
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11)
 _TRUTH = 1e-13

@@ -18,10 +18,10 @@ import mpmath as mp  # type: ignore[import-untyped]
 import numpy as np
 
 from nipper_pin import Case, SimulationError, Window, simulate
+from nipper_pin.bench.stress.machines import four_bar
+from nipper_pin.bench.stress.parts import Source
 from nipper_pin.dynamics.assembly import weakest
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress.machines import four_bar
-from nipper_pin.study.stress.parts import Source
 
 GROUND, CRANK = 0.10, 0.04
 EPS = float(np.finfo(float).eps)

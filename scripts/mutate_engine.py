@@ -128,7 +128,8 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-heat", "the energy balance without what dampers take",
-        "hybrid/result/energy_balance.py", " - self.impact_losses - self.dissipated", " - self.impact_losses",
+        "hybrid/result/energy_balance.py",
+        " - self.impact_losses - self.dissipated", " - self.impact_losses",
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
@@ -175,7 +176,8 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-impulse-work", "the energy balance without the work of the held drives' impulses",
-        "hybrid/result/energy_balance.py", "self.drive_work + self.drive_impulse_work + self.gravity_work",
+        "hybrid/result/energy_balance.py",
+        "self.drive_work + self.drive_impulse_work + self.gravity_work",
         "self.drive_work + self.gravity_work",
     ),
     Mutation(

@@ -24,8 +24,8 @@ import numpy as np
 import pytest
 
 from nipper_pin import Mechanism, Solution, load_solution
+from nipper_pin.bench.stress import Campaign
 from nipper_pin.cli import _parser, main
-from nipper_pin.study.stress import Campaign
 
 Facts = dict[str, Any]
 _PLAIN = (str, int, float, Path, type(None))
@@ -147,11 +147,11 @@ def stand_ins(probe: Probe) -> None:
     note("nipper_pin.hybrid.files.npz.load_solution")
     note("nipper_pin.mechanism.skeleton.write_skeleton")
     note("nipper_pin.mechanism.drawing.write_drawing")
-    note("nipper_pin.view.export.plot_solution", lambda _run, folder: [Path(folder)])
+    note("nipper_pin.view.run.export.plot_solution", lambda _run, folder: [Path(folder)])
     report = SimpleNamespace(record=lambda: done)
     note("nipper_pin.study.check.check_model", lambda *_: report)
     note("nipper_pin.study.next_steps.next_steps", lambda *_: ("next",))
-    note("nipper_pin.view.report.print_report", lambda *_: None)
+    note("nipper_pin.view.studies.check_report.print_report", lambda *_: None)
     _views(note)
     _studies(note, done, report)
 
@@ -163,7 +163,7 @@ def _views(note: Callable[..., None]) -> None:
     note("nipper_pin.view.scene.write_page", lambda _run, file, _look: Path(file).touch())
     note("nipper_pin.view.scene.gif.write_gif", lambda _run, file, _look: Path(file).touch())
     note("nipper_pin.view.live.serve.serve_live", lambda *_, **__: None)
-    note("nipper_pin.view.sweep_plots.plot_sweep", lambda *_, **__: [Path("drawn.svg")])
+    note("nipper_pin.view.studies.sweep_plots.plot_sweep", lambda *_, **__: [Path("drawn.svg")])
 
 
 def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleNamespace) -> None:
@@ -175,16 +175,16 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
         lambda _study, folder, more: _write(Path(folder) / "report.json", facts(more(), "more")),
     )
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
-    note("nipper_pin.study.benchmark.benchmark", lambda **_: report)
-    note("nipper_pin.view.benchmark_files.write_benchmark",
+    note("nipper_pin.bench.run_time.benchmark.benchmark", lambda **_: report)
+    note("nipper_pin.bench.views.benchmark_files.write_benchmark",
          lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip
-    note("nipper_pin.view.benchmark_report.print_benchmark", lambda *_: None)
-    note("nipper_pin.study.stress.run_campaign", _campaign)
-    note("nipper_pin.study.stress.judge", lambda trial, _limit: SimpleNamespace(
+    note("nipper_pin.bench.views.benchmark_report.print_benchmark", lambda *_: None)
+    note("nipper_pin.bench.stress.run_campaign", _campaign)
+    note("nipper_pin.bench.stress.judge", lambda trial, _limit: SimpleNamespace(
         number=trial.number, family="", word="right", kind="", detail="", fingerprint="f",
         wall_s=0.0))  # fmt: skip
     for name in ("print_campaign", "print_verdict"):
-        note(f"nipper_pin.view.stress_report.{name}", lambda *_: None)
+        note(f"nipper_pin.bench.views.stress_report.{name}", lambda *_: None)
     swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
                             record=lambda: done, sentences=list, check=lambda: None)  # fmt: skip
     expected = SimpleNamespace(record=lambda: done, sentence=lambda: "soon")
@@ -193,15 +193,15 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, contradiction="")
     note("nipper_pin.study.optimise.optimise", lambda *_, **__: optimum)
     note("nipper_pin.study.optimise.write", lambda *_: ())
-    note("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
-    note("nipper_pin.view.optimise_report.print_optimum", lambda *_: None)
+    note("nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file)
+    note("nipper_pin.view.studies.optimise_report.print_optimum", lambda *_: None)
     known = SimpleNamespace(ranked=lambda: [("a", 1), ("b", 2), ("c", 3)])
     fit = SimpleNamespace(known=known, goodness=SimpleNamespace(), check=lambda: None)
     note("nipper_pin.study.identify.identify", lambda *_, **__: fit)
     note("nipper_pin.study.identify.profile", lambda _fit, path, **_: path)
     note("nipper_pin.study.identify.write_model", lambda *_: None)
     note("nipper_pin.study.identify.record", lambda *_: done)
-    note("nipper_pin.view.identify_report.print_fit", lambda *_: None)
+    note("nipper_pin.view.studies.identify_report.print_fit", lambda *_: None)
 
 
 def _campaign(_cases: int, seed: int, *others: Any, **_named: Any) -> Campaign:

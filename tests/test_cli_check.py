@@ -86,7 +86,7 @@ def test_a_stop_that_only_bounces_is_not_said_to_be_never_struck(
     """Without loss a wheel between two stops bounces on and on."""
     from rich.console import Console
 
-    from nipper_pin.view.report import print_report
+    from nipper_pin.view.studies.check_report import print_report
 
     parts = [link("sled"), slide("sled", "frame", "sled"),
              link("ball"), slide("ball", "sled", "ball")]  # fmt: skip

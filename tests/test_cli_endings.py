@@ -14,8 +14,8 @@ from command_probe import Facts, Probe, stand_ins
 from test_cli_options import DESIGN, FIT, STUDY
 
 from nipper_pin import Mechanism, SimulationError
+from nipper_pin.bench.stress import Campaign, Verdict
 from nipper_pin.cli import main
-from nipper_pin.study.stress import Campaign, Verdict
 
 CASE = {
     "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
@@ -137,7 +137,9 @@ def test_files_that_were_written_are_named(
     """One line each, the figure of a front last; a front of one point has no figure."""
     assert probe is not None
     monkeypatch.setattr("nipper_pin.study.optimise.write", lambda *_: (Path("a"), Path("b")))
-    monkeypatch.setattr("nipper_pin.view.front_plot.plot_front", lambda _optimum, file: file)
+    monkeypatch.setattr(
+        "nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file
+    )
     assert main(["optimise", files["design"], "--out", "here", "--format", "png"]) == 0
     assert capsys.readouterr().out == "a\nb\nhere/front.png\n"
     single = SimpleNamespace(front=("one",), record=dict, contradiction="")
@@ -145,7 +147,8 @@ def test_files_that_were_written_are_named(
     assert main(["optimise", files["design"]]) == 0
     assert capsys.readouterr().out == "a\nb\n"
     monkeypatch.setattr(
-        "nipper_pin.view.sweep_plots.plot_sweep", lambda *_, **__: [Path("x.svg"), Path("y.svg")]
+        "nipper_pin.view.studies.sweep_plots.plot_sweep",
+        lambda *_, **__: [Path("x.svg"), Path("y.svg")],
     )
     assert main(["plot", "folder"]) == 0
     assert capsys.readouterr().out == "x.svg\ny.svg\n"
@@ -187,7 +190,7 @@ def test_a_campaign_ends_as_its_verdicts_say(
 ) -> None:
     """The table is printed in any case; then what is wrong, or refused more often than may be."""
     campaign = Campaign(5, tuple(verdicts), 1.0)
-    monkeypatch.setattr("nipper_pin.study.stress.run_campaign", lambda *_, **__: campaign)
+    monkeypatch.setattr("nipper_pin.bench.stress.run_campaign", lambda *_, **__: campaign)
     assert main(["stress"]) == status
     out, err = capsys.readouterr()
     assert f"{len(verdicts)} cases, seed 5" in out
@@ -200,10 +203,10 @@ def test_one_case_again(
 ) -> None:
     """Its verdict alone is printed; refused it is no failure, wrong it is one."""
     trial = SimpleNamespace(seed=8, number=4)
-    monkeypatch.setattr("nipper_pin.study.stress.load_trial", lambda _file: trial)
+    monkeypatch.setattr("nipper_pin.bench.stress.load_trial", lambda _file: trial)
     for word, status in (("refused", 0), ("wrong", 1)):
         monkeypatch.setattr(
-            "nipper_pin.study.stress.judge",
+            "nipper_pin.bench.stress.judge",
             lambda _trial, _limit, word=word: failed(4, "chain", word, "why"),
         )
         assert main(["stress", "--rerun", "case.json"]) == status

@@ -15,9 +15,9 @@ from command_probe import Facts, Probe, options, stand_ins
 from option_table import GONE, TABLE, Entry
 
 from nipper_pin import Case, load, save, save_case, simulate
+from nipper_pin.bench.stress import judge
+from nipper_pin.bench.stress.space import trial
 from nipper_pin.cli import main
-from nipper_pin.study.stress import judge
-from nipper_pin.study.stress.space import trial
 
 # What a run computes: it follows from the settings, and moves with them.
 COMPUTED = tuple(

@@ -91,7 +91,7 @@ def test_a_reader_of_a_pipe_may_stop(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = io.StringIO()
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stderr", stream)
-        patch.setattr("nipper_pin.view.sweep_plots.plot_sweep", broken)
+        patch.setattr("nipper_pin.view.studies.sweep_plots.plot_sweep", broken)
         assert main(["plot", "folder"]) == 0
     assert stream.closed
 
@@ -122,7 +122,7 @@ def test_turns_of_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     ("words", "place", "shown"),
     [
         ("simulate --window cycle --cycles 8", "nipper_pin.cli.simulate.simulate", "turns"),
-        ("stress --cases 9", "nipper_pin.study.stress.run_campaign", "cases"),
+        ("stress --cases 9", "nipper_pin.bench.stress.run_campaign", "cases"),
     ],
 )
 def test_how_much_there_is_to_do_is_known_at_once(
@@ -192,7 +192,7 @@ def test_cases_of_a_campaign(
         for item in (verdict(3), verdict(1), verdict(3, "wrong"), verdict(7, "wrong")):
             advance(item)
 
-    place = "nipper_pin.study.stress.run_campaign"
+    place = "nipper_pin.bench.stress.run_campaign"
     with monkeypatch.context() as patch:
         replaced(patch, place, tell)
         assert re.search(
@@ -281,7 +281,7 @@ def test_lines_of_a_sweep(
 @pytest.mark.parametrize(
     ("words", "place"),
     [
-        ("benchmark --json -", "nipper_pin.study.benchmark.benchmark"),
+        ("benchmark --json -", "nipper_pin.bench.run_time.benchmark.benchmark"),
         ("study paper --json -", "nipper_pin.study.paper.paper_study"),
     ],
 )

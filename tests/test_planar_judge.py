@@ -16,9 +16,9 @@ from lid_box import lid_box
 from random_chains import chain
 from small_machines import SLED, hinge, link, machine, slide
 
+from nipper_pin.bench.stress.linkages import write_linkage
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.study.stress.linkages import write_linkage
 
 MODELS = Path(__file__).parents[1] / "models"
 SHUT_FIRST = [

@@ -354,7 +354,7 @@ def test_the_room_of_views_and_the_call_are_one() -> None:
         "import sys, inspect, nipper_pin as nip\n"
         "first = nip.view\n"
         "assert not {'numpy', 'rich', 'pinocchio'} & set(sys.modules)\n"
-        "import nipper_pin.view.table\n"
+        "import nipper_pin.view.run.table\n"
         "assert nip.view is first and callable(nip.view)\n"
         "assert nip.view.table.print_solution\n"
         "assert list(inspect.signature(nip.view).parameters)[:2] == ['solution', 'file']\n"

@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 # In several threads BLAS adds up in another order, so the last bits of a result would depend on the
 # environment. BLAS reads this once, when numpy is imported.
@@ -13,38 +14,28 @@ if "numpy" not in sys.modules:
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
 from ..errors import InputError, NipperError
-from . import (
-    benchmark,
-    check,
-    identify,
-    live,
-    new,
-    optimise,
-    plot,
-    simulate,
-    stress,
-    study,
-    sweep,
-    view,
-)
 
 _RIGHT = 0
 _NOT_SIMULATED = 1
 _UNUSABLE = 2
 _INTERRUPTED = 130
+# Named, not imported: the bench stands above this room.
 _COMMANDS = {
-    "simulate": (simulate, "simulate a transition or whole cycles"),
-    "view": (view, "show a run in the browser, or write it as one page"),
-    "live": (live, "a page with sliders whose numbers and picture follow them"),
-    "new": (new, "write a commented model to start from"),
-    "check": (check, "say what a model is, and what is wrong with it"),
-    "study": (study, "do the published study again and write its report"),
-    "identify": (identify, "find numbers of a model from published ratios or measured rebounds"),
-    "optimise": (optimise, "find the least rebound or transition time inside limits"),
-    "sweep": (sweep, "compute many scenarios, on all processors or on a cluster"),
-    "plot": (plot, "draw the results of a sweep"),
-    "stress": (stress, "run random and extreme cases, and check what must hold of each"),
-    "benchmark": (benchmark, "measure run time against error on this machine"),
+    "simulate": (".simulate", "simulate a transition or whole cycles"),
+    "view": (".view", "show a run in the browser, or write it as one page"),
+    "live": (".live", "a page with sliders whose numbers and picture follow them"),
+    "new": (".new", "write a commented model to start from"),
+    "check": (".check", "say what a model is, and what is wrong with it"),
+    "study": (".study", "do the published study again and write its report"),
+    "identify": (".identify", "find numbers of a model from published ratios or measured rebounds"),
+    "optimise": (".optimise", "find the least rebound or transition time inside limits"),
+    "sweep": (".sweep", "compute many scenarios, on all processors or on a cluster"),
+    "plot": (".plot", "draw the results of a sweep"),
+    "stress": (
+        "..bench.commands.stress",
+        "run random and extreme cases, and check what must hold of each",
+    ),
+    "benchmark": ("..bench.commands.benchmark", "measure run time against error on this machine"),
 }
 
 
@@ -87,6 +78,6 @@ def _parser() -> argparse.ArgumentParser:
         description="Simulate impact mechanisms: the nipper of a comber and its bouncing jaw.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, (command, text) in _COMMANDS.items():
-        command.add_arguments(commands.add_parser(name, help=text))
+    for name, (place, text) in _COMMANDS.items():
+        import_module(place, __package__).add_arguments(commands.add_parser(name, help=text))
     return parser

@@ -38,7 +38,7 @@ def _run(options: argparse.Namespace) -> None:
 
         from ..study.next_steps import next_steps
         from ..view.console import paste
-        from ..view.report import print_report
+        from ..view.studies.check_report import print_report
 
         console = Console()
         print_report(report, console)

@@ -79,7 +79,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.json != "-":
         from rich.console import Console
 
-        from ..view.identify_report import print_fit
+        from ..view.studies.identify_report import print_fit
 
         print_fit(fit, judged, known, profiles, Console())
     # The result is written, and is no success.

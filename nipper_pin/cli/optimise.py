@@ -70,7 +70,7 @@ def _run(options: argparse.Namespace) -> None:
         )
     written = write(optimum, folder)
     if len(optimum.front) > 1:
-        from ..view.front_plot import plot_front
+        from ..view.studies.front_plot import plot_front
 
         written += (plot_front(optimum, folder / f"front.{options.format or 'svg'}"),)
     if options.json is not None:
@@ -78,7 +78,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.json != "-":
         from rich.console import Console
 
-        from ..view.optimise_report import print_optimum
+        from ..view.studies.optimise_report import print_optimum
 
         print_optimum(optimum, Console())
         sys.stdout.write("".join(f"{path}\n" for path in written))

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..view.sweep_plots import plot_sweep
+    from ..view.studies.sweep_plots import plot_sweep
 
     written = plot_sweep(
         options.folder,

@@ -56,7 +56,7 @@ def _run(options: argparse.Namespace) -> None:
     with _progress(case) as advance:
         solution = simulate(mechanism, case, advance)
     if options.out is not None:
-        from ..view.export import export
+        from ..view.run.export import export
 
         export(solution, options.out)
     if options.json is not None:
@@ -99,7 +99,7 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
 def _print(solution: Solution, *, forces: bool, turns: str) -> None:
     from rich.console import Console
 
-    from ..view.table import print_solution
+    from ..view.run.table import print_solution
 
     print_solution(solution, Console(), forces=forces, turns=turns)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.bench.stress.parts import description, frame, link, robot, slide
 from nipper_pin.dynamics import impact
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
@@ -16,7 +17,6 @@ from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.energy_balance import _exchanged
 from nipper_pin.hybrid.run import rest as rests
 from nipper_pin.mechanism import Characteristic, Stop, from_sources
-from nipper_pin.study.stress.parts import description, frame, link, robot, slide
 
 
 def system_of(mechanism: Mechanism) -> System:

@@ -27,7 +27,7 @@ E62 = tomllib.loads((ROOT / "models" / "e62" / "e62.toml").read_text(encoding="u
 def test_document_is_the_schema_of_the_structs() -> None:
     """docs/model.schema.json is what the structs give; after a change of them, write it anew:
 
-    python -c "from nipper_pin.mechanism.files.schema import schema_text; print(schema_text(), end='')"
+    python -c "from nipper_pin.mechanism.files import schema as s; print(s.schema_text(), end='')"
     """
     assert (ROOT / "docs" / "model.schema.json").read_text(encoding="utf-8") == schema_text()
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, DriveMode, EventKind, Window, simulate
+from nipper_pin.bench.stress.machines import bouncing_mass
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress.machines import bouncing_mass
 
 
 @pytest.mark.parametrize("drive", list(DriveMode))

@@ -11,6 +11,7 @@ from small_machines import link, slide
 from small_machines import machine as machine_of_parts
 
 from nipper_pin import Case, Mechanism, Outcome, Window, simulate
+from nipper_pin.bench.stress.machines import flaps
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.impact import collide
 from nipper_pin.dynamics.shaft import ShaftMotion
@@ -19,7 +20,6 @@ from nipper_pin.hybrid.event_location.guards import _flight_root
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress.machines import flaps
 
 
 @pytest.fixture(scope="module")

@@ -21,9 +21,9 @@ import pytest
 from small_machines import SLED, frame, link, machine, slide
 
 from nipper_pin import Case, EventKind, ImpactError, Mechanism, Resolution, Window, simulate
+from nipper_pin.bench.stress.invariants import violations
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.hybrid.motion.panel import Panel
-from nipper_pin.study.stress.invariants import violations
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
 

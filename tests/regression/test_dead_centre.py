@@ -18,8 +18,8 @@ from nipper_pin import (
     Window,
     simulate,
 )
+from nipper_pin.bench.stress.machines import four_bar
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress.machines import four_bar
 
 
 def run(distance: float, speed_rpm: float = 300.0) -> object:

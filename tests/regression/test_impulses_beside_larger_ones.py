@@ -12,8 +12,8 @@ from dataclasses import replace
 import pytest
 
 from nipper_pin import Case, Resolution, Solution, simulate
-from nipper_pin.study.stress import trial
-from nipper_pin.study.stress.agreement import within_errors
+from nipper_pin.bench.stress import trial
+from nipper_pin.bench.stress.agreement import within_errors
 
 COLLISION = 2
 

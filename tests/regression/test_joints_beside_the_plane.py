@@ -18,8 +18,8 @@ import pytest
 from small_machines import hinge, link, machine, slide
 
 from nipper_pin import Case, load, simulate
+from nipper_pin.bench.stress.agreement import bits
 from nipper_pin.mechanism import find_model
-from nipper_pin.study.stress.agreement import bits
 
 CASE = Case(speed_rpm=650.0)
 

@@ -8,9 +8,9 @@ import warnings
 import pytest
 
 from nipper_pin import InputError
+from nipper_pin.bench.stress.machines import bouncing_mass
 from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import build
-from nipper_pin.study.stress.machines import bouncing_mass
 
 
 def test_a_mass_that_nothing_presses_on_the_table_is_refused_with_the_reason() -> None:

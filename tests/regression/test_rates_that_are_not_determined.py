@@ -11,8 +11,8 @@ import pytest
 
 from nipper_pin import Case, DriveMode, SimulationError, SingularConfigurationError, Window
 from nipper_pin import simulate as run
+from nipper_pin.bench.stress.machines import four_bar
 from nipper_pin.mechanism import Mechanism, from_sources
-from nipper_pin.study.stress.machines import four_bar
 
 
 def machine(lengths: tuple[float, ...], masses: tuple[float, float, float]) -> Mechanism:

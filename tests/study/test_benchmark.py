@@ -20,26 +20,32 @@ from numpy.polynomial import chebyshev
 from rich.console import Console
 
 from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
-from nipper_pin.cli import main
-from nipper_pin.errors import SimulationError, UnknownNameError
-from nipper_pin.study.benchmark import Benchmark
-from nipper_pin.study.certified import Certified, certified, certified_names
-from nipper_pin.study.cost import run_python
-from nipper_pin.study.imports import ImportCost, cumulative_ms, following_ms
-from nipper_pin.study.peer_work import graded_peer
-from nipper_pin.study.phase_cost import again, transition_parts
-from nipper_pin.study.scenes import (
+from nipper_pin.bench.run_time.benchmark import Benchmark
+from nipper_pin.bench.run_time.certified import Certified, certified, certified_names
+from nipper_pin.bench.run_time.cost import run_python
+from nipper_pin.bench.run_time.imports import ImportCost, cumulative_ms, following_ms
+from nipper_pin.bench.run_time.peer_work import graded_peer
+from nipper_pin.bench.run_time.phase_cost import again, transition_parts
+from nipper_pin.bench.run_time.scenes import (
     bouncing_mass,
     bouncing_mass_rest,
     bouncing_mass_times,
     four_bar_chain,
 )
-from nipper_pin.study.skips import Skip, integrate, node_forces
-from nipper_pin.study.stated import Stated
-from nipper_pin.study.timing import Timing, environment, timed
-from nipper_pin.study.work_precision import Observed, Row, graded, observe, trajectory_error
-from nipper_pin.view.benchmark_files import work_precision_figure, write_benchmark
-from nipper_pin.view.benchmark_report import markdown, print_benchmark
+from nipper_pin.bench.run_time.skips import Skip, integrate, node_forces
+from nipper_pin.bench.run_time.stated import Stated
+from nipper_pin.bench.run_time.timing import Timing, environment, timed
+from nipper_pin.bench.run_time.work_precision import (
+    Observed,
+    Row,
+    graded,
+    observe,
+    trajectory_error,
+)
+from nipper_pin.bench.views.benchmark_files import work_precision_figure, write_benchmark
+from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark
+from nipper_pin.cli import main
+from nipper_pin.errors import SimulationError, UnknownNameError
 
 TIMING = Timing(2.0, 1.0, 0.5, 0.1, 3)
 UNWANTED = {"matplotlib", "rich", "yourdfpy", "meshcat", "pandas", "trimesh", "numba", "mpmath"}
@@ -403,7 +409,7 @@ def test_a_headless_run_imports_nothing_to_look_at() -> None:
         " '--json', '-']) == 0\n"
     )
     assert not _top_levels(run) & UNWANTED
-    assert "matplotlib" in _top_levels(run + "import nipper_pin.view.plots\n") & UNWANTED
+    assert "matplotlib" in _top_levels(run + "import nipper_pin.view.run.plots\n") & UNWANTED
 
 
 def test_import_adds_little_to_pinocchio() -> None:

@@ -11,15 +11,15 @@ import pytest
 from made_up_clock import Clock
 
 from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.bench.peers import Four, Setting
+from nipper_pin.bench.run_time import benchmark as module
+from nipper_pin.bench.run_time import cost, peer_work, phase_cost
+from nipper_pin.bench.run_time.certified import Certified, certified, certified_names
+from nipper_pin.bench.run_time.imports import ImportCost
+from nipper_pin.bench.run_time.skips import Skip
+from nipper_pin.bench.run_time.stated import Stated
+from nipper_pin.bench.run_time.work_precision import Row
 from nipper_pin.errors import SimulationError
-from nipper_pin.study import benchmark as module
-from nipper_pin.study import cost, peer_work, phase_cost
-from nipper_pin.study.certified import Certified, certified, certified_names
-from nipper_pin.study.imports import ImportCost
-from nipper_pin.study.peers import Four, Setting
-from nipper_pin.study.skips import Skip
-from nipper_pin.study.stated import Stated
-from nipper_pin.study.work_precision import Row
 
 ROW = Row("direct", "1e-9", 1.0, 2.0, 0.5, 0.1, 3, 1e-9, math.nan)
 BOUNCE, SCENE = "no bounce", "no such scene"

@@ -17,17 +17,17 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.bench.run_time import cost, imports
+from nipper_pin.bench.run_time.benchmark import Benchmark
+from nipper_pin.bench.run_time.certified import certified_cycle
+from nipper_pin.bench.run_time.imports import ImportCost
+from nipper_pin.bench.run_time.scenes import bouncing_mass
+from nipper_pin.bench.run_time.skips import Skip
+from nipper_pin.bench.run_time.timing import Timing
+from nipper_pin.bench.run_time.work_precision import Row
+from nipper_pin.bench.views import benchmark_report
+from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.hybrid.case import Resolution
-from nipper_pin.study import cost, imports
-from nipper_pin.study.benchmark import Benchmark
-from nipper_pin.study.certified import certified_cycle
-from nipper_pin.study.imports import ImportCost
-from nipper_pin.study.scenes import bouncing_mass
-from nipper_pin.study.skips import Skip
-from nipper_pin.study.timing import Timing
-from nipper_pin.study.work_precision import Row
-from nipper_pin.view import benchmark_report
-from nipper_pin.view.benchmark_files import work_precision_figure
 
 MEDIAN, FASTEST = 12.0, 7.0
 MIB = 2.0**20

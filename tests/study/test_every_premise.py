@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nipper_pin.bench import premises
+from nipper_pin.bench.premises import Drawn, Judged, draw, judged
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study import premises
-from nipper_pin.study.premises import Drawn, Judged, draw, judged
 
 ONE = Drawn("e62", (), 512.5, 0.25, 9500.0, 0.011)
 TINY = np.finfo(float).tiny

@@ -12,10 +12,10 @@ import pytest
 from made_up_clock import Clock
 
 from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.bench.run_time import skips
+from nipper_pin.bench.run_time.skips import Skip
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.hybrid.result.trajectory import Trajectory
-from nipper_pin.study import skips
-from nipper_pin.study.skips import Skip
 
 TRANSITION = Case(speed_rpm=650.0)
 TURN = Case(speed_rpm=650.0, window=Window.CYCLE)

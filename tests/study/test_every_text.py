@@ -12,10 +12,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin.study.stress import looking, model_invariants, rebound_invariants
-from nipper_pin.study.stress.from_text import Text
-from nipper_pin.study.stress.mirror import mirrored
-from nipper_pin.study.stress.parts import Source
+from nipper_pin.bench.stress import looking, model_invariants, rebound_invariants
+from nipper_pin.bench.stress.from_text import Text
+from nipper_pin.bench.stress.mirror import mirrored
+from nipper_pin.bench.stress.parts import Source
 
 INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
 # Two chains of hinges and slides about skew axes, and a link that is fixed to one of them.

@@ -13,17 +13,17 @@ from typing import Any
 import mpmath
 import pytest
 
+from nipper_pin.bench.stress import judging, refusals
+from nipper_pin.bench.stress.campaign import Campaign
+from nipper_pin.bench.stress.files import load_trial, save_trial
+from nipper_pin.bench.stress.invariants import Violation
+from nipper_pin.bench.stress.judging import Verdict, judge
+from nipper_pin.bench.stress.parts import Source
+from nipper_pin.bench.stress.refusals import Excess, allowed_share, excesses
+from nipper_pin.bench.stress.space import Trial
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.result.solution import Outcome
-from nipper_pin.study.stress import judging, refusals
-from nipper_pin.study.stress.campaign import Campaign
-from nipper_pin.study.stress.files import load_trial, save_trial
-from nipper_pin.study.stress.invariants import Violation
-from nipper_pin.study.stress.judging import Verdict, judge
-from nipper_pin.study.stress.parts import Source
-from nipper_pin.study.stress.refusals import Excess, allowed_share, excesses
-from nipper_pin.study.stress.space import Trial
 
 
 def verdict(
@@ -213,7 +213,7 @@ def test_record_of_a_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
         verdict(5),
     )  # fmt: skip
     excess = Excess("speed", 2, 4, 0.25)
-    monkeypatch.setattr("nipper_pin.study.stress.campaign.excesses", lambda _: [excess])
+    monkeypatch.setattr("nipper_pin.bench.stress.campaign.excesses", lambda _: [excess])
     found = Campaign(9, verdicts, 12.5).record()
     assert found == {
         "cases": 6, "right": 3, "refused": 2, "wrong": 1, "seed": 9, "wall_s": 12.5,

@@ -487,7 +487,7 @@ def test_report_names_what_is_not_known(
     """The printed report of two proportional targets says that one of two numbers is not known."""
     from rich.console import Console
 
-    from nipper_pin.view.identify_report import print_fit
+    from nipper_pin.view.studies.identify_report import print_fit
 
     thin = replace(camera, targets=camera.targets[:1], prior_weight=0.1)
     fit = identify(thin, starts=1, workers=1)

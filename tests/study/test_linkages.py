@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, InputError, SimulationError, UnknownNameError, load, simulate
-from nipper_pin.cli import main
-from nipper_pin.mechanism.drawing import Drawing, Drive, Spring, Stop, drawn_mechanism
-from nipper_pin.study.stress import run_campaign, trial
-from nipper_pin.study.stress.linkages import random_linkage, write_linkage
-from nipper_pin.study.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
-from nipper_pin.study.stress.linkages.freedoms import open_at, struck
-from nipper_pin.study.stress.linkages.motion import (
+from nipper_pin.bench.stress import run_campaign, trial
+from nipper_pin.bench.stress.linkages import random_linkage, write_linkage
+from nipper_pin.bench.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
+from nipper_pin.bench.stress.linkages.freedoms import open_at, struck
+from nipper_pin.bench.stress.linkages.motion import (
     ANGLES,
     NoAssemblyError,
     Output,
@@ -25,6 +23,8 @@ from nipper_pin.study.stress.linkages.motion import (
     still,
     unit,
 )
+from nipper_pin.cli import main
+from nipper_pin.mechanism.drawing import Drawing, Drive, Spring, Stop, drawn_mechanism
 
 COUNT = 40
 

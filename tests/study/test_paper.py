@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nipper_pin.bench.run_time.certified import certified
+from nipper_pin.bench.run_time.scenes import bouncing_mass
 from nipper_pin.cli import main
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import Mechanism, load
-from nipper_pin.study.certified import certified
 from nipper_pin.study.paper import PaperStudy, paper_study
 from nipper_pin.study.paper import designs as designs_module
 from nipper_pin.study.paper.branches import branch, touch_index
@@ -27,7 +28,6 @@ from nipper_pin.study.paper.phase_one import phase_one
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.shares import shares
 from nipper_pin.study.paper.studies import run_studies
-from nipper_pin.study.scenes import bouncing_mass
 from nipper_pin.study.transitions import transition_table
 from nipper_pin.view.paper.tables import percent
 from nipper_pin.view.reading import digits

@@ -16,17 +16,17 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, load, simulate
+from nipper_pin.bench.peers import Four, Setting, available
+from nipper_pin.bench.peers.protocol import MOST_COLLISIONS, Bounces
 from nipper_pin.dynamics.system import System
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.peers import Four, Setting, available
-from nipper_pin.study.peers.protocol import MOST_COLLISIONS, Bounces
 
 SPEED_RPM = 650.0
 CASES = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
 )["cases"]
-ROOM = "nipper_pin.study.peers"
+ROOM = "nipper_pin.bench.peers"
 
 # Module, the package it needs beside numba, one quick setting, and the error that docs/peers.md
 # states for it (worst of four), rounded up to a power of ten with at least a factor two to spare.

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
+from nipper_pin.bench import premises
+from nipper_pin.bench.premises import draw, judged
 from nipper_pin.hybrid.result.premise import Premise
-from nipper_pin.study import premises
-from nipper_pin.study.premises import draw, judged
 
 
 @pytest.mark.slow

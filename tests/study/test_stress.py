@@ -22,8 +22,7 @@ from nipper_pin import (
     Window,
     simulate,
 )
-from nipper_pin.cli import main
-from nipper_pin.study.stress import (
+from nipper_pin.bench.stress import (
     CHECKS,
     FAMILIES,
     RIGHT,
@@ -37,9 +36,10 @@ from nipper_pin.study.stress import (
     trial,
     violations,
 )
-from nipper_pin.study.stress.agreement import same_bits, within_errors
-from nipper_pin.study.stress.engines import engines_agree
-from nipper_pin.study.stress.store import Store
+from nipper_pin.bench.stress.agreement import same_bits, within_errors
+from nipper_pin.bench.stress.engines import engines_agree
+from nipper_pin.bench.stress.store import Store
+from nipper_pin.cli import main
 
 SEED = 7
 
@@ -370,7 +370,7 @@ def test_the_command_reports_and_keeps_failures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A campaign with one wrong case: status 1, its number in one sentence, its file on disk."""
-    import nipper_pin.study.stress as stress
+    import nipper_pin.bench.stress as stress
 
     def found(
         cases: int,

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 from machine_of_all_elements import CASE, everything
 
-import nipper_pin.study.stress as stress
+import nipper_pin.bench.stress as stress
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin.bench.stress import CHECKS, invariants, violations
+from nipper_pin.bench.stress.looking import Shown, looked_at
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress import CHECKS, invariants, violations
-from nipper_pin.study.stress.looking import Shown, looked_at
 
 _FILES = ("invariants", "impact_invariants", "element_invariants", "model_invariants",
           "rebound_invariants", "flight_invariants")  # fmt: skip

@@ -15,13 +15,13 @@ import small_machines
 from machine_of_all_elements import CASE, everything
 
 from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
+from nipper_pin.bench.stress import FAMILIES, RIGHT, judge, trial, violations
+from nipper_pin.bench.stress.agreement import bits, mirror_images
+from nipper_pin.bench.stress.element_families import ELEMENT_FAMILIES
+from nipper_pin.bench.stress.mirror import mirrored
+from nipper_pin.bench.stress.parts import Source
 from nipper_pin.dynamics.elements import Elements
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress import FAMILIES, RIGHT, judge, trial, violations
-from nipper_pin.study.stress.agreement import bits, mirror_images
-from nipper_pin.study.stress.element_families import ELEMENT_FAMILIES
-from nipper_pin.study.stress.mirror import mirrored
-from nipper_pin.study.stress.parts import Source
 
 SEED = 11
 

@@ -14,11 +14,11 @@ import pytest
 from machine_of_all_elements import CASE, everything
 from numpy.polynomial import chebyshev
 
-import nipper_pin.study.stress as stress
+import nipper_pin.bench.stress as stress
 from nipper_pin import Solution, simulate
+from nipper_pin.bench.stress.equations import Equations
+from nipper_pin.bench.stress.interpolants import farthest, halfway, interpolated, slope
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress.equations import Equations
-from nipper_pin.study.stress.interpolants import farthest, halfway, interpolated, slope
 
 FOLDER = Path(stress.__file__).parent
 # Those that run engines, hold what is run, or write it.

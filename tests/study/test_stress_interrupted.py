@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from nipper_pin import InputError
+from nipper_pin.bench.stress import Campaign, Verdict, run_campaign
+from nipper_pin.bench.stress.store import Store
 from nipper_pin.cli import main
-from nipper_pin.study.stress import Campaign, Verdict, run_campaign
-from nipper_pin.study.stress.store import Store
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 SEED, CASES = 7, 12

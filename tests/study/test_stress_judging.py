@@ -12,12 +12,7 @@ import pytest
 from machine_of_all_elements import CASE, everything
 
 from nipper_pin import Case, Mechanism, Solution, simulate
-from nipper_pin.cli import main
-from nipper_pin.hybrid.event import Event
-from nipper_pin.hybrid.result.rebounds import Rebounds
-from nipper_pin.mechanism import from_sources
-from nipper_pin.mechanism.build.build import build
-from nipper_pin.study.stress import (
+from nipper_pin.bench.stress import (
     FAMILIES,
     REFUSED,
     RIGHT,
@@ -29,10 +24,15 @@ from nipper_pin.study.stress import (
     judge,
     judging,
 )
-from nipper_pin.study.stress.agreement import mirror_images, within_errors
-from nipper_pin.study.stress.engines import engines_agree
-from nipper_pin.study.stress.machines import e62 as e62_source
-from nipper_pin.study.stress.refusals import MEASURED, allowed_share
+from nipper_pin.bench.stress.agreement import mirror_images, within_errors
+from nipper_pin.bench.stress.engines import engines_agree
+from nipper_pin.bench.stress.machines import e62 as e62_source
+from nipper_pin.bench.stress.refusals import MEASURED, allowed_share
+from nipper_pin.cli import main
+from nipper_pin.hybrid.event import Event
+from nipper_pin.hybrid.result.rebounds import Rebounds
+from nipper_pin.mechanism import from_sources
+from nipper_pin.mechanism.build.build import build
 
 EPS = np.finfo(float).eps
 
@@ -238,7 +238,7 @@ def test_an_engine_that_refuses_everything_fails_a_short_campaign(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Status 1 after two cases of each family, with a family and both shares in the sentence."""
-    import nipper_pin.study.stress as stress
+    import nipper_pin.bench.stress as stress
 
     refused = Campaign(1, tuple(verdicts(lambda *_: REFUSED, 2)), 1.0)
     monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: refused)

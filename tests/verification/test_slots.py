@@ -9,10 +9,10 @@ import pytest
 from small_machines import NOTHING, SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import AssemblyError, Case, Mechanism, ModelError, Solution, Window, simulate
+from nipper_pin.bench.stress.invariants import violations
 from nipper_pin.errors import UnknownNameError
 from nipper_pin.mechanism import OscillatingGuide
 from nipper_pin.study.check import check_model
-from nipper_pin.study.stress.invariants import violations
 
 RADIUS = 0.05
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)

@@ -21,8 +21,8 @@ from rich.console import Console
 from nipper_pin import Case, Solution, Window, load, record, simulate
 from nipper_pin.hybrid.event import Event
 from nipper_pin.hybrid.result.quantities import COLLISION, TRANSITION
-from nipper_pin.view.export import export
-from nipper_pin.view.table import print_solution
+from nipper_pin.view.run.export import export
+from nipper_pin.view.run.table import print_solution
 
 # A cut pin's rate has a round-off of 1e-15 rad/s, which is 1e-9 of the slowest bounces here.
 SLOW = 1e-8
@@ -55,7 +55,7 @@ def files(run: Solution, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     folder = tmp_path_factory.mktemp("files")
     with pytest.MonkeyPatch.context() as patch:
         # The pictures have tests of their own.
-        patch.setattr("nipper_pin.view.export.plot_solution", lambda *_: [])
+        patch.setattr("nipper_pin.view.run.export.plot_solution", lambda *_: [])
         export(run, folder)
     return {path.stem: rows(path) for path in folder.glob("*.csv")}
 

@@ -15,8 +15,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from nipper_pin import Case, Solution, Window, simulate
-from nipper_pin.view.bounces import impulse_figure, transition_figure
-from nipper_pin.view.timelines import force_figure, motion_figure, phase_figure
+from nipper_pin.view.run.bounces import impulse_figure, transition_figure
+from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 
 CASES = {
     "e62": "650 r/min, window cycle (1 turn from index 24), held drive",

@@ -19,10 +19,11 @@ from matplotlib.figure import Figure
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.hybrid.event import Event
-from nipper_pin.view.bounces import impulse_figure, transition_figure
 from nipper_pin.view.live.answer import answer
 from nipper_pin.view.live.moment import closed_at, impulses_at, moment_text
 from nipper_pin.view.live.settings import knobs
+from nipper_pin.view.run.bounces import impulse_figure, transition_figure
+from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.arrows import (
     FADE,
@@ -35,7 +36,6 @@ from nipper_pin.view.scene.arrows import (
 from nipper_pin.view.scene.film import Film
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.scene.tracks import animation
-from nipper_pin.view.timelines import force_figure, motion_figure, phase_figure
 
 # States between nodes are interpolated here and closed again by the package.
 DENSE = 1e-7

@@ -18,22 +18,28 @@ from rich.console import Console
 from small_machines import SHAFT, hinge, link, machine, slide
 
 from nipper_pin import InputError, Mechanism, Solution, load, simulate
+from nipper_pin.bench.run_time.benchmark import Benchmark
+from nipper_pin.bench.run_time.work_precision import Row
+from nipper_pin.bench.views import benchmark_report
+from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Case
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.optimise import Optimum
-from nipper_pin.study.work_precision import Row
+from nipper_pin.bench.run_time.work_precision import Row
 from nipper_pin.view import benchmark_report, optimise_report, plots, table
-from nipper_pin.view.benchmark_files import work_precision_figure
+from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.view.console import paste, say
-from nipper_pin.view.export import _motion
-from nipper_pin.view.front_plot import front_figure
 from nipper_pin.view.live.settings import knobs
+from nipper_pin.view.run import plots, table
+from nipper_pin.view.run.export import _motion
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
+from nipper_pin.view.studies import check_report as checked
+from nipper_pin.view.studies import optimise_report
+from nipper_pin.view.studies.front_plot import front_figure
 
 
 def printed(work: Callable[[Console], None], width: int = 300) -> str:

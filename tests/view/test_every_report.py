@@ -22,8 +22,11 @@ from judge import Judge
 from matplotlib.collections import PolyCollection
 
 from nipper_pin import Case, DriveMode, Mechanism, Window, load, simulate
+from nipper_pin.bench.run_time.benchmark import Benchmark
+from nipper_pin.bench.run_time.stated import Stated
+from nipper_pin.bench.run_time.work_precision import Row
+from nipper_pin.bench.views import benchmark_report
 from nipper_pin.hybrid.event import Event
-from nipper_pin.study.benchmark import Benchmark
 from nipper_pin.study.paper import PaperStudy
 from nipper_pin.study.paper import shares as shares_of
 from nipper_pin.study.paper.drives import DriveComparison, DriveEffect, _numbers
@@ -33,10 +36,7 @@ from nipper_pin.study.paper.ratios import Ratio, ratios
 from nipper_pin.study.paper.shares import Shares
 from nipper_pin.study.paper.studies import run_studies
 from nipper_pin.study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
-from nipper_pin.study.stated import Stated
 from nipper_pin.study.sweep import SweepTable
-from nipper_pin.study.work_precision import Row
-from nipper_pin.view import benchmark_report, sweep_plots
 from nipper_pin.view.paper import kinematic_figures, published_figures, question_figures
 from nipper_pin.view.paper.canvas import Plate, new_figure, plate
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
@@ -52,6 +52,7 @@ from nipper_pin.view.paper.tables import (
     rest_table,
 )
 from nipper_pin.view.paper.terms import terms
+from nipper_pin.view.studies import sweep_plots
 
 GIVEN = published()
 # Peaks are read from 200 places a flight; last digits of the reduced and the direct engine.

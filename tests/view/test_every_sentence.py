@@ -24,8 +24,8 @@ from small_machines import SHAFT, hinge, link, machine, slide
 from nipper_pin import Case, Mechanism, Window, load, simulate
 from nipper_pin.mechanism import from_sources
 from nipper_pin.study.check import ModelReport, check_model
-from nipper_pin.view.report import print_report
-from nipper_pin.view.table import print_solution
+from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.studies.check_report import print_report
 
 Array = Any
 

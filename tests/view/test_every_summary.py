@@ -17,24 +17,24 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-import nipper_pin.study.stress as stress
+import nipper_pin.bench.stress as stress
 import nipper_pin.study.sweep as sweep
+from nipper_pin.bench.stress import Campaign
+from nipper_pin.bench.stress.judging import Verdict
+from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
 from nipper_pin.cli.simulate import _whole_turns
 from nipper_pin.study.identify.fit import Fit
 from nipper_pin.study.identify.goodness import Verdict as Fitted
 from nipper_pin.study.identify.limits import FORCE_SIGMA_N, INDEX_SIGMA
 from nipper_pin.study.identify.targets import Condition
-from nipper_pin.study.stress import Campaign
-from nipper_pin.study.stress.judging import Verdict
 from nipper_pin.study.sweep.job import NO_MODEL
 from nipper_pin.study.sweep.report import SweepReport
 from nipper_pin.study.sweep.results import Tally
 from nipper_pin.study.transitions import FAILED, TURN
 from nipper_pin.view.console import paste
-from nipper_pin.view.identify_report import print_fit
 from nipper_pin.view.live.answer import _also
-from nipper_pin.view.stress_report import print_campaign
+from nipper_pin.view.studies.identify_report import print_fit
 
 
 def printed(write: Callable[[Console], None], width: int = 10_000) -> str:

@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 
 from nipper_pin import InputError, UnknownNameError
 from nipper_pin.study.sweep import SweepTable
-from nipper_pin.view import sweep_plots
-from nipper_pin.view.sweep_plots import _Parameter, plot_sweep
+from nipper_pin.view.studies import sweep_plots
+from nipper_pin.view.studies.sweep_plots import _Parameter, plot_sweep
 
 Array = Any
 

@@ -14,8 +14,8 @@ from rich.console import Console
 
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import Optimum, optimise, read_problem
-from nipper_pin.view.front_plot import front_figure, plot_front
-from nipper_pin.view.optimise_report import print_optimum
+from nipper_pin.view.studies.front_plot import front_figure, plot_front
+from nipper_pin.view.studies.optimise_report import print_optimum
 
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 STUDY = f"""

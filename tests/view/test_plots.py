@@ -18,11 +18,11 @@ from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
-from nipper_pin.view.bounces import impulse_figure, transition_figure
-from nipper_pin.view.plots import plot_solution
-from nipper_pin.view.sampling import force_ranges, lift, sample_coordinates, sample_forces
-from nipper_pin.view.table import print_solution
-from nipper_pin.view.timelines import force_figure, motion_figure, phase_figure
+from nipper_pin.view.run.bounces import impulse_figure, transition_figure
+from nipper_pin.view.run.plots import plot_solution
+from nipper_pin.view.run.sampling import force_ranges, lift, sample_coordinates, sample_forces
+from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.run.timelines import force_figure, motion_figure, phase_figure
 
 
 def assert_every_panel_shows_something(figure: Figure) -> None:
@@ -189,5 +189,5 @@ def test_importing_the_package_brings_neither_matplotlib_nor_rich() -> None:
 
 
 def test_plots_leave_pyplot_alone() -> None:
-    code = "import sys, nipper_pin.view.plots; print('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, nipper_pin.view.run.plots; print('matplotlib.pyplot' in sys.modules)"
     assert run_python(code) == "False"

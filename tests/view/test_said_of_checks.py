@@ -13,9 +13,9 @@ import nipper_pin.view.live.serve as serve
 from nipper_pin import Mechanism
 from nipper_pin.cli import main
 from nipper_pin.study.interference import Clearance
-from nipper_pin.view.report import _clearances
 from nipper_pin.view.scene.colours import link_colour
 from nipper_pin.view.scene.solids import _material
+from nipper_pin.view.studies.check_report import _clearances
 
 
 def said(items: tuple[Clearance, ...]) -> str:

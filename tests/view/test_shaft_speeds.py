@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 from nipper_pin import Case, Mechanism, Solution, simulate
-from nipper_pin.view.sampling import shaft_rates
-from nipper_pin.view.table import print_solution
+from nipper_pin.view.run.sampling import shaft_rates
+from nipper_pin.view.run.table import print_solution
 
 
 def _printed(solution: Solution) -> list[str]:

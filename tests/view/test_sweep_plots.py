@@ -16,8 +16,8 @@ from nipper_pin import InputError, UnknownNameError
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import SweepTable, read_plan, read_sweep, run_sweep
 from nipper_pin.study.sweep.results.chunk_file import about, encode
-from nipper_pin.view import sweep_plots
-from nipper_pin.view.sweep_plots import cell_means, plot_sweep
+from nipper_pin.view.studies import sweep_plots
+from nipper_pin.view.studies.sweep_plots import cell_means, plot_sweep
 
 STUDY = """
 format = 1

@@ -15,7 +15,7 @@ from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
 from nipper_pin.view.reading import digits, fixed
-from nipper_pin.view.table import print_solution
+from nipper_pin.view.run.table import print_solution
 
 # Rates, impulses, amplitudes and times are printed with four significant digits.
 FOUR_DIGITS = 5.1e-4

@@ -26,9 +26,9 @@ QUANTITIES = (
     "first_two_share",
     "approach_rate_1",
 )
-"""Quantities of a transition (:mod:`nipper_pin.hybrid.result.quantities`): rebounds of the transition stop
-in rad (or m) and s, the time from the first collision to rest in s, the share of the first two
-rebounds in it, and the rate at which the stop closes first."""
+"""Quantities of a transition, as in :mod:`nipper_pin.hybrid.result.quantities`: rebounds of the
+transition stop in rad (or m) and s, the time from the first collision to rest in s, the share of
+the first two rebounds in it, and the rate at which the stop closes first."""
 
 
 class Condition(NamedTuple):

@@ -11,9 +11,9 @@ from ...arrays import FloatArray
 from ...hybrid.case import Case
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
-from ..peers import paper_scheme
-from ..peers.protocol import Setting
 from .published import Published
+from .scheme import fixed_steps as paper_scheme
+from .scheme.protocol import Setting
 
 STEPS_S = (1e-6, 3e-7, 1e-7, 3e-8, 1e-8)
 RULES = ("forward", "semi-implicit")

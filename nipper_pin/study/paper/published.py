@@ -8,7 +8,7 @@ from functools import cache
 from importlib import resources
 
 from ...mechanism import Mechanism
-from ..peers.planar_model import e62_laws
+from .scheme.planar_model import e62_laws
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from ...hybrid.result.tables import Collision
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ..reading import digits, units_of
-from ..sampling import sample_coordinates
+from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed
 
 # A series comes to its limit with fewer; what has more cannot be shown as rebounds anyway.

@@ -13,7 +13,7 @@ from ...hybrid.result.quantities import force_unit
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
-from ..sampling import sample_coordinates
+from ..run.sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import terms

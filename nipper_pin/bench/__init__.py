@@ -1,0 +1,1 @@
+"""What measures the package: run time, accuracy, stress campaigns, other simulators."""

@@ -1,0 +1,1 @@
+"""Run time against error, and what each part of a run costs."""

@@ -1,0 +1,98 @@
+"""The reduced engine in the benchmark: work against precision, build time and throughput."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from .certified import Certified
+from .timing import Timing, timed
+from .work_precision import Observed, Row, graded
+
+_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+# The tolerance whose figures stand for the engine, its own default.
+_DEFAULT_TOLERANCE = 1e-10
+_BATCH, _QUICK_BATCH = 50_000, 10_000
+# Cases of a batch that is timed for a row.
+_SHORT_BATCH = 1000
+# A batch varies the speed by this fraction about the certified case.
+_SPAN = 0.02
+# A measurement is not repeated beyond this time [s].
+_BUDGET_S, _QUICK_BUDGET_S = 3.0, 0.5
+
+
+def reduced_work(
+    reference: Certified, *, quick: bool, repeats: int
+) -> tuple[list[Row], dict[str, Any] | None]:
+    """Measure the reduced engine: called from Python case by case, and in a batch.
+
+    Args:
+        reference: The certified case.
+        quick: A smaller batch and less time.
+        repeats: Runs after the first.
+
+    Returns:
+        Rows by tolerance, and what the engine is measured by: time to build its tables [ms] (the
+        first time apart), first transition with its compilation [ms], one transition [ms], the
+        same in a batch, transitions per second on one core, true error and its own bound. Nothing
+        where numba, which it compiles with, is missing.
+    """
+    if find_spec("numba") is None:
+        return [], None
+    from ...reduced import build, transition, transitions
+
+    mechanism, speed = reference.mechanism(), reference.speed_rpm
+    budget = _QUICK_BUDGET_S if quick else _BUDGET_S
+    building = timed(lambda: build(mechanism), repeats, budget)
+    model = build(mechanism)
+    singles, batches = [], []
+    summary: dict[str, Any] = {"build_ms": building.median_ms, "build_first_ms": building.first_ms}
+    speeds = np.full(_SHORT_BATCH, speed)
+    for tolerance in _TOLERANCES:
+        single = timed(
+            lambda: transition(model, speed_rpm=speed, tolerance=tolerance),  # noqa: B023
+            100 * repeats,
+            budget,
+        )
+        batch = timed(
+            lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance),  # noqa: B023
+            repeats,
+            budget,
+        )
+        found = transition(model, speed_rpm=speed, tolerance=tolerance)
+        observed = Observed(
+            times=found.time,
+            impulses=found.impulse,
+            amplitudes=found.rebound_amplitude,
+            transition_time=found.duration,
+        )
+        name = f"{tolerance:.0e}"
+        singles.append(graded("reduced", name, single, observed, reference))
+        batches.append(graded("reduced, batch", name, _each(batch), observed, reference))
+        if tolerance == _DEFAULT_TOLERANCE:
+            summary |= {
+                "transition_ms": single.median_ms,
+                "transition_in_batch_ms": _each(batch).median_ms,
+                "error": singles[-1].error_worst,
+                "stated_error": found.error_bound,
+            }
+    summary["first_transition_ms"] = singles[0].first_ms
+    count = _QUICK_BATCH if quick else _BATCH
+    sweep = np.linspace((1.0 - _SPAN) * speed, (1.0 + _SPAN) * speed, count)
+    timing = timed(lambda: transitions(model, speed_rpm=sweep), repeats, budget)
+    summary |= {"batch": count, "transitions_per_s": 1e3 * count / timing.median_ms}
+    return [*singles, *batches], summary
+
+
+def _each(batch: Timing) -> Timing:
+    """Time of a batch by its number of cases."""
+    share = 1.0 / _SHORT_BATCH
+    return Timing(
+        share * batch.first_ms,
+        share * batch.median_ms,
+        share * batch.fastest_ms,
+        share * batch.spread_ms,
+        batch.runs,
+    )

@@ -1,0 +1,1 @@
+"""The published scheme: fixed steps on the hand-derived planar equation of the E62."""

@@ -1,0 +1,1 @@
+"""One run: its tables, plots and files."""

@@ -1,0 +1,61 @@
+"""A solution as figures in files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from ...errors import InputError
+from ...hybrid.case import Window
+from ...hybrid.files.npz import complete_file
+from ...hybrid.result.solution import Solution
+from .bounces import impulse_figure, transition_figure
+from .timelines import force_figure, motion_figure, phase_figure
+
+
+def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:
+    """Write the figures of a solution as PNG files; each appears only when it is complete.
+
+    Of many turns the first two are drawn. There is no figure of what did not happen: motion
+    and phases need motion and a stop, transition needs a completed one with a rebound, impulses
+    need a collision and forces the window "cycle".
+
+    Args:
+        solution: The solution.
+        folder: Folder, made if it does not exist; files of the same names are replaced.
+
+    Returns:
+        The files: ``motion.png``, ``phases.png``, ``transition.png``, ``impulses.png`` and
+        ``forces.png``, in this order.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"{target}: cannot be made a folder ({error.strerror})"
+        raise InputError(message, folder=str(target)) from error
+    return [_write(figure, target / f"{name}.png") for name, figure in _figures(solution).items()]
+
+
+def _figures(solution: Solution) -> dict[str, Figure]:
+    figures = {}
+    if solution.segments and solution.mechanism.stops:
+        figures = {"motion": motion_figure(solution), "phases": phase_figure(solution)}
+    bounced = [item for item in solution.transitions if item.collisions > 1]
+    if bounced:
+        figures["transition"] = transition_figure(solution, bounced[0])
+    if any(item.impulse > 0.0 for item in solution.collisions):
+        figures["impulses"] = impulse_figure(solution)
+    if solution.case.window is Window.CYCLE and solution.mechanism.stops:
+        figures["forces"] = force_figure(solution)
+    return figures
+
+
+def _write(figure: Figure, path: Path) -> Path:
+    with complete_file(path) as partial:
+        figure.savefig(partial, format="png")
+    return path

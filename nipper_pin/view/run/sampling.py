@@ -1,0 +1,158 @@
+"""Dense samples of a solution for pictures, with both limits at every event."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.advance import Segment
+from ...hybrid.event import Event
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.tables import PhaseInterval
+from ..reading import shown_phases, shown_until
+
+_FEWEST = 49
+_PER_TURN = 720
+
+
+@dataclass(frozen=True)
+class ForceRange:
+    """Range of the normal force of a closed stop in one phase, over the turns shown.
+
+    Attributes:
+        closed: Closed stops of the phase.
+        stop: Stop.
+        lowest: [N], of a hinge's stop without a contact [N m].
+        t_lowest: Its time [s].
+        highest: In the same unit.
+        t_highest: Its time [s].
+    """
+
+    closed: frozenset[str]
+    stop: str
+    lowest: float
+    t_lowest: float
+    highest: float
+    t_highest: float
+
+
+def sample_coordinates(
+    solution: Solution, t_start: float, t_end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times [s], shape (K,), and configurations, shape (K, nv), with every event among them."""
+    trajectory = solution.trajectory
+    times, states = [], []
+    for _, t in _pieces(solution, t_start, t_end):
+        inner, last = trajectory.evaluate(t[:-1]), trajectory.evaluate(t[-1:], left=True)
+        times.append(t)
+        states += [inner.q, last.q]
+    return np.concatenate(times), np.concatenate(states)
+
+
+def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
+    """Largest gap of a released stop until its next event, and the time until then.
+
+    Args:
+        solution: The solution.
+        event: Release of one stop.
+
+    Returns:
+        Gap [rad or m] and time [s]; None if the window ends before the stop closes.
+    """
+    name = event.stops[0]
+    later = (item for item in solution.events[event.number :] if name in item.stops)
+    following = next(later, None)
+    if following is None:
+        return None
+    _, q = sample_coordinates(solution, event.t, following.t)
+    return float(solution.mechanism.stop(name).gaps(q).max()), following.t - event.t
+
+
+def sample_forces(
+    solution: Solution, stop: str, t_start: float, t_end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and normal forces [N or N m] of a stop while it is closed, shape (K,).
+
+    Stretches are separated by a NaN, so that a line through them breaks at jumps.
+    """
+    times, forces = [np.empty(0)], [np.empty(0)]
+    for segment, t in _pieces(solution, t_start, t_end):
+        if stop in segment.closed:
+            times += [t, t[-1:]]
+            forces += [_contact(solution, stop, t), np.array([np.nan])]
+    return np.concatenate(times), np.concatenate(forces)
+
+
+def force_ranges(solution: Solution) -> tuple[ForceRange, ...]:
+    """Ranges of the forces of closed stops, by phase, over the turns shown."""
+    samples: dict[tuple[frozenset[str], str], list[tuple[FloatArray, FloatArray]]] = {}
+    for phase in shown_phases(solution):
+        for stop in sorted(phase.closed):
+            samples.setdefault((phase.closed, stop), []).append(_phase_force(solution, phase, stop))
+    found = []
+    for (closed, stop), parts in samples.items():
+        t = np.concatenate([part[0] for part in parts])
+        force = np.concatenate([part[1] for part in parts])
+        if np.isnan(force).all():
+            continue
+        low, high = int(np.nanargmin(force)), int(np.nanargmax(force))
+        found.append(
+            ForceRange(
+                closed, stop, float(force[low]), float(t[low]), float(force[high]), float(t[high])
+            )
+        )
+    return tuple(found)
+
+
+def shaft_rates(solution: Solution) -> dict[str, tuple[float, float]]:
+    """Smallest and largest rate of every driven joint over the turns shown.
+
+    Args:
+        solution: The solution.
+
+    Returns:
+        Both by drive [rad/s or m/s]; empty for a run without motion.
+    """
+    found: list[FloatArray] = []
+    for _, t in _pieces(solution, 0.0, shown_until(solution)):
+        inner = solution.trajectory.evaluate(t[:-1])
+        found += [inner.v, solution.trajectory.evaluate(t[-1:], left=True).v]
+    if not found:
+        return {}
+    v = np.concatenate(found)
+    lowest, highest = v.min(axis=0), v.max(axis=0)
+    return {
+        drive.name: (float(lowest[drive.index]), float(highest[drive.index]))
+        for drive in solution.mechanism.drives
+    }
+
+
+def _phase_force(
+    solution: Solution, phase: PhaseInterval, stop: str
+) -> tuple[FloatArray, FloatArray]:
+    return sample_forces(solution, stop, phase.t_start, min(phase.t_end, shown_until(solution)))
+
+
+def _contact(solution: Solution, stop: str, t: FloatArray) -> FloatArray:
+    trajectory = solution.trajectory
+    inner = trajectory.reactions(t[:-1]).contacts[stop]
+    last = trajectory.reactions(t[-1:], left=True).contacts[stop]
+    return np.concatenate([inner, last])
+
+
+def _pieces(
+    solution: Solution, t_start: float, t_end: float
+) -> Iterator[tuple[Segment, FloatArray]]:
+    """Segments inside a stretch of time with the times to sample, ends included."""
+    for segment in solution.segments:
+        begin, end = max(segment.t_start, t_start), min(segment.t_end, t_end)
+        if end > begin:
+            share = (end - begin) / solution.shaft.period
+            # Cosines stand closest at the ends, where a gap falls to zero.
+            steps = np.linspace(0.0, np.pi, _FEWEST + int(_PER_TURN * share))
+            times = begin + (end - begin) * 0.5 * (1.0 - np.cos(steps))
+            times[-1] = end
+            yield segment, times

@@ -1,0 +1,125 @@
+"""The findings about a model as tables and sentences for a terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from ...hybrid.result.quantities import force_unit
+from ...mechanism import Stop
+from ...study.check import ModelReport
+from ..console import add_row, say
+from ..reading import damper_text, spring_text, stop_place
+
+
+def print_report(report: ModelReport, console: Console) -> None:
+    """Print what a model is and what was found about it.
+
+    Args:
+        report: The report.
+        console: Where to print; 80 columns are enough.
+    """
+    mechanism = report.mechanism
+    say(console, mechanism.title or mechanism.name, style="bold")
+    say(
+        console,
+        f"{len(mechanism.joints)} moving links, {len(mechanism.joints)} tree joints, "
+        f"{len(mechanism.closures)} cut joints, mobility {mechanism.degrees_of_freedom}, "
+        f"{len(mechanism.drives)} of it driven",
+    )
+    _joints(report, console)
+    _stops(report, console)
+    say(console, "Cycle", style="bold")
+    say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
+    for stop, index in report.releases:
+        say(console, f"stop {stop} lets go at index {index:.4f}: its force falls to zero there")
+    say(
+        console,
+        f"condition of the closures: at most {report.condition.value:.3g}, at index "
+        f"{report.condition.index:.2f}; of the impact matrix {report.impact_condition.value:.3g}, "
+        f"at index {report.impact_condition.index:.2f}",
+    )
+    _clearances(report, console)
+    say(console, "Provenance", style="bold")
+    for path, text in mechanism.provenance.items():
+        say(console, f"{path}: {text}")
+
+
+def _joints(report: ModelReport, console: Console) -> None:
+    mechanism = report.mechanism
+    table = Table(box=box.SIMPLE_HEAD, title="Joints", title_justify="left", pad_edge=False)
+    for heading in ("joint", "kind", "parent", "child", "moved by"):
+        table.add_column(heading, overflow="fold")
+    moved = {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
+    for joint in mechanism.joints:
+        by = moved.get(joint.index, "")
+        add_row(table, joint.name, joint.kind, joint.parent, joint.child, by)
+    for closure in mechanism.closures:
+        kind, first = "cut pin", closure.frame_a
+        if closure.slot_frame is not None:
+            kind, first = "pin in a slot", f"{closure.slot_frame} along {closure.slot_axis}"
+        add_row(table, closure.name, kind, first, closure.frame_b, "")
+    console.print(table)
+    total = sum(item.mass_kg for item in report.masses)
+    masses = ", ".join(f"{item.link} {item.mass_kg:.4g}" for item in report.masses)
+    say(console, f"masses in kg: {masses}; together {total:.4g}")
+    say(console, f"springs: {spring_text(mechanism)}")
+    if dampers := damper_text(mechanism):
+        say(console, f"dampers: {dampers}")
+
+
+def _stops(report: ModelReport, console: Console) -> None:
+    for stop in report.mechanism.stops:
+        contact = stop.contact
+        where = stop_place(report.mechanism, stop)
+        if contact is not None:
+            x, _, z = 1e3 * contact.point
+            where += (
+                f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
+                f"{contact.normal[2]:.3f}), lever {1e3 * contact.lever_m:.2f} mm"
+            )
+        say(
+            console,
+            f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
+            f"closed {_force(report, stop)}",
+        )
+
+
+def _force(report: ModelReport, stop: Stop) -> str:
+    force = report.stop_force.get(stop.name)
+    if force is None and stop.name in report.struck:
+        return "not seen: it bounces and does not come to rest"
+    if force is None:
+        return "not seen: it is never closed"
+    return f"{force.value:.1f} {force_unit(report.mechanism, stop)} at index {force.index:.2f}"
+
+
+def _timing(report: ModelReport) -> str:
+    name = report.mechanism.transition_stop
+    if report.closing_index is None:
+        return f"stop {name} does not close. {report.outcome}" if name else report.outcome
+    if name not in report.stop_force:
+        return (
+            f"stop {name} is struck first at index {report.closing_index:.4f} and does not come to "
+            "rest"
+        )
+    opening = (
+        "does not open again"
+        if report.opening_index is None
+        else f"opens at index {report.opening_index:.4f}"
+    )
+    return f"stop {name} closes at index {report.closing_index:.4f} and {opening}"
+
+
+def _clearances(report: ModelReport, console: Console) -> None:
+    say(console, "Clearances below 20 mm", style="bold")
+    for item in report.clearances:
+        verdict = "INTERFERENCE" if item.interferes else "meet" if item.may_touch else "clear"
+        say(
+            console,
+            f"{verdict}: {item.link_a} ({item.shape_a}) and {item.link_b} ({item.shape_b}), "
+            f"{1e3 * item.distance_m:.3f} mm at index {item.index:.2f}",
+        )
+    if not report.clearances:
+        say(console, "none: no two links that should not touch come so near")

@@ -1,0 +1,160 @@
+"""An identification as tables and sentences for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+
+from ...study.identify.determine import DETERMINED, Determinability
+from ...study.identify.fit import Fit
+from ...study.identify.goodness import Goodness, Verdict
+from ...study.identify.profiles import Profile
+from ...study.identify.record import WORD
+from ...study.identify.targets import Condition
+from ..console import add_row, plain_table, say
+
+_SAME = 1e-3
+# Two numbers whose errors go together this far are known as a combination alone.
+_STRONG = 0.9
+_PAIRS = 5
+
+
+def print_fit(
+    fit: Fit,
+    judged: Goodness,
+    known: Determinability,
+    profiles: Sequence[Profile],
+    console: Console,
+) -> None:
+    """Print what was identified, how good it is and what the targets determine.
+
+    Args:
+        fit: The fit.
+        judged: How good it is.
+        known: What the targets determine.
+        profiles: Profile likelihoods.
+        console: Where to print; 80 columns are enough.
+    """
+    problem = fit.objective.problem
+    say(console, problem.title, style="bold")
+    same = sum(item.cost < fit.best.cost * (1.0 + _SAME) for item in fit.descents)
+    say(
+        console,
+        f"{len(fit.descents)} starts, seed {fit.seed}: {same} of them end at the least cost "
+        f"{fit.best.cost:.5g}; {fit.within(0.04)} of {len(problem.targets)} targets are met within "
+        f"4 %, {fit.within(0.10)} within 10 %",
+    )
+    bad = judged.verdict is Verdict.CONTRADICTED
+    say(console, judged.sentence(), style="bold red" if bad else "")
+    _targets(fit, judged, console)
+    _free(fit, judged, known, console)
+    _correlations(known, console)
+    _premises(fit, console)
+    _limits(fit, console)
+    say(console, "What the targets determine", style="bold")
+    say(
+        console,
+        f"{known.identifiable_directions} of {len(known.paths)} directions; singular values "
+        "(sigmas over the whole range): " + ", ".join(f"{x:.3g}" for x in known.singular_values),
+    )
+    single = ", ".join(known.determined) or "none"
+    say(console, f"single numbers narrowed to less than half of their range: {single}")
+    for item in profiles:
+        _profile(item, console)
+    say(console, WORD, style="bold")
+
+
+def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
+    table = plain_table("target", "wanted", "+-", "found", "deviation", "sigmas")
+    for place, target in enumerate(fit.objective.problem.targets):
+        add_row(
+            table,
+            target.name,
+            f"{target.value:.5g}",
+            f"{target.sigma:.2g}",
+            f"{fit.predicted[place]:.5g}",
+            f"{100 * fit.deviations[place]:+.2f} %",
+            f"{_sigmas(judged.residuals[place])}{'!' if place in judged.outliers else ' '}",
+        )
+    console.print(table)
+    if judged.outliers:
+        say(console, "!: outlier, farther off than chance explains for the worst of all targets")
+
+
+def _sigmas(value: float) -> str:
+    return f"{value:+.2f}" if abs(value) < 100.0 else f"{value:+.3g}"
+
+
+def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) -> None:
+    table = plain_table("number", "before", "found", "+-", "scaled", "bounds", "left")
+    left, given = dict(known.ranked()), known.deviations
+    scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
+    for item in fit.objective.problem.parameters:
+        value = fit.values[item.path]
+        add_row(
+            table,
+            item.path,
+            f"{item.start:.5g}",
+            f"{value:.5g}{'*' if item.path in fit.at_bounds else ' '}",
+            f"{given[item.path] * item.width:.2g}",
+            f"{scaled[item.path] * item.width:.2g}" if scaled else "-",
+            f"{item.low:g}..{item.high:g}",
+            f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
+        )
+    console.print(table)
+    say(
+        console,
+        "+-: standard deviation by the sigmas as given; scaled: by sigmas that the misfit would "
+        "meet. left: part of its range that the targets leave a number; ?: "
+        f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
+    )
+    if fit.at_bounds:
+        ends = ", ".join(f"{path} ({side})" for path, side in fit.at_bounds.items())
+        say(
+            console,
+            f"at a bound of their ranges, so that bounds and not targets decide them: {ends}",
+        )
+
+
+def _correlations(known: Determinability, console: Console) -> None:
+    strong = known.strongest(_STRONG)
+    if not strong:
+        return
+    pairs = "; ".join(f"{one} and {other} {size:+.3f}" for one, other, size in strong[:_PAIRS])
+    more = f"; and {len(strong) - _PAIRS} more" if len(strong) > _PAIRS else ""
+    say(console, f"correlated, so that only a combination is well known: {pairs}{more}")
+
+
+def _premises(fit: Fit, console: Console) -> None:
+    for at, premise in fit.premises.items():
+        if premise.holds is False:
+            say(console, f"{_setting(at)}: the transition of the turn, since {premise.why}")
+        elif premise.holds is None:
+            say(console, f"{_setting(at)}: a transition as assumed; {premise.why}")
+
+
+def _setting(at: Condition) -> str:
+    words = {"restitution": at.restitution, "stiffness": at.stiffness}
+    more = [f"{word} {value:g}" for word, value in words.items() if value is not None]
+    return ", ".join([f"{at.speed_rpm:g} r/min", *more])
+
+
+def _limits(fit: Fit, console: Console) -> None:
+    if fit.broken_limits:
+        words = ", ".join(f"{name} by {by:+.3g}" for name, by in fit.broken_limits.items())
+        say(console, f"LIMITS ARE BROKEN: {words}", style="bold red")
+    elif fit.excess.size:
+        say(console, "all limits are kept")
+
+
+def _profile(item: Profile, console: Console) -> None:
+    pairs = ", ".join(
+        f"{value:.4g}: {cost:.2f} ({linear:.2f})"
+        for value, cost, linear in zip(item.values, item.cost, item.quadratic, strict=True)
+    )
+    say(
+        console,
+        f"profile of {item.path} (rise of the cost; that of the linear model in brackets; 0.5 is "
+        f"one sigma = {item.sigma:.3g}): {pairs}",
+    )
