@@ -20,9 +20,10 @@ from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.chebyshev import nodes
 from .motion.coordinate_choice import serves, suited_split
 from .motion.kinematics import kinematic_panel
-from .motion.panel import Exact, Panel, one_state_at
+from .motion.panel import Begin, Exact, Panel, one_state_at
 from .motion.picard import flight_panel
 from .motion.residual_check import shows_end, shows_forces, shows_turns
+from .state import State
 
 _SHORTEST_PANEL = 1e-12
 # In one phase; a whole turn of a comber has thirty.
@@ -81,30 +82,18 @@ class Advance(NamedTuple):
 
     segment: Segment
     triggers: tuple[Trigger, ...]
-    end: Exact
+    end: State
 
 
 def advance(
-    system: System,
-    rows: ConstraintSet,
-    t: float,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
-    jacobian: FloatArray,
-    t_limit: float,
-    resolution: Resolution,
+    system: System, state: State, a: FloatArray, t_limit: float, resolution: Resolution
 ) -> Advance:
     """Follow the motion from a state just after an event to the next event.
 
     Args:
         system: The system.
-        rows: The phase: which stops are closed.
-        t: Start [s].
-        q: Closed configuration, shape (nv,); gaps of stops just left are exactly zero.
-        v: Closed velocity (right limit), shape (nv,).
+        state: The state; gaps of stops just left are exactly zero.
         a: Acceleration there, shape (nv,).
-        jacobian: Closure Jacobian there, shape (m, nv).
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
 
@@ -114,17 +103,18 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
+    rows = system.constraint_set(state.closed)
     kinematic = rows.freedom == 0
-    start = t
+    jacobian, begin = state.jacobian, Begin(state.t, state.q, state.v, a)
     longest = system.shaft.period / resolution.panels_per_turn
-    h = longest if kinematic else min(longest, _ballistic_length(q, v, a, rows.open))
+    h = longest if kinematic else min(longest, _ballistic_length(begin, rows.open))
     # A stop that has just been left is independent, so that its gap keeps its relative precision,
     # and stays so: a coordinate that the others determine has their errors, multiplied.
-    leaving = sorted(rows.open, key=lambda stop: stop.gap(q) != 0.0)
+    leaving = sorted(rows.open, key=lambda stop: stop.gap(state.q) != 0.0)
     preferred = (*rows.yielding, *(stop.index for stop in leaving))
     panels: list[Panel] = []
     while True:
-        left = t_limit - t
+        t, left = begin.t, t_limit - begin.t
         h = min(h, left, system.shaft.smooth_for(t))
         if left - h < _SHORTEST_PANEL * system.shaft.period:
             # Round-off of a sum of panels must not leave one that holds nothing but round-off.
@@ -132,9 +122,9 @@ def advance(
         try:
             choose = system.split if kinematic else system.good_split
             split = choose(jacobian, rows.given, preferred)
-            panel, forces, advised = _panel(system, rows, split, t, h, q, v, a, resolution)
+            panel, forces, advised = _panel(system, rows, split, begin, h, resolution)
         except SimulationError as error:
-            raise type(error)(error.message, **{**error.evidence, "t": t, "q": q}) from error
+            raise type(error)(error.message, **{**error.evidence, "t": t, "q": begin.q}) from error
         panels.append(panel)
         if len(panels) > _MOST_PANELS:
             message = (
@@ -148,7 +138,7 @@ def advance(
                 tolerance=resolution.tolerance,
                 iterations=len(panels),
                 t=t,
-                q=q,
+                q=begin.q,
             )
         found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         suited: Partition | None = split
@@ -166,16 +156,16 @@ def advance(
             panel = panels[-1] = replace(panel, split=suited)
             found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
         if found or t_end >= t_limit:
-            segment = Segment(start, t_end, rows.closed, tuple(panels), kinematic)
+            segment = Segment(state.t, t_end, rows.closed, tuple(panels), kinematic)
             hit = [
                 system.mechanism.stop(trigger.stop)
                 for trigger in found
                 if trigger.kind is TriggerKind.GAP
             ]
-            return Advance(segment, found, _closed_up(system, rows, exact, hit) if hit else exact)
-        t = t + panel.h
-        q, v, jacobian, _ = exact
-        a = panel.a[-1]
+            end = _closed_up(system, rows, exact, hit) if hit else exact
+            return Advance(segment, found, State(t_end, *end, state.closed, state.series))
+        jacobian = exact.jacobian
+        begin = Begin(t + panel.h, exact.q, exact.v, panel.a[-1])
         h = min(longest, advised)
 
 
@@ -230,10 +220,9 @@ def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop])
     return Exact(q[0], system.closed_velocity(end.v, jacobian, split), jacobian, end.motion)
 
 
-def _ballistic_length(
-    q: FloatArray, v: FloatArray, a: FloatArray, open_stops: Sequence[Stop]
-) -> float:
+def _ballistic_length(begin: Begin, open_stops: Sequence[Stop]) -> float:
     """Time [s] in which a body that leaves a stop at constant acceleration is back, and a bit."""
+    _, q, v, a = begin
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops
@@ -246,11 +235,8 @@ def _panel(
     system: System,
     rows: ConstraintSet,
     split: Partition,
-    t: float,
+    begin: Begin,
     h: float,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
     resolution: Resolution,
 ) -> tuple[Panel, FloatArray, float]:
     """Solve one panel, shortened until it is resolved; with stop forces and the next length."""
@@ -260,9 +246,9 @@ def _panel(
         factor = 0.5
         try:
             if kinematic:
-                attempt = kinematic_panel(system, rows, split, t, h, q, v, a, resolution)
+                attempt = kinematic_panel(system, rows, split, begin, h, resolution)
             else:
-                attempt = flight_panel(system, rows, split, t, h, q, v, a, resolution)
+                attempt = flight_panel(system, rows, split, begin, h, resolution)
         except (ConvergenceError, ElementError, SingularConfigurationError):
             # The guess of a long panel may be too far off, or its iteration run away to where the
             # loops do not close; a short one tells the truth.

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..dynamics.impact import arrest, collide, no_impact
 from ..dynamics.shaft import ShaftMotion
-from ..dynamics.system import ConstraintSet, System
+from ..dynamics.system import System
 from ..errors import (
     ConvergenceError,
     ImpactError,
@@ -35,7 +35,8 @@ from .run.event_log import EventLog
 from .run.jamming import check_jam
 from .run.periodicity import repeats
 from .run.rest import rest_of_nested, rest_of_series
-from .run.state import State, initial_state
+from .run.start import initial_state
+from .state import State
 
 
 def simulate(
@@ -248,28 +249,18 @@ class _Run:
         if state.t >= t_limit:
             # The last event fell on the limit: nothing is left to follow.
             return False
-        rows = self.system.constraint_set(state.closed)
         reached = advance(
-            self.system,
-            rows,
-            state.t,
-            state.q,
-            state.v,
-            self._acceleration(state),
-            state.jacobian,
-            t_limit,
-            self.case.resolution,
+            self.system, state, self._acceleration(state), t_limit, self.case.resolution
         )
         self.segments.append(reached.segment)
-        q, v, jacobian, motion = reached.end
-        state = State(reached.segment.t_end, q, v, jacobian, motion, state.closed, state.series)
+        state = reached.end
         if not reached.triggers:
             self.state = state
             return False
         hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
         released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
         if released:
-            state = self._release(state, released, rows, reached.segment.panels[-1])
+            state = self._release(state, released, reached.segment.panels[-1])
         if hit:
             rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
             # Of stops that touch within round-off of one time some may be on their way out.
@@ -377,12 +368,11 @@ class _Run:
             self._known = state.v, a
         return a
 
-    def _release(
-        self, state: State, released: Set[str], rows: ConstraintSet, panel: Panel
-    ) -> State:
+    def _release(self, state: State, released: Set[str], panel: Panel) -> State:
         """Open the stops whose force has fallen to zero."""
         if len(released) > 1:
             # Those that pull at the start of a phase may push once another one is open.
+            rows = self.system.constraint_set(state.closed)
             released = state.closed - pressed_next(self.system, rows, panel, state.t) or released
         return self._open(state, released)
 

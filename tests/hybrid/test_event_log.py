@@ -9,7 +9,7 @@ from nipper_pin.dynamics.impact import Impact
 from nipper_pin.hybrid.contact.complementarity import Closed
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.run.event_log import EventLog
-from nipper_pin.hybrid.run.state import State
+from nipper_pin.hybrid.state import State
 
 
 def _recorded(rest: float, later: float) -> EventLog:

@@ -12,7 +12,7 @@ from nipper_pin import Case, ConvergenceError, Resolution, Window, load, simulat
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
-from nipper_pin.hybrid import segment
+from nipper_pin.hybrid import advance as advancing
 from nipper_pin.hybrid.event_location.guards import _gap_root
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.mechanism import Stop
@@ -101,9 +101,9 @@ def test_a_phase_of_too_many_panels_is_refused(monkeypatch: pytest.MonkeyPatch) 
     """
     case = Case(speed_rpm=450.0, window=Window.CYCLE, resolution=Resolution(panels_per_turn=400))
     most = max(len(part.panels) for part in simulate(load("e62"), case).segments)
-    monkeypatch.setattr(segment, "_MOST_PANELS", most)
+    monkeypatch.setattr(advancing, "_MOST_PANELS", most)
     simulate(load("e62"), case)
-    monkeypatch.setattr(segment, "_MOST_PANELS", most - 1)
+    monkeypatch.setattr(advancing, "_MOST_PANELS", most - 1)
     with pytest.raises(ConvergenceError, match=f"more than {most - 1} panels") as caught:
         simulate(load("e62"), case)
     assert caught.value.evidence["t"] > 0.0

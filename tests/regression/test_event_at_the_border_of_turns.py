@@ -9,7 +9,7 @@ import pytest
 
 from nipper_pin import Case, Window, load, simulate
 from nipper_pin.hybrid.run.periodicity import repeats
-from nipper_pin.hybrid.run.state import initial_state
+from nipper_pin.hybrid.run.start import initial_state
 
 PARAMETERS = {
     "stops.jaw.restitution": 0.29362489155001664,

@@ -15,6 +15,7 @@ from small_machines import SHAFT, hinge, link, machine, slide
 from nipper_pin import Resolution
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
+from nipper_pin.hybrid.motion.panel import Begin
 from nipper_pin.hybrid.motion.picard import flight_panel
 
 TOLERANCE, LENGTH = 1e-10, 0.02
@@ -50,7 +51,7 @@ def test_round_off_of_a_closed_stop_does_not_end_the_iteration(round_off: float)
     start[lift] = round_off
     split = system.split(np.zeros((0, 2)), rows.given, (wheel,))
     attempt = flight_panel(
-        system, rows, split, 0.0, LENGTH, q, v, start, Resolution(tolerance=TOLERANCE)
+        system, rows, split, Begin(0.0, q, v, start), LENGTH, Resolution(tolerance=TOLERANCE)
     )
     panel = attempt.panel
     assert panel is not None

@@ -18,6 +18,17 @@ from ...hybrid.contact.bounce_series import BounceSeries
 from ...mechanism import Mechanism
 from ...study.paper.scheme.protocol import Four, Run, Setting
 
+__all__ = [
+    "MODULES",
+    "MOST_COLLISIONS",
+    "Bounces",
+    "Four",
+    "Peer",
+    "Run",
+    "Setting",
+    "available",
+]
+
 MODULES = (
     ".rk4",
     ".scipy_ivp",

@@ -15,7 +15,7 @@ from ...dynamics.impact import collide
 from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.shaft import ShaftMotion
 from ...dynamics.system import System
-from ...hybrid.run.state import initial_state
+from ...hybrid.run.start import initial_state
 from ...mechanism import Mechanism, rad_s_from_rpm
 from ...study.paper.scheme.planar_model import planar_model
 from ...study.paper.scheme.planar_motion import shaft_accelerations

@@ -11,6 +11,7 @@ from ...hybrid.advance import Advance, Segment, advance
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
+from ...hybrid.state import State
 from ...mechanism import Mechanism
 from .timing import timed
 
@@ -60,17 +61,9 @@ def again(solution: Solution, segment: Segment) -> Advance:
     q = panel.q[0].copy()
     # A stop that has just been left has a gap of exactly zero, the first node one to round-off.
     q[np.abs(q) < _ROUND_OFF] = 0.0
-    return advance(
-        system,
-        system.constraint_set(segment.closed),
-        segment.t_start,
-        q,
-        panel.v[0],
-        panel.a[0],
-        jacobian[0],
-        solution.shaft.period,
-        solution.case.resolution,
-    )
+    motion = system.shaft.driven_at(segment.t_start)
+    start = State(segment.t_start, q, panel.v[0], jacobian[0], motion, segment.closed)
+    return advance(system, start, panel.a[0], solution.shaft.period, solution.case.resolution)
 
 
 def transition_parts(

@@ -31,7 +31,7 @@ from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
 from ..result.solution import Outcome, Solution
-from . import npz_schema as stored_run
+from . import npz_schema
 
 FORMAT = 2
 _Nodes = tuple[FloatArray, FloatArray, FloatArray]
@@ -113,7 +113,7 @@ def load_solution(path: str | Path) -> Solution:
         with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
             _check_format(document, path)
-            return _solution(stored_run.run(document), stored)
+            return _solution(npz_schema.run(document), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
@@ -136,7 +136,7 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         text = Path(path).read_text(encoding="utf-8")
         document = json.loads(text, parse_constant=_refuse_constant)
         _check_format(document, path)
-        setting = stored_run.setting(document)
+        setting = npz_schema.setting(document)
         return _mechanism(setting), _case(setting)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
@@ -188,12 +188,12 @@ def _refuse_constant(name: str) -> None:
     raise ValueError(message)
 
 
-def _mechanism(setting: stored_run.Setting) -> Mechanism:
+def _mechanism(setting: npz_schema.Setting) -> Mechanism:
     source = setting.mechanism
     return from_sources(source.name, source.urdf, source.description, Path(source.folder))
 
 
-def _case(setting: stored_run.Setting) -> Case:
+def _case(setting: npz_schema.Setting) -> Case:
     values = msgspec.structs.asdict(setting.case)
     return Case(
         **{**values, "resolution": Resolution(**msgspec.structs.asdict(setting.case.resolution))}
@@ -234,7 +234,7 @@ def _event_record(event: Event) -> dict[str, Any]:
     }
 
 
-def _solution(run: stored_run.Run, stored: Any) -> Solution:
+def _solution(run: npz_schema.Run, stored: Any) -> Solution:
     mechanism = _mechanism(run)
     size = len(mechanism.joints)
     # Copies of a turn share their arrays again, as they did when they were written.
@@ -274,7 +274,7 @@ def _numbers(array: Any, *shape: int | None) -> FloatArray:
 
 
 def _segment(
-    record: stored_run.SegmentRecord,
+    record: npz_schema.SegmentRecord,
     panels: dict[int, _Nodes],
     mechanism: Mechanism,
 ) -> Segment:
@@ -299,13 +299,13 @@ def _segment(
 
 
 def _panel(
-    record: stored_run.PanelRecord, q: FloatArray, v: FloatArray, a: FloatArray, split: Partition
+    record: npz_schema.PanelRecord, q: FloatArray, v: FloatArray, a: FloatArray, split: Partition
 ) -> Panel:
     return Panel(record.t, record.h, q, v, a, split, record.integrated)
 
 
 def _event(
-    record: stored_run.EventRecord,
+    record: npz_schema.EventRecord,
     state: tuple[FloatArray, ...],
     mechanism: Mechanism,
     rows: int,

@@ -18,7 +18,7 @@ from ...errors import SingularConfigurationError
 from ..case import Resolution
 from .chebyshev import nodes, tail
 from .noise_floor import of_closures
-from .panel import SMALLEST, Attempt, Panel, judged
+from .panel import SMALLEST, Attempt, Begin, Panel, judged
 
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
@@ -33,11 +33,8 @@ def kinematic_panel(
     system: System,
     rows: ConstraintSet,
     split: Partition,
-    t: float,
+    begin: Begin,
     h: float,
-    q: FloatArray,
-    v: FloatArray,
-    a: FloatArray,
     resolution: Resolution,
 ) -> Attempt:
     """Motion of a phase without freedom, where the drives determine everything.
@@ -46,16 +43,14 @@ def kinematic_panel(
         system: The system.
         rows: The phase.
         split: Dependent and independent coordinates.
-        t: Start [s].
+        begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
-        q: Configuration at the start, shape (nv,); with v and a the guess for the nodes.
-        v: Velocity there.
-        a: Acceleration there.
         resolution: Number of nodes, and what they may leave unresolved.
 
     Returns:
         The panel with the stop forces, or the advice to try a shorter one.
     """
+    t, q, v, a = begin
     grid = nodes(resolution.kinematic_nodes)
     tau = (h * grid.sigma)[:, None]
     guess = q + tau * v + 0.5 * tau**2 * a

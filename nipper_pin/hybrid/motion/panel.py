@@ -20,6 +20,22 @@ NEARBY = 4.0
 """Round-off of a coordinate in units of its last digit."""
 
 
+class Begin(NamedTuple):
+    """What is known where a panel begins (right limit).
+
+    Attributes:
+        t: Time [s].
+        q: Closed configuration, shape (nv,).
+        v: Closed velocity, shape (nv,).
+        a: Acceleration, shape (nv,).
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+
+
 class Attempt(NamedTuple):
     """A panel, or why there is none, and the length that the next attempt should have.
 

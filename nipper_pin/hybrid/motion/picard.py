@@ -13,7 +13,7 @@ from ...errors import SimulationError
 from ..case import Resolution
 from .chebyshev import decayed, nodes, prolonged
 from .noise_floor import of_closures, roughness
-from .panel import NEARBY, SMALLEST, Attempt, Panel, forces_at, judged
+from .panel import NEARBY, SMALLEST, Attempt, Begin, Panel, forces_at, judged
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
@@ -45,11 +45,8 @@ def flight_panel(
     system: System,
     rows: ConstraintSet,
     split: Partition,
-    t: float,
+    begin: Begin,
     h: float,
-    q: FloatArray,
-    v: FloatArray,
-    start: FloatArray,
     resolution: Resolution,
 ) -> Attempt:
     """Motion of a phase with freedom.
@@ -58,11 +55,8 @@ def flight_panel(
         system: The system.
         rows: The phase.
         split: Dependent and independent coordinates.
-        t: Start [s].
+        begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].
-        q: Closed configuration at the start, shape (nv,).
-        v: Closed velocity at the start, shape (nv,).
-        start: Acceleration there, shape (nv,); the one node that is known beforehand.
         resolution: Number of nodes and relative accuracy of the positions.
 
     Returns:
@@ -74,11 +68,11 @@ def flight_panel(
     finest = resolution.flight_nodes
     nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
     tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
-    if h * h * np.vdot(v, v) > _RUN_AWAY**2:
-        raise _run_away(system, h * v)
-    iteration = _Picard(system, rows, t, h, q, v, finest, tolerance)
+    if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
+        raise _run_away(system, h * begin.v)
+    iteration = _Picard(system, rows, begin, h, finest, tolerance)
     none = np.empty((0, len(rows.stops)))
-    a = start[None]
+    a = begin.a[None]
     for stride in _STRIDES if nested else (1,):
         a = prolonged(a, (finest - 1) // stride + 1)
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
@@ -90,7 +84,7 @@ def flight_panel(
         if left_over <= tolerance:
             break
     q_nodes, v_nodes = iteration.motion(a)
-    panel = Panel(t, h, q_nodes, v_nodes, a, split, integrated=True)
+    panel = Panel(begin.t, h, q_nodes, v_nodes, a, split, integrated=True)
     forces = forces_at(system, rows, panel, panel.times)[3].la_N if rows.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
@@ -138,10 +132,8 @@ class _Picard:
     Args:
         system: The system.
         rows: The phase.
-        t: Start of the panel [s].
+        begin: Where the panel begins.
         h: Its length [s].
-        q: Configuration at the start, shape (nv,).
-        v: Velocity at the start, shape (nv,).
         finest: Number of nodes of the finest grid.
         tolerance: Relative change of the positions that ends the iteration.
     """
@@ -150,15 +142,14 @@ class _Picard:
         self,
         system: System,
         rows: ConstraintSet,
-        t: float,
+        begin: Begin,
         h: float,
-        q: FloatArray,
-        v: FloatArray,
         finest: int,
         tolerance: float,
     ) -> None:
         """Compute what no sweep changes."""
         self._system, self._rows, self._h, self._tolerance = system, rows, h, tolerance
+        t, q, v, _ = begin
         elapsed = h * nodes(finest).sigma
         motion = system.shaft.driven(t + elapsed)
         self._forcing = system.forcing(motion, rows)

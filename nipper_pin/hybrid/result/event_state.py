@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..event import Event, EventKind
-from ..run.state import State
 from ..simulate import go_on
+from ..state import State
 from .trajectory import Motion
 
 if TYPE_CHECKING:

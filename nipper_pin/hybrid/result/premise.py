@@ -19,8 +19,8 @@ from ..case import Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind
 from ..run.periodicity import comes_back, winding
-from ..run.state import State
 from ..simulate import go_on
+from ..state import State
 
 if TYPE_CHECKING:
     from .solution import Solution

@@ -15,6 +15,7 @@ from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
 from ..motion.chebyshev import Series, nodes
 from ..motion.panel import Panel
+from ..state import State
 
 
 class Rebounds:
@@ -108,13 +109,14 @@ class Rebounds:
 
     def _flight(self, event: Event, stop: Stop) -> Segment | None:
         system = self._system
-        rows = system.constraint_set(event.closed_after - {stop.name})
+        closed = event.closed_after - {stop.name}
         motion = system.shaft.driven_at(event.t)
         q, v = event.q, event.v_after
-        a = system.accelerations(motion, q[None], v[None], rows)[0]
+        phase = system.constraint_set(closed)
+        a = system.accelerations(motion, q[None], v[None], phase)[0]
         _, jacobian = system.body.closures(q[None])
-        t_limit = event.t + system.shaft.period
-        reached = advance(system, rows, event.t, q, v, a, jacobian[0], t_limit, self._resolution)
+        start = State(event.t, q, v, jacobian[0], motion, closed)
+        reached = advance(system, start, a, event.t + system.shaft.period, self._resolution)
         return reached.segment if reached.triggers else None
 
 

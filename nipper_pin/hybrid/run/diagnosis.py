@@ -7,7 +7,7 @@ import numpy as np
 from ...dynamics.assembly import weakest
 from ...dynamics.system import System
 from ...errors import ConvergenceError, SimulationError, SingularConfigurationError
-from .state import State
+from ..state import State
 
 # From this condition of the closures on, a dead centre is worth a word.
 _NEAR = 1e3

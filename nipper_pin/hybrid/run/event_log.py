@@ -9,7 +9,7 @@ from ...arrays import FloatArray
 from ...dynamics.impact import Impact
 from ..contact.complementarity import Closed
 from ..event import Event, EventKind
-from .state import State
+from ..state import State
 
 
 class EventLog:

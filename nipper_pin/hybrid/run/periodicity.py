@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...mechanism import Mechanism
 from ..advance import Segment
-from .state import State
+from ..state import State
 
 # [rad or m]
 _SAME_POSITION = 1e-9

@@ -15,7 +15,7 @@ from ...mechanism import Stop
 from ..case import Case
 from ..contact.bounce_series import BounceSeries
 from ..contact.nested_series import NestedSeries
-from .state import State
+from ..state import State
 
 # What is left of the motion is dropped. It leaves an error of the motion afterwards of order w^3,
 # found to be at most 2e-3 w^3 in relative rates of inertial shafts; ``left_out.py`` tells it.

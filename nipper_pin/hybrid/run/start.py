@@ -1,47 +1,21 @@
-"""State of a run between two segments, and the one it starts from."""
+"""The state that a run starts from."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import FloatArray
 from ...dynamics.assembly import assemble
-from ...dynamics.shaft import Driven
 from ...dynamics.system import System
 from ...errors import InputError
 from ...mechanism import Start, Stop
-from ..contact.bounce_series import BounceSeries
-from ..contact.complementarity import Closed
+from ..state import State
 
 _ASSEMBLY_STEPS = 12
 _NOW = np.zeros(1)
 # Round-off of a gap that the closures determine [rad or m]: one as small is a contact.
 _TOUCHING = 1e-13
-
-
-class State(NamedTuple):
-    """State of a run between two segments.
-
-    Attributes:
-        t: Time [s].
-        q: Configuration, shape (nv,).
-        v: Velocity (right limit), shape (nv,).
-        jacobian: Closure Jacobian, shape (m, nv).
-        motion: Driven coordinates at this time, as one row.
-        closed: Closed stops.
-        series: Bounces that have not come to rest yet.
-    """
-
-    t: float
-    q: FloatArray
-    v: FloatArray
-    jacobian: FloatArray
-    motion: Driven
-    closed: Closed
-    series: BounceSeries | None = None
 
 
 def initial_state(system: System, start_index: float, starts: Sequence[Start] = ()) -> State:

@@ -1,0 +1,32 @@
+"""State of a run between two segments."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..arrays import FloatArray
+from ..dynamics.shaft import Driven
+from .contact.bounce_series import BounceSeries
+from .contact.complementarity import Closed
+
+
+class State(NamedTuple):
+    """State of a run between two segments.
+
+    Attributes:
+        t: Time [s].
+        q: Configuration, shape (nv,).
+        v: Velocity (right limit), shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
+        motion: Driven coordinates at this time, as one row.
+        closed: Closed stops.
+        series: Bounces that have not come to rest yet.
+    """
+
+    t: float
+    q: FloatArray
+    v: FloatArray
+    jacobian: FloatArray
+    motion: Driven
+    closed: Closed
+    series: BounceSeries | None = None
