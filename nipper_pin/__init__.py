@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     from .hybrid.event import Event, EventKind
     from .hybrid.files.json_document import record
     from .hybrid.files.npz import load_case, load_solution, save, save_case
-    from .hybrid.result.solution import Outcome, Solution
+    from .hybrid.result.solution import Solution
     from .hybrid.result.tables import Collision, PhaseInterval, Transition
     from .hybrid.result.trajectory import Motion, Reactions
+    from .hybrid.run.outcome import Outcome
     from .hybrid.simulate import simulate
     from .mechanism import Mechanism, load
     from .study.calls import check, identify, optimise, sweep
@@ -48,7 +49,8 @@ else:
         "hybrid.event": ("Event", "EventKind"),
         "hybrid.files.json_document": ("record",),
         "hybrid.simulate": ("simulate",),
-        "hybrid.result.solution": ("Outcome", "Solution"),
+        "hybrid.result.solution": ("Solution",),
+        "hybrid.run.outcome": ("Outcome",),
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.result.trajectory": ("Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),

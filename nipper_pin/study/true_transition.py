@@ -9,8 +9,9 @@ from ..hybrid.case import Case, Window
 from ..hybrid.error_estimate.event_errors import EventError
 from ..hybrid.event import EventKind
 from ..hybrid.result.premise import MOST_IN_TURN
-from ..hybrid.result.solution import Outcome, Solution
+from ..hybrid.result.solution import Solution
 from ..hybrid.result.tables import Collision, Transition
+from ..hybrid.run.outcome import Outcome
 from ..hybrid.simulate import simulate
 from ..mechanism import INDEX_PER_TURN, Mechanism
 

@@ -14,7 +14,7 @@ from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.errors import SimulationError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.rebound_errors import rebound_error
-from nipper_pin.hybrid.result.solution import Outcome
+from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.reduced import build, layout, transition
 from nipper_pin.study import true_transition as module
 from nipper_pin.study.optimise.points import bounces, evaluate

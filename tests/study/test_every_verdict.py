@@ -23,7 +23,7 @@ from nipper_pin.bench.stress.refusals import Excess, allowed_share, excesses
 from nipper_pin.bench.stress.space import Trial
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
-from nipper_pin.hybrid.result.solution import Outcome
+from nipper_pin.hybrid.run.outcome import Outcome
 
 
 def verdict(

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from nipper_pin.hybrid.case import Case
-from nipper_pin.hybrid.result.solution import Outcome, Solution
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.event import EventKind
-from ...hybrid.result.solution import Outcome, Solution
+from ...hybrid.result.solution import Solution
+from ...hybrid.run.outcome import Outcome
 from .element_invariants import elements
 from .equations import Equations
 from .flight_invariants import flights

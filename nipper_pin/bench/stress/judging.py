@@ -14,7 +14,7 @@ from types import FrameType
 
 from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
-from ...hybrid.result.solution import Outcome
+from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from .agreement import bits, mirror_images, same_bits, within_errors
 from .engines import engines_agree

@@ -30,7 +30,8 @@ from ..advance import Segment
 from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
-from ..result.solution import Outcome, Solution
+from ..result.solution import Solution
+from ..run.outcome import Outcome
 from . import npz_schema
 
 FORMAT = 2

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..event import Event, EventKind
-from ..simulate import go_on
+from ..run.phase_manager import go_on
 from ..state import State
 from .trajectory import Motion
 

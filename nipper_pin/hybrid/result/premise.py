@@ -19,7 +19,7 @@ from ..case import Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind
 from ..run.periodicity import comes_back, winding
-from ..simulate import go_on
+from ..run.phase_manager import go_on
 from ..state import State
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from ...mechanism import Mechanism
 from ..advance import Segment
 from ..case import Case
 from ..event import Event
+from ..run.outcome import Outcome
 from .tables import (
     Collision,
     PhaseInterval,
@@ -28,23 +28,6 @@ if TYPE_CHECKING:
     from .energy_balance import EnergyBalance
     from .premise import Premise
     from .trajectory import Motion, Trajectory
-
-
-class Outcome(StrEnum):
-    """How a run ended; the value is the sentence for the user."""
-
-    COMPLETED = "The window was simulated to its end."
-    AT_REST = "The transition ended with the stop at rest."
-    STILL_BOUNCING = "The window ended while a stop was still bouncing; it came to no rest."
-    NO_REST = (
-        "The stop did not come to rest within one turn of the first collision: its bounces outlast "
-        "the time in which it is pressed shut; lower the speed or the restitution."
-    )
-    TOO_MANY_COLLISIONS = (
-        "The run was stopped at its largest number of collisions: the bounces are long, or stops "
-        "keep throwing one another open; raise max_collisions, or let bounces slower than a rate "
-        "end (rest_rate)."
-    )
 
 
 @dataclass(frozen=True)

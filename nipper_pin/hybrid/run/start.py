@@ -8,14 +8,51 @@ import numpy as np
 
 from ...dynamics.assembly import assemble
 from ...dynamics.system import System
-from ...errors import InputError
-from ...mechanism import Start, Stop
+from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
+from ...mechanism import Mechanism, Start, Stop
+from ..case import Case, Window
 from ..state import State
+from .diagnosis import located
 
 _ASSEMBLY_STEPS = 12
 _NOW = np.zeros(1)
 # Round-off of a gap that the closures determine [rad or m]: one as small is a contact.
 _TOUCHING = 1e-13
+
+
+def start_of(system: System, case: Case) -> State:
+    """State in which a run begins: in the touch configuration, or at the start index.
+
+    Args:
+        system: The system; its shaft has the start angle.
+        case: The case.
+
+    Raises:
+        InputError: The machine is not in its initial phase there.
+        SimulationError: Its loops do not close there.
+    """
+    touching = case.window is Window.TRANSITION
+    try:
+        # A transition starts in the touch configuration, whose coordinates are zero.
+        starts = () if touching else system.mechanism.starts
+        return initial_state(system, case.start_index, starts)
+    except (ConvergenceError, SingularConfigurationError) as error:
+        found = located(error, system)
+        raise (found if touching else _beginning(found, system.mechanism)) from error
+
+
+def _beginning(error: SimulationError, mechanism: Mechanism) -> SimulationError:
+    """The error of a start at an index, with what has to be so there."""
+    phase = mechanism.phase(mechanism.initial_phase)
+    closed = ", ".join(sorted(phase.closed)) or "no stop"
+    message = (
+        f"{error.message}; turns start in phase {phase.number} ({closed} closed): start_index "
+        "has to lie in it, or initial_phase has to be another one"
+    )
+    if mechanism.starts:
+        names = ", ".join(item.joint for item in mechanism.starts)
+        message += f"; [initial] gives the start of {names}"
+    return type(error)(message, **error.evidence)
 
 
 def initial_state(system: System, start_index: float, starts: Sequence[Start] = ()) -> State:

@@ -14,8 +14,9 @@ from ...errors import InputError, SimulationError
 from ...hybrid.case import Case, Resolution
 from ...hybrid.result.premise import Premise
 from ...hybrid.result.quantities import of_transition
-from ...hybrid.result.solution import Outcome, Solution
+from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision, Transition
+from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ..true_transition import true_transition

@@ -12,8 +12,9 @@ from ...arrays import FloatArray
 from ...errors import NipperError
 from ...hybrid.case import Case
 from ...hybrid.result.quantities import force_unit
-from ...hybrid.result.solution import Outcome, Solution
+from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
+from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ..reading import digits, units_of

@@ -17,7 +17,7 @@ import numpy as np
 
 from ....errors import NipperError, SimulationError
 from ....hybrid.case import Case, Resolution
-from ....hybrid.result.solution import Outcome
+from ....hybrid.run.outcome import Outcome
 from ....hybrid.run.periodicity import comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit

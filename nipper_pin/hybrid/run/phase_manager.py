@@ -1,0 +1,264 @@
+"""The phase manager: follows the motion from event to event and changes the closed stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Set
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.impact import Impact, collide, no_impact
+from ...dynamics.system import System
+from ...errors import SimulationError
+from ...mechanism import Stop
+from ..advance import Segment, advance
+from ..case import Case
+from ..contact.complementarity import (
+    Closed,
+    after_collision,
+    after_release,
+    pressed,
+    pressed_next,
+)
+from ..event import Event, EventKind
+from ..event_location.guards import SIMULTANEOUS, TriggerKind
+from ..motion.panel import Panel
+from ..state import State
+from .diagnosis import located
+from .event_log import EventLog
+from .jamming import check_jam
+from .series_ends import Rest, SeriesEnds
+
+
+class PhaseManager:
+    """Events and segments of one run as they grow.
+
+    Args:
+        system: The system.
+        case: The case.
+        state: Where the run begins.
+
+    Attributes:
+        state: Where the run stands.
+        segments: The motion so far.
+        events: The events so far.
+        collisions: Number of collisions so far.
+    """
+
+    def __init__(self, system: System, case: Case, state: State) -> None:
+        """Begin without any event."""
+        self.system, self.case, self.state = system, case, state
+        self.mechanism = system.mechanism
+        self.segments: list[Segment] = []
+        self.collisions = 0
+        self._log = EventLog()
+        self._ends = SeriesEnds(system, case)
+        self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
+
+    @property
+    def events(self) -> list[Event]:
+        """The events so far, in order of time."""
+        return self._log.events
+
+    def touch(self) -> None:
+        """Collide or close the open stops that touch at the start.
+
+        A gap is watched from the moment it has opened, so one that starts at zero and closes would
+        never be seen.
+        """
+        state = self.state
+        rates = {
+            stop.name: stop.rate(state.v)
+            for stop in self.mechanism.stops
+            if stop.name not in state.closed and stop.gap(state.q) == 0.0
+        }
+        hit = {name for name, rate in rates.items() if rate < 0.0}
+        if hit:
+            self.collide(hit)
+            return
+        still = frozenset(name for name, rate in rates.items() if rate == 0.0)
+        if not still:
+            return
+        closed = self._pressed(state, state.v, state.closed | still)
+        opened = state.closed - closed
+        if opened:
+            state = self._open(opened)
+        newly = closed - state.closed
+        if newly:
+            self._close(state, newly, closed)
+            self.state = state._replace(closed=closed)
+
+    def step(self, t_limit: float) -> bool:
+        """Advance to the next event or to the limit; False at the limit.
+
+        Args:
+            t_limit: The limit [s].
+
+        Raises:
+            SimulationError: The motion cannot be followed; the message says where and why.
+        """
+        try:
+            return self._step(t_limit)
+        except SimulationError as error:
+            raise located(error, self.system, self.state) from error
+
+    def _step(self, t_limit: float) -> bool:
+        state = self.state
+        if state.t >= t_limit:
+            # The last event fell on the limit: nothing is left to follow.
+            return False
+        a = self._acceleration(state)
+        reached = advance(self.system, state, a, t_limit, self.case.resolution)
+        self.segments.append(reached.segment)
+        state = self.state = reached.end
+        if not reached.triggers:
+            return False
+        hit = {item.stop for item in reached.triggers if item.kind is TriggerKind.GAP}
+        released = {item.stop for item in reached.triggers if item.kind is TriggerKind.FORCE}
+        if released:
+            state = self._release(released, reached.segment.panels[-1])
+        if hit:
+            rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
+            # Of stops that touch within round-off of one time some may be on their way out.
+            self.collide({name for name in hit if rates[name] <= max(min(rates.values()), 0)})
+        return True
+
+    def collide(self, hit: set[str]) -> None:
+        """Apply the impact law to the stops that have just closed and those closed before.
+
+        Args:
+            hit: Names of the stops that have just closed.
+        """
+        state = self.state
+        self.collisions += 1
+        contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
+        restitution = [stop.restitution for stop in contacts]
+        impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
+        rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
+        at_rest = after_collision(state.closed, rates)
+        closed = self._pressed(state, impact.v_after, at_rest)
+        self._log.record(EventKind.COLLISION, state, state.t, _struck(impact, hit), impact, closed)
+        check_jam(self.mechanism, self.events, SIMULTANEOUS * self.system.shaft.period)
+        after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
+        newly = hit & closed
+        if newly:
+            # Without rebound, the collision is the end of its own series.
+            self._close(after, newly, closed)
+        self.state = after
+        self._series(state, contacts, hit, rates)
+
+    def _series(
+        self, before: State, contacts: list[Stop], hit: set[str], rates: dict[str, float]
+    ) -> None:
+        """Go on with a series of bounces after a collision, or end it."""
+        if len(hit) == 1 and any(rates[name] > 0.0 for name in before.closed):
+            a = self._acceleration(self.state)
+            rest = self._ends.thrown_open(before, self.state, hit, rates, a)
+            if rest is not None:
+                self._rest(rest)
+                return
+        bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
+        if len(bouncing) == 1:
+            state = self.state._replace(series=before.series)
+            series, rest = self._ends.bounced(state, bouncing[0], self._acceleration(state))
+            self.state = state._replace(series=series)
+            if rest is not None:
+                self._rest(rest)
+
+    def _rest(self, rest: Rest) -> None:
+        """End a series at its limit, or at the threshold of the case."""
+        state = self.state
+        self._log.record(
+            EventKind.REST, state, rest.t, rest.stops, rest.impact, rest.closed, rest.error
+        )
+        self.state = state._replace(v=rest.impact.v_after, closed=rest.closed, series=None)
+
+    def _close(self, state: State, newly: Set[str], closed: Closed) -> None:
+        """Write down that stops rest without an impact."""
+        still = no_impact(self.system, state.v)
+        self._log.record(EventKind.REST, state, state.t, sorted(newly), still, closed)
+
+    def _release(self, released: Set[str], panel: Panel) -> State:
+        """Open the stops whose force has fallen to zero."""
+        state = self.state
+        if len(released) > 1:
+            # Those that pull at the start of a phase may push once another one is open.
+            phase = self.system.constraint_set(state.closed)
+            released = state.closed - pressed_next(self.system, phase, panel, state.t) or released
+        return self._open(released)
+
+    def _open(self, released: Iterable[str]) -> State:
+        """Open stops that do not push."""
+        state = self.state
+        closed = after_release(state.closed, released)
+        # Stops that are not pressed shut are no series any more.
+        self._ends.forget()
+        still = no_impact(self.system, state.v)
+        self._log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
+        self.state = state._replace(closed=closed, series=None)
+        return self.state
+
+    def copy(
+        self, segments: list[Segment], events: list[Event], times: int, wound: FloatArray
+    ) -> None:
+        """Append copies of a turn, in each of which hinges wind on.
+
+        Args:
+            segments: Motion of the turn.
+            events: Its events.
+            times: Number of copies.
+            wound: What a turn adds to the coordinates, shape (nv,).
+        """
+        period, end = self.system.shaft.period, self.state
+        for turn in range(1, times + 1):
+            delay, moved = turn * period, turn * wound
+            self.segments.extend(segment.shifted(delay, moved) for segment in segments)
+            for event in events:
+                self._log.repeat(event, delay, moved)
+        self.state = end._replace(t=end.t + times * period, q=end.q + times * wound)
+
+    def _acceleration(self, state: State) -> FloatArray:
+        """Acceleration of a state, shape (nv,); asked twice for the same state after a bounce."""
+        known, a = self._known
+        if known is not state.v:
+            phase = self.system.constraint_set(state.closed)
+            a = self.system.accelerations(state.motion, state.q[None], state.v[None], phase)[0]
+            self._known = state.v, a
+        return a
+
+    def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
+        if not at_rest:
+            return at_rest
+        return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest)
+
+
+def _struck(impact: Impact, hit: set[str]) -> list[str]:
+    """Stops of a collision: those with an impulse first, of these those that have just closed."""
+    return sorted(
+        (name for name, impulse in impact.P_N.items() if impulse > 0.0 or name in hit),
+        key=lambda name: (impact.P_N[name] == 0.0, name not in hit),
+    )
+
+
+def go_on(
+    system: System, case: Case, start: State, t_limit: float
+) -> tuple[State | None, tuple[Event, ...]]:
+    """Follow the motion on from a state to a time, whatever the window of the case.
+
+    Args:
+        system: The system.
+        case: The case; so many collisions are followed.
+        start: The state.
+        t_limit: Where to stop [s].
+
+    Returns:
+        The state there, None after too many collisions; and the events until then.
+
+    Raises:
+        SimulationError: The motion cannot be followed; the message says where and why.
+    """
+    manager = PhaseManager(system, case, start)
+    while manager.step(t_limit):
+        if manager.collisions >= case.max_collisions:
+            return None, tuple(manager.events)
+    return manager.state, tuple(manager.events)

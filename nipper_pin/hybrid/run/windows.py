@@ -1,0 +1,105 @@
+"""The two windows of a run: one transition, or whole turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ...errors import InputError
+from ..advance import Segment
+from ..event import EventKind
+from .outcome import Outcome
+from .periodicity import repeats
+from .phase_manager import PhaseManager
+
+
+def transition(manager: PhaseManager) -> Outcome:
+    """From the touch configuration, where the transition stop collides, to its rest.
+
+    Args:
+        manager: The run, at its start.
+
+    Raises:
+        InputError: The machine has no such stop, or it does not close there.
+        SimulationError: The motion cannot be followed.
+    """
+    name = _closing_stop(manager)
+    manager.collide({name})
+    while True:
+        last = manager.events[-1]
+        if last.kind is EventKind.REST and name in last.stops:
+            return Outcome.AT_REST
+        if manager.collisions >= manager.case.max_collisions:
+            return Outcome.TOO_MANY_COLLISIONS
+        if not manager.step(manager.system.shaft.period):
+            return Outcome.NO_REST
+
+
+def _closing_stop(manager: PhaseManager) -> str:
+    """Name of the transition stop, which closes in the touch configuration."""
+    mechanism, state = manager.mechanism, manager.state
+    name = mechanism.transition_stop
+    if not name:
+        message = (
+            f"{mechanism.name} has no stop, so there is no transition: simulate whole "
+            "turns (window cycle), or give it a stop"
+        )
+        raise InputError(message, model=mechanism.name)
+    stop = mechanism.stop(name)
+    gap, rate = stop.gap(state.q), stop.rate(state.v)
+    if gap != 0.0:
+        message = (
+            f"stop {name!r} stands open by {gap:.3g} in the touch configuration, where a "
+            "transition starts: simulate whole turns (window cycle), or make transition_stop "
+            "one that is closed there"
+        )
+        raise InputError(message, stop=name, gap=gap)
+    if rate >= 0.0:
+        message = (
+            f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g}); "
+            "check cylinder.angle_at_touch_deg and cylinder.direction"
+        )
+        raise InputError(message, stop=name, rate=rate)
+    return name
+
+
+def turns(
+    manager: PhaseManager, progress: Callable[[int, int], None] | None
+) -> tuple[Outcome, int | None]:
+    """Whole turns, until one is known to repeat.
+
+    Args:
+        manager: The run, at its start.
+        progress: Called with (turns done, turns in all) after each turn.
+
+    Returns:
+        How it ended, and the turn that the following ones are copies of, None without copies.
+
+    Raises:
+        SimulationError: The motion cannot be followed.
+    """
+    case, period = manager.case, manager.system.shaft.period
+    previous: list[Segment] = []
+    manager.touch()
+    for turn in range(1, case.cycles + 1):
+        first_segment, first_event = len(manager.segments), len(manager.events)
+        start, before = manager.state, manager.collisions
+        while manager.step(turn * period):
+            if manager.collisions - before >= case.max_collisions:
+                return Outcome.TOO_MANY_COLLISIONS, None
+        if progress is not None:
+            progress(turn, case.cycles)
+        current = manager.segments[first_segment:]
+        wound = None
+        if case.reuse_cycles and turn < case.cycles:
+            wound = repeats(manager.system, previous, current, start, manager.state)
+        if wound is not None:
+            manager.copy(current, manager.events[first_event:], case.cycles - turn, wound)
+            if progress is not None:
+                progress(case.cycles, case.cycles)
+            return _at_the_end(manager), turn
+        previous = current
+    return _at_the_end(manager), None
+
+
+def _at_the_end(manager: PhaseManager) -> Outcome:
+    return Outcome.COMPLETED if manager.state.series is None else Outcome.STILL_BOUNCING
