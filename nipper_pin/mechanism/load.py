@@ -35,7 +35,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     """
     import tomllib
 
-    from .build.build import build_mechanism
+    from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
 
     folder = find_model(model)
@@ -119,7 +119,7 @@ def from_sources(
         UnknownNameError: A name in the data does not exist.
         ModelError: A value in the data cannot be used.
     """
-    from .build.build import build_mechanism
+    from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
 
     folder = Path(mesh_folder)

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nipper_pin.mechanism.build.build.laws import extreme_angle
 
 from nipper_pin.errors import InputError, ModelError
 from nipper_pin.mechanism import (
@@ -17,6 +16,7 @@ from nipper_pin.mechanism import (
     Table,
     load,
 )
+from nipper_pin.mechanism.build.laws import extreme_angle
 
 GUIDE = OscillatingGuide(crank_radius_m=0.064, crank_axis=(0.0, 0.0), guide_axis=(-0.19, -0.02))
 OFFSET = OscillatingGuide(

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from nipper_pin.mechanism import description
+from nipper_pin.mechanism.files import description
 
 
 def taken(kind: Any, value: object) -> bool:

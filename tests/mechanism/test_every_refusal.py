@@ -17,21 +17,12 @@ from small_machines import SHAFT, hinge, link, machine
 
 from nipper_pin import Mechanism
 from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import (
-    contact,
-    describe,
-    dimensions,
-    laws,
-    layout,
-    new_folder,
-    points,
-    schema,
-    tree,
-    urdf,
-    urdf_values,
-)
-from nipper_pin.mechanism.description import CylinderDescription
+from nipper_pin.mechanism import new_folder
+from nipper_pin.mechanism.build import contact, laws, tree
 from nipper_pin.mechanism.drawing import tree as drawn
+from nipper_pin.mechanism.edit import dimensions, layout, points
+from nipper_pin.mechanism.files import describe, schema, urdf, urdf_values
+from nipper_pin.mechanism.files.description import CylinderDescription
 
 # The package has a function of the same name.
 load: Any = import_module("nipper_pin.mechanism.load")

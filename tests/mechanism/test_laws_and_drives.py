@@ -8,10 +8,10 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from nipper_pin.mechanism.build.build.laws import extreme_angle
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table
+from nipper_pin.mechanism.build.laws import extreme_angle
 from nipper_pin.mechanism.cams import Cam
 from nipper_pin.mechanism.cylinder import Cylinder
 from nipper_pin.mechanism.drives import check_table

@@ -18,11 +18,11 @@ import pytest
 from made_up_runs import EPS
 
 from nipper_pin import reduced
+from nipper_pin.bench.stress import agreement, campaign, engines, store
+from nipper_pin.bench.stress.judging import TIME_LIMIT_S, Verdict
+from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import InputError, SimulationError, UnknownNameError
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.study.stress import agreement, campaign, engines, store
-from nipper_pin.study.stress.judging import TIME_LIMIT_S, Verdict
-from nipper_pin.study.stress.space import FAMILIES, trial
 
 
 def verdict(number: int, word: str = "right") -> Verdict:

@@ -21,9 +21,10 @@ import pyarrow as pa
 import pytest
 
 from nipper_pin import Mechanism
+from nipper_pin.bench.run_time import certified, cost
 from nipper_pin.errors import InputError, ModelError, SimulationError
-from nipper_pin.hybrid.solution import Outcome
-from nipper_pin.study import cases, certified, cost
+from nipper_pin.hybrid.result.solution import Outcome
+from nipper_pin.study import cases
 from nipper_pin.study.folders import make_folder
 from nipper_pin.study.identify import problem, profiles, suspects, targets, working, write
 from nipper_pin.study.identify.targets import Condition, Target

@@ -11,10 +11,10 @@ import pytest
 from machine_of_all_elements import everything
 from made_up_runs import EPS, Said, compared, mechanism, watched
 
+from nipper_pin.bench.stress import element_invariants
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress import element_invariants
 
 # Springs, dampers, tables, struts, how stiff the struts are and how fast all moves.
 ELEMENTS: dict[str, tuple[int, int, int, int, float, float]] = {

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, compared, mechanism, watched
 
+from nipper_pin.bench.stress import invariants
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.hybrid.solution import Outcome
-from nipper_pin.study.stress import invariants
+from nipper_pin.hybrid.result.solution import Outcome
 
 COLLISION, REST, RELEASE = EventKind.COLLISION, EventKind.REST, EventKind.RELEASE
 # Which term of the limit is the largest.

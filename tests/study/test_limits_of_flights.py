@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Said, compared, mechanism, watched
 
+from nipper_pin.bench.stress import flight_invariants, model_invariants, rebound_invariants
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.study.stress import flight_invariants, model_invariants, rebound_invariants
 
 CLOSED = frozenset({"low"})
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, Said, compared, mechanism, watched
 
+from nipper_pin.bench.stress import impact_invariants
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.study.stress import impact_invariants
 
 # Of the momentum of machines of like links, of one heavy and one light one, and of extreme ones.
 HEAVY = {"alike": 1.0, "unlike": 1e6, "extreme": 1e13}

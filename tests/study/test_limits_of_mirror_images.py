@@ -7,8 +7,7 @@ from machine_of_all_elements import CASE, everything
 from made_up_runs import Said, watched
 
 from nipper_pin import simulate
-from nipper_pin.mechanism import from_sources
-from nipper_pin.study.stress import (
+from nipper_pin.bench.stress import (
     element_invariants,
     flight_invariants,
     impact_invariants,
@@ -16,8 +15,9 @@ from nipper_pin.study.stress import (
     model_invariants,
     rebound_invariants,
 )
-from nipper_pin.study.stress.mirror import mirrored
-from nipper_pin.study.stress.parts import Source
+from nipper_pin.bench.stress.mirror import mirrored
+from nipper_pin.bench.stress.parts import Source
+from nipper_pin.mechanism import from_sources
 
 FILES = (element_invariants, flight_invariants, impact_invariants, invariants, model_invariants,
          rebound_invariants)  # fmt: skip

@@ -14,11 +14,11 @@ import pinocchio as pin
 import pytest
 from made_up_runs import EPS
 
+from nipper_pin.bench.stress.chain_sizes import ChainSizes
+from nipper_pin.bench.stress.chains import Chain
+from nipper_pin.bench.stress.equations import Equations
+from nipper_pin.bench.stress.parts import SHAFT, hinge, link
 from nipper_pin.mechanism import Mechanism, from_sources
-from nipper_pin.study.stress.chain_sizes import ChainSizes
-from nipper_pin.study.stress.chains import Chain
-from nipper_pin.study.stress.equations import Equations
-from nipper_pin.study.stress.parts import SHAFT, hinge, link
 
 AXES, BODY = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED, pin.FrameType.BODY
 PLANE = [0, 2]

@@ -32,7 +32,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.event import Event
 from nipper_pin.hybrid.result.rebounds import Rebounds
 from nipper_pin.mechanism import from_sources
-from nipper_pin.mechanism.build.build import build
+from nipper_pin.mechanism.build import mechanism as build
 
 EPS = np.finfo(float).eps
 

@@ -18,17 +18,19 @@ from PIL import Image
 from rich.console import Console
 
 from nipper_pin import Case, Mechanism, Solution
-from nipper_pin.cli import benchmark as benchmark_command
+from nipper_pin.bench.commands import benchmark as benchmark_command
+from nipper_pin.bench.views import benchmark_files
 from nipper_pin.cli import simulate as simulate_command
 from nipper_pin.errors import InputError, SingularConfigurationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.study.identify.record import read_identification
 from nipper_pin.study.optimise import write as write_optimum
-from nipper_pin.view import benchmark_files, export, front_plot, sampling, table
 from nipper_pin.view.live import serve, shapes
 from nipper_pin.view.paper import files, kinematic_figures
 from nipper_pin.view.paper.terms import terms
+from nipper_pin.view.run import export, sampling, table
 from nipper_pin.view.scene import gif
+from nipper_pin.view.studies import front_plot
 
 # The package has a function of the same name.
 film: Any = import_module("nipper_pin.view.scene.film")
@@ -458,12 +460,13 @@ def test_what_a_benchmark_is_given(
         return result
 
     stderr = Terminal(terminal)
-    monkeypatch.setattr("nipper_pin.study.benchmark.benchmark", benchmark)
-    monkeypatch.setattr("nipper_pin.view.plots.plot_solution", lambda *words: ("plots", *words))
+    monkeypatch.setattr("nipper_pin.bench.run_time.benchmark.benchmark", benchmark)
+    monkeypatch.setattr("nipper_pin.view.run.plots.plot_solution", lambda *words: ("plots", *words))
     monkeypatch.setattr(benchmark_command.sys, "stderr", stderr)
     file = tmp_path / "out.json"
     monkeypatch.setattr(
-        "nipper_pin.view.benchmark_report.print_benchmark", lambda *words: asked.append(words[0])
+        "nipper_pin.bench.views.benchmark_report.print_benchmark",
+        lambda *words: asked.append(words[0]),
     )
     options: Any = SimpleNamespace(quick=True, repeats=3, json=str(file), out=None)
     benchmark_command._run(options)

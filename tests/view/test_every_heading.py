@@ -18,17 +18,19 @@ from rich.console import Console
 from small_machines import frame, hinge, link, machine
 
 from nipper_pin import Case, Mechanism, Solution, Window, simulate
+from nipper_pin.bench.stress.judging import Verdict as Judged
+from nipper_pin.bench.views.stress_report import print_verdict
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study.identify.goodness import Verdict
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio
-from nipper_pin.study.stress.judging import Verdict as Judged
-from nipper_pin.view import identify_report, optimise_report, reading, table
-from nipper_pin.view import report as checked
+from nipper_pin.view import reading
 from nipper_pin.view.console import add_row, paste, plain_table, say
 from nipper_pin.view.paper import summary, tables
+from nipper_pin.view.run import table
 from nipper_pin.view.scene.solids import solids
-from nipper_pin.view.stress_report import print_verdict
+from nipper_pin.view.studies import check_report as checked
+from nipper_pin.view.studies import identify_report, optimise_report
 
 BOLD, RED = "\x1b[1m", "\x1b[1;31m"
 

@@ -26,9 +26,6 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Case
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.study.optimise import Optimum
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.view import benchmark_report, optimise_report, plots, table
-from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.view.console import paste, say
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import plots, table
@@ -37,7 +34,6 @@ from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
 from nipper_pin.view.scene.framing import _reach
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
-from nipper_pin.view.studies import check_report as checked
 from nipper_pin.view.studies import optimise_report
 from nipper_pin.view.studies.front_plot import front_figure
 

@@ -6,8 +6,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from ..stress import WRONG, Campaign, Verdict
 from ...view.console import paste
+from ..stress import WRONG, Campaign, Verdict
 
 _FAILURES = 20
 
