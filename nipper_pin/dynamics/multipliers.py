@@ -37,7 +37,7 @@ def multipliers(
     v: FloatArray,
     a: FloatArray,
     jacobian: FloatArray,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     split: Partition,
 ) -> Multipliers:
     """Solve M a + h = tau + G' la_g + W' la_N for the forces of constraint.
@@ -53,7 +53,7 @@ def multipliers(
         v: Velocities, shape (N, nv).
         a: Accelerations, shape (N, nv).
         jacobian: Closure Jacobian G, shape (N, m, nv).
-        rows: The phase.
+        phase: The phase.
         split: Dependent and independent coordinates; no given one may be dependent.
     """
     missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
@@ -67,4 +67,4 @@ def multipliers(
     )
     rest = missing - np.einsum("nij,ni->nj", jacobian, la_g)
     drive = rest[:, system.driven_columns] + trains
-    return Multipliers(la_g, rest[:, list(rows.stops)] * rows.senses, drive)
+    return Multipliers(la_g, rest[:, list(phase.stops)] * phase.senses, drive)

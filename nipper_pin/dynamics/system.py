@@ -35,7 +35,7 @@ class DriveMode(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class ConstraintSet:
-    """The bilateral rows of one phase beside the closures.
+    """The constraints of one phase (contact mode) beside the closures.
 
     Attributes:
         closed: Names of the closed stops.
@@ -111,7 +111,7 @@ class System:
         self._condition, self._inverse = 1.0, np.empty((0, 0))
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
-        """Return the rows of the phase with these closed stops."""
+        """Return the constraints of the phase with these closed stops."""
         key = self.drive, closed
         if key not in self._sets:
             shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
@@ -238,21 +238,21 @@ class System:
         """True if the closures determine the dependent coordinates."""
         return self.condition(split, jacobian) < MAX_CONDITION
 
-    def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, rows: ConstraintSet) -> None:
+    def prescribe(self, motion: Driven, q: FloatArray, v: FloatArray, phase: ConstraintSet) -> None:
         """Write the prescribed coordinates and rates into q and v, in place.
 
         Args:
             motion: Driven coordinates of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
-            rows: The phase.
+            phase: The phase.
         """
         if self.held:
             q[:, self.driven_columns] = motion[0]
             v[:, self.driven_columns] = motion[1]
-        if rows.stops:
-            q[:, rows.stops] = rows.places
-            v[:, rows.stops] = 0.0
+        if phase.stops:
+            q[:, phase.stops] = phase.places
+            v[:, phase.stops] = 0.0
 
     def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Generalised forces of all springs and dampers, shape (N, nv).
@@ -316,7 +316,7 @@ class System:
             return np.zeros((len(q), 0, 2))
         return self.elements.point_forces(q, v)
 
-    def forcing(self, motion: Driven, rows: ConstraintSet) -> FloatArray:
+    def forcing(self, motion: Driven, phase: ConstraintSet) -> FloatArray:
         """Generalised forces that do not depend on the state, shape (N, nv).
 
         The rest is linear in the state, tau = forcing - stiffness q - damping v, but for tables and
@@ -327,7 +327,7 @@ class System:
         Args:
             motion: Driven coordinates, rates and accelerations of these states, as
                 :meth:`ShaftMotion.driven` gives them.
-            rows: The phase.
+            phase: The phase.
         """
         q_law, v_law, a_law = motion
         tau = np.empty((len(q_law), self.body.nv))
@@ -341,39 +341,39 @@ class System:
                 + numbers.train_stiffness * q_law
                 + numbers.train_damping * v_law
             )
-        if rows.stops:
-            tau[:, rows.stops] = 0.0
+        if phase.stops:
+            tau[:, phase.stops] = 0.0
         return tau
 
     def respond(
-        self, forcing: FloatArray, q: FloatArray, v: FloatArray, rows: ConstraintSet
+        self, forcing: FloatArray, q: FloatArray, v: FloatArray, phase: ConstraintSet
     ) -> FloatArray:
         """Accelerations as :meth:`accelerations`, for forces known beforehand, shape (N, nv)."""
         count = len(q)
-        stiffness = rows.repeated[:count] if count <= _ROWS else rows.stiffness
+        stiffness = phase.repeated[:count] if count <= _ROWS else phase.stiffness
         tau = forcing - stiffness * q
-        if rows.damping is not None:
-            tau -= rows.damping * v
+        if phase.damping is not None:
+            tau -= phase.damping * v
         if self.elements is not None:
-            tau += rows.moving * self.elements.forces(q, v)
-        return self.body.accelerations(q, v, tau, rows.armature)
+            tau += phase.moving * self.elements.forces(q, v)
+        return self.body.accelerations(q, v, tau, phase.armature)
 
     def accelerations(
         self,
         motion: Driven,
         q: FloatArray,
         v: FloatArray,
-        rows: ConstraintSet,
+        phase: ConstraintSet,
     ) -> FloatArray:
-        """Accelerations with the closures and the rows of a phase, shape (N, nv).
+        """Accelerations with the closures and the constraints of a phase, shape (N, nv).
 
         Args:
             motion: Driven coordinates, rates and accelerations of these states.
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
-            rows: The phase.
+            phase: The phase.
         """
-        return self.respond(self.forcing(motion, rows), q, v, rows)
+        return self.respond(self.forcing(motion, phase), q, v, phase)
 
     def determined_accelerations(
         self,
@@ -381,7 +381,7 @@ class System:
         q: FloatArray,
         v: FloatArray,
         jacobian: FloatArray,
-        rows: ConstraintSet,
+        phase: ConstraintSet,
         split: Partition,
     ) -> FloatArray:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
@@ -391,7 +391,7 @@ class System:
             q: Configurations, shape (N, nv).
             v: Velocities, shape (N, nv).
             jacobian: Closure Jacobian G, shape (N, m, nv).
-            rows: The phase; every independent coordinate is a held drive or a closed stop.
+            phase: The phase; every independent coordinate is a held drive or a closed stop.
             split: Dependent and independent coordinates.
 
         Returns:
@@ -400,8 +400,8 @@ class System:
         a = np.zeros_like(q)
         if self.held:
             a[:, self.driven_columns] = motion[2]
-        if rows.stops:
-            a[:, rows.stops] = 0.0
+        if phase.stops:
+            a[:, phase.stops] = 0.0
         if split.dependent:
             opening = self.body.closure_accelerations(q, v, a)[:, :, None]
             block = jacobian[:, :, split.columns]

@@ -103,15 +103,15 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    rows = system.constraint_set(state.closed)
-    kinematic = rows.freedom == 0
+    phase = system.constraint_set(state.closed)
+    kinematic = phase.freedom == 0
     jacobian, begin = state.jacobian, Begin(state.t, state.q, state.v, a)
     longest = system.shaft.period / resolution.panels_per_turn
-    h = longest if kinematic else min(longest, _ballistic_length(begin, rows.open))
+    h = longest if kinematic else min(longest, _ballistic_length(begin, phase.open))
     # A stop that has just been left is independent, so that its gap keeps its relative precision,
     # and stays so: a coordinate that the others determine has their errors, multiplied.
-    leaving = sorted(rows.open, key=lambda stop: stop.gap(state.q) != 0.0)
-    preferred = (*rows.yielding, *(stop.index for stop in leaving))
+    leaving = sorted(phase.open, key=lambda stop: stop.gap(state.q) != 0.0)
+    preferred = (*phase.yielding, *(stop.index for stop in leaving))
     panels: list[Panel] = []
     while True:
         t, left = begin.t, t_limit - begin.t
@@ -121,8 +121,8 @@ def advance(
             h = left
         try:
             choose = system.split if kinematic else system.good_split
-            split = choose(jacobian, rows.given, preferred)
-            panel, forces, advised = _panel(system, rows, split, begin, h, resolution)
+            split = choose(jacobian, phase.given, preferred)
+            panel, forces, advised = _panel(system, phase, split, begin, h, resolution)
         except SimulationError as error:
             raise type(error)(error.message, **{**error.evidence, "t": t, "q": begin.q}) from error
         panels.append(panel)
@@ -140,12 +140,12 @@ def advance(
                 t=t,
                 q=begin.q,
             )
-        found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
+        found, t_end, exact = _followed(system, phase, panel, forces, t_limit)
         suited: Partition | None = split
         if not kinematic and not serves(system, panel, jacobian, exact.jacobian):
-            suited = suited_split(system, rows, panel, exact.jacobian, preferred)
+            suited = suited_split(system, phase, panel, exact.jacobian, preferred)
         seen = kinematic or not found or not resolution.adaptive
-        seen = seen or shows_end(system, rows, panel, resolution.tolerance, t_end)
+        seen = seen or shows_end(system, phase, panel, resolution.tolerance, t_end)
         if (suited is None or not seen) and t_end - t > 4.0 * _SHORTEST_PANEL * system.shaft.period:
             # The same motion in shorter panels: they see what happens at its end, and each has the
             # coordinates that suit it.
@@ -154,15 +154,15 @@ def advance(
             continue
         if suited is not None and suited != split:
             panel = panels[-1] = replace(panel, split=suited)
-            found, t_end, exact = _followed(system, rows, panel, forces, t_limit)
+            found, t_end, exact = _followed(system, phase, panel, forces, t_limit)
         if found or t_end >= t_limit:
-            segment = Segment(state.t, t_end, rows.closed, tuple(panels), kinematic)
+            segment = Segment(state.t, t_end, phase.closed, tuple(panels), kinematic)
             hit = [
                 system.mechanism.stop(trigger.stop)
                 for trigger in found
                 if trigger.kind is TriggerKind.GAP
             ]
-            end = _closed_up(system, rows, exact, hit) if hit else exact
+            end = _closed_up(system, phase, exact, hit) if hit else exact
             return Advance(segment, found, State(t_end, *end, state.closed, state.series))
         jacobian = exact.jacobian
         begin = Begin(t + panel.h, exact.q, exact.v, panel.a[-1])
@@ -170,18 +170,18 @@ def advance(
 
 
 def _followed(
-    system: System, rows: ConstraintSet, panel: Panel, forces: FloatArray, t_limit: float
+    system: System, phase: ConstraintSet, panel: Panel, forces: FloatArray, t_limit: float
 ) -> tuple[tuple[Trigger, ...], float, Exact]:
     """Triggers on a panel, and time and state at the first of them or at the end."""
-    found = triggers(system, rows, panel, forces)
+    found = triggers(system, phase, panel, forces)
     t_end = found[0].t if found else min(panel.t + panel.h, t_limit)
     if system.elements is not None:
         _check_tables(system.elements, panel, found[0].t if found else t_limit)
-    return found, t_end, one_state_at(system, rows, panel, t_end)
+    return found, t_end, one_state_at(system, phase, panel, t_end)
 
 
 def _shows_elements(
-    system: System, rows: ConstraintSet, panel: Panel, resolution: Resolution
+    system: System, phase: ConstraintSet, panel: Panel, resolution: Resolution
 ) -> bool:
     """True if the nodes see what tables, and dampers between points, do on a panel."""
     if system.elements is None or not resolution.adaptive:
@@ -191,7 +191,7 @@ def _shows_elements(
         return False
     if not shows_turns(system.elements, panel, resolution.tolerance):
         return False
-    return not panel.integrated or shows_forces(system, rows, panel, resolution.tolerance)
+    return not panel.integrated or shows_forces(system, phase, panel, resolution.tolerance)
 
 
 def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
@@ -201,7 +201,7 @@ def _check_tables(elements: Elements, panel: Panel, t_end: float) -> None:
     elements.check(panel.interpolate(times)[0], times)
 
 
-def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop]) -> Exact:
+def _closed_up(system: System, phase: ConstraintSet, end: Exact, hit: list[Stop]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
     met = end.q
     left = max(abs(stop.gap(met)) for stop in hit)
@@ -212,7 +212,7 @@ def _closed_up(system: System, rows: ConstraintSet, end: Exact, hit: list[Stop])
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.
     columns = tuple(stop.index for stop in hit)
-    split = system.split(end.jacobian, rows.given, (*columns, *rows.yielding))
+    split = system.split(end.jacobian, phase.given, (*columns, *phase.yielding))
     if not set(columns).isdisjoint(split.dependent):
         return end
     q, jacobians = close_positions(system.body, met[None], split)
@@ -233,7 +233,7 @@ def _ballistic_length(begin: Begin, open_stops: Sequence[Stop]) -> float:
 
 def _panel(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     split: Partition,
     begin: Begin,
     h: float,
@@ -241,14 +241,14 @@ def _panel(
 ) -> tuple[Panel, FloatArray, float]:
     """Solve one panel, shortened until it is resolved; with stop forces and the next length."""
     shortest = _SHORTEST_PANEL * system.shaft.period
-    kinematic = rows.freedom == 0
+    kinematic = phase.freedom == 0
     while h > 0.0:
         factor = 0.5
         try:
             if kinematic:
-                attempt = kinematic_panel(system, rows, split, begin, h, resolution)
+                attempt = kinematic_panel(system, phase, split, begin, h, resolution)
             else:
-                attempt = flight_panel(system, rows, split, begin, h, resolution)
+                attempt = flight_panel(system, phase, split, begin, h, resolution)
         except (ConvergenceError, ElementError, SingularConfigurationError):
             # The guess of a long panel may be too far off, or its iteration run away to where the
             # loops do not close; a short one tells the truth.
@@ -256,7 +256,7 @@ def _panel(
                 raise
         else:
             panel = attempt.panel
-            if panel is not None and _shows_elements(system, rows, panel, resolution):
+            if panel is not None and _shows_elements(system, phase, panel, resolution):
                 return panel, attempt.forces, h * attempt.factor
             factor = min(attempt.factor, 0.5) if panel is not None else attempt.factor
         if h <= shortest:

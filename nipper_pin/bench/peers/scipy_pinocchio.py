@@ -44,8 +44,8 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     contacts = [stop for stop in mechanism.stops if stop.name in {jaw.name, *start.closed}]
     restitution = [stop.restitution for stop in contacts]
     first_impact = collide(system, start.q, start.v, start.jacobian, contacts, restitution)
-    rows = system.constraint_set(frozenset())
-    split = system.split(start.jacobian, rows.given, (jaw.index,))
+    phase = system.constraint_set(frozenset())
+    split = system.split(start.jacobian, phase.given, (jaw.index,))
     places = jaw.index, nv + jaw.index
     first, second = shaft.indices
     # Springs are linear: what they do at rest at touch, and a stiffness.
@@ -53,10 +53,10 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
 
     def accelerations(t: float, y: FloatArray) -> FloatArray:
         q, v = y[:nv], y[nv:]
-        tau = preload - rows.stiffness * q
+        tau = preload - phase.stiffness * q
         a, b = law(t)
         tau[first], tau[second] = INFINITE_INERTIA * a, INFINITE_INERTIA * b
-        return body.accelerations(q[None], v[None], tau[None], rows.armature).reshape(nv)
+        return body.accelerations(q[None], v[None], tau[None], phase.armature).reshape(nv)
 
     def equation(t: float, y: FloatArray) -> FloatArray:
         return np.concatenate([y[nv:], accelerations(t, y)])

@@ -164,9 +164,9 @@ def _evaluation_ms(mechanism: Mechanism, states: int = 200) -> float:
     system = solution.system
     times = np.linspace(*solution.trajectory.span, states)
     motion = solution.trajectory.evaluate(times)
-    rows = system.constraint_set(frozenset())
+    phase = system.constraint_set(frozenset())
     driven = system.shaft.driven(times)
-    batch = timed(lambda: system.accelerations(driven, motion.q, motion.v, rows), 5)
+    batch = timed(lambda: system.accelerations(driven, motion.q, motion.v, phase), 5)
     return batch.median_ms / states
 
 

@@ -100,12 +100,12 @@ def _kinematic(mechanism: Mechanism, repeats: int) -> Skip:
 def integrate(solution: Solution, segment: Segment) -> tuple[FloatArray, FloatArray]:
     """Follow a segment by DOP853 and return q and v at its end, each of shape (nv,)."""
     system, nv = solution.system, solution.system.body.nv
-    rows = system.constraint_set(segment.closed)
+    phase = system.constraint_set(segment.closed)
     tolerance = solution.case.resolution.tolerance
 
     def right_side(t: float, y: FloatArray) -> FloatArray:
         q, v = y[None, :nv], y[None, nv:]
-        a = system.accelerations(system.shaft.driven(np.array([t])), q, v, rows)
+        a = system.accelerations(system.shaft.driven(np.array([t])), q, v, phase)
         return np.concatenate([v[0], a[0]])
 
     first = segment.panels[0]
@@ -237,7 +237,7 @@ def _refinement(mechanism: Mechanism, repeats: int) -> Skip:
 
 def node_forces(system: System, segment: Segment) -> list[Multipliers]:
     """Forces of constraint at the nodes of a segment, drive torques among them, panel by panel."""
-    rows = system.constraint_set(segment.closed)
+    phase = system.constraint_set(segment.closed)
     return [
         multipliers(
             system,
@@ -246,7 +246,7 @@ def node_forces(system: System, segment: Segment) -> list[Multipliers]:
             panel.v,
             panel.a,
             system.body.closures(panel.q)[1],
-            rows,
+            phase,
             panel.split,
         )
         for panel in segment.panels

@@ -99,14 +99,14 @@ def pressed(
     raise SimulationError(message, stops=sorted(at_rest))
 
 
-def pressed_next(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Closed:
+def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Closed:
     """Which closed stops stay closed a moment later.
 
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
 
     Args:
         system: The system.
-        rows: The phase that ends.
+        phase: The phase that ends.
         panel: Its last panel.
         t: Its end [s].
 
@@ -116,8 +116,8 @@ def pressed_next(system: System, rows: ConstraintSet, panel: Panel, t: float) ->
     Raises:
         SimulationError: No set satisfies the conditions.
     """
-    q, v, jacobian, motion = one_state_at(system, rows, panel, t + _AHEAD * system.shaft.period)
-    return pressed(system, motion, q, v, jacobian, rows.closed)
+    q, v, jacobian, motion = one_state_at(system, phase, panel, t + _AHEAD * system.shaft.period)
+    return pressed(system, motion, q, v, jacobian, phase.closed)
 
 
 class _Held(NamedTuple):
@@ -144,15 +144,15 @@ def _held(
     stops: Sequence[Stop],
 ) -> _Held | None:
     """Try one choice; None if these stops depend on one another, so that fewer hold as much."""
-    rows = system.constraint_set(names)
-    if rows.freedom < 0:
+    phase = system.constraint_set(names)
+    if phase.freedom < 0:
         return None
     try:
-        split = system.split(jacobian, rows.given, rows.yielding)
+        split = system.split(jacobian, phase.given, phase.yielding)
     except SingularConfigurationError:
         return None
-    a = system.accelerations(motion, q[None], v[None], rows)
-    la_N = multipliers(system, motion, q[None], v[None], a, jacobian[None], rows, split).la_N[0]
+    a = system.accelerations(motion, q[None], v[None], phase)
+    la_N = multipliers(system, motion, q[None], v[None], a, jacobian[None], phase, split).la_N[0]
     held = np.array([stop.name in names for stop in stops], dtype=bool)
     forces = np.zeros(len(stops))
     forces[held] = la_N

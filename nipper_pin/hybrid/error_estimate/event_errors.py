@@ -283,10 +283,10 @@ def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
     event, segment, flown = arrival.event, arrival.last, arrival.flown
     if segment is None or flown <= 0.0:
         return replace(before.error, impulses={})
-    rows = system.constraint_set(segment.closed)
+    phase = system.constraint_set(segment.closed)
     index = system.mechanism.stop(event.stops[0]).index
-    if index not in rows.stops:
+    if index not in phase.stops:
         return replace(before.error, impulses={})
-    late = release_error(system, rows, segment.panels[-1], event.t, before.deviations, index)
+    late = release_error(system, phase, segment.panels[-1], event.t, before.deviations, index)
     late = min(late, flown) + _CLOCK * event.t
     return EventError(late, before.error.impulse, late + before.error.time, {})

@@ -115,13 +115,13 @@ class LinearMaps:
         return Deviations.of(found[:, None])
 
     def _flight(self, segment: Segment) -> FlightMap:
-        system, rows = self._system, self._system.constraint_set(segment.closed)
+        system, phase = self._system, self._system.constraint_set(segment.closed)
         first, nv = segment.panels[0], system.body.nv
         touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
         matrix, own = np.eye(2 * nv), Deviations.of(np.empty((2 * nv, 0)))
         position = np.zeros(nv)
         for panel, begin, end in segment.pieces():
-            free = free_coordinates(rows, panel.split)
+            free = free_coordinates(phase, panel.split)
             loose = np.zeros(nv)
             # Where panels meet a gap has the round-off of its coordinate, however small it is; at
             # the start, where it has not just opened, that of the closures.
@@ -131,13 +131,13 @@ class LinearMaps:
                 loose[touching] = 0.0
             own = own.joined(Deviations.independent(loose, np.zeros(nv)))
             try:
-                carried, lifted = flight_map(system, rows, panel, end - begin)
+                carried, lifted = flight_map(system, phase, panel, end - begin)
             except (SingularConfigurationError, np.linalg.LinAlgError):
                 # A motion that a step of 1e-6 takes to a dead centre is known by no derivative.
                 carried, lifted = np.zeros((2 * nv, 2 * nv)), np.full((2 * nv, 1), NOTHING_KNOWN)
                 made, position = lifted, lifted[:nv, 0]
             else:
-                position, velocity = unresolved(system, rows, panel)
+                position, velocity = unresolved(system, phase, panel)
                 made = lifted * np.concatenate([position[free], velocity[free]])
             with np.errstate(over="ignore", invalid="ignore"):
                 matrix = np.nan_to_num(carried @ matrix)
@@ -147,9 +147,9 @@ class LinearMaps:
 
     def _impact(self, event: Event) -> ImpactMap:
         system = self._system
-        rows = system.constraint_set(event.closed_before)
+        phase = system.constraint_set(event.closed_before)
         motion = system.shaft.driven(np.array([event.t]))
-        a = system.accelerations(motion, event.q[None], event.v_before[None], rows)[0]
+        a = system.accelerations(motion, event.q[None], event.v_before[None], phase)[0]
         stops = pushing(system, event)
         rest = event.kind is EventKind.REST
         restitution = [0.0 if rest else stop.restitution for stop in stops]
@@ -203,8 +203,8 @@ def of_rates(
         v: Velocity, shape (nv,).
     """
     shaft = system.shaft
-    rows, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
-    a = system.accelerations(motion, q[None], v[None], rows)[0]
+    phase, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
+    a = system.accelerations(motion, q[None], v[None], phase)[0]
     shifted = _ANGLE * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
     turned = Deviations.of(np.concatenate([np.zeros_like(a), a * shifted])[:, None])
     return Deviations.independent(np.zeros_like(v), RATE * np.abs(v)).joined(turned)

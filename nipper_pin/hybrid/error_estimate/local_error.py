@@ -72,23 +72,23 @@ def _opened(jacobian: FloatArray, split: Partition) -> FloatArray:
     return inverted(jacobian.take(split.columns, 1))[1]
 
 
-def _between(system: System, rows: ConstraintSet, panel: Panel) -> FloatArray:
+def _between(system: System, phase: ConstraintSet, panel: Panel) -> FloatArray:
     """Largest difference of the dynamics from the interpolant between the nodes, (nv,).
 
     The last coefficients may be small by chance; what is wrong between the nodes is not.
     """
-    return np.asarray(defect(system, rows, panel, nodes(panel.order).between).max(axis=0))
+    return np.asarray(defect(system, phase, panel, nodes(panel.order).between).max(axis=0))
 
 
-def unresolved(system: System, rows: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
+def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
     """What a flight panel leaves unresolved in all positions and velocities, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
     motion = system.shaft.driven(panel.times)
-    again = system.accelerations(motion, panel.q, panel.v, rows)
+    again = system.accelerations(motion, panel.q, panel.v, phase)
     swept = again - a
-    there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), rows)
+    there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), phase)
     rough = np.abs(there - again).max(axis=0)
-    missing = _between(system, rows, panel)
+    missing = _between(system, phase, panel)
     if system.mechanism.tabulated_springs:
         # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
         # integrated, a quarter of their number times the last one is missing.

@@ -19,13 +19,13 @@ _STEP = 1e-6
 
 
 def release_error(
-    system: System, rows: ConstraintSet, panel: Panel, t: float, deviations: Deviations, index: int
+    system: System, phase: ConstraintSet, panel: Panel, t: float, deviations: Deviations, index: int
 ) -> float:
     """Error of the time at which a stop force vanishes: what it is wrong by over its slope.
 
     Args:
         system: The system.
-        rows: The phase before.
+        phase: The phase before.
         panel: The panel on which the force vanishes.
         t: When it does so [s].
         deviations: Those of the motion there.
@@ -34,13 +34,13 @@ def release_error(
     Returns:
         The error [s]; infinite if the force does not fall.
     """
-    column, step = rows.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
+    column, step = phase.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
     if step <= 0.0:
         return np.inf
-    q, v, _, forces = forces_at(system, rows, panel, np.array([t - step, t]))
+    q, v, _, forces = forces_at(system, phase, panel, np.array([t - step, t]))
     slope = float(forces.la_N[1, column] - forces.la_N[0, column]) / step
     q, v, nv = q[1:], v[1:], system.body.nv
-    free = free_coordinates(rows, panel.split) if panel.integrated else []
+    free = free_coordinates(phase, panel.split) if panel.integrated else []
     units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
     x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
     w = x * max(float(np.abs(v).max()), SMALLEST)
@@ -51,8 +51,8 @@ def release_error(
     moved, moving = q + np.vstack(places), v + np.vstack(rates)
     _, jacobian = system.body.closures(moved)
     motion = system.shaft.driven(np.full(len(moved), t))
-    a = system.accelerations(motion, moved, moving, rows)
-    there = multipliers(system, motion, moved, moving, a, jacobian, rows, panel.split)
+    a = system.accelerations(motion, moved, moving, phase)
+    there = multipliers(system, motion, moved, moving, a, jacobian, phase, panel.split)
     changes = there.la_N[:, column] - forces.la_N[1, column]
     wrong = float(np.abs(changes[: 2 * nv]).sum())
     along = changes[2 * nv :] / np.repeat([x, w], len(free))

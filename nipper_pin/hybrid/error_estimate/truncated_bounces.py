@@ -36,7 +36,7 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
-    stop, rows = system.mechanism.stop(rest.stops[0]), system.constraint_set(rest.closed_after)
+    stop, phase = system.mechanism.stop(rest.stops[0]), system.constraint_set(rest.closed_after)
     e_N, rate = stop.restitution, stop.rate(rest.v_before)
     q, v, u = rest.q, rest.v_after, -rest.delta / rate
     size = rate * ((1.0 - e_N) * remaining) ** 2 / (6.0 * (1.0 - e_N**3))
@@ -44,17 +44,17 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     aside = _STEP / max(float(np.abs(u).max()), 1.0)
     moved = np.stack([q, q + aside * u])
     _, jacobians = system.body.closures(moved)
-    split = system.split(jacobians[0], rows.given, (*rows.stops, *rows.yielding))
+    split = system.split(jacobians[0], phase.given, (*phase.stops, *phase.yielding))
     turned = close_velocities(np.stack([v, v]), jacobians, split)[1]
     speed = _STEP * max(float(np.abs(v).max()), abs(rate))
     hurried = speed / max(float(np.abs(u).max()), SMALLEST)
     motion = system.shaft.driven(np.full(3, rest.t))
     a = system.accelerations(
-        motion, np.stack([*moved, q]), np.stack([v, turned, v + hurried * u]), rows
+        motion, np.stack([*moved, q]), np.stack([v, turned, v + hurried * u]), phase
     )
     by_place, by_rate = (a[1] - a[0]) / aside, (a[2] - a[0]) / hurried
     again = speed / max(float(np.abs(by_rate).max()), SMALLEST)
     motion = system.shaft.driven(np.full(2, rest.t))
-    a = system.accelerations(motion, np.stack([q, q]), np.stack([v, v + again * by_rate]), rows)
+    a = system.accelerations(motion, np.stack([q, q]), np.stack([v, v + again * by_rate]), phase)
     by_rates = (a[1] - a[0]) / again
     return np.asarray(size * np.concatenate([by_rate, by_place + by_rates]))

@@ -23,9 +23,9 @@ from ..motion.panel import SMALLEST, Panel
 _STEP = 1e-6
 
 
-def free_coordinates(rows: ConstraintSet, split: Partition) -> list[int]:
+def free_coordinates(phase: ConstraintSet, split: Partition) -> list[int]:
     """Independent coordinates that forces move: one for each freedom of a phase."""
-    return [k for k in split.independent if rows.moving[k]]
+    return [k for k in split.independent if phase.moving[k]]
 
 
 def lifts(jacobian: FloatArray, split: Partition, columns: list[int]) -> FloatArray:
@@ -70,13 +70,13 @@ def tangents(
 
 
 def flight_map(
-    system: System, rows: ConstraintSet, panel: Panel, length: float
+    system: System, phase: ConstraintSet, panel: Panel, length: float
 ) -> tuple[FloatArray, FloatArray]:
     """Carries deviations of positions and velocities over the first part of a flight panel.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         length: How much of it belongs to the segment [s].
 
@@ -87,11 +87,11 @@ def flight_map(
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.
     """
-    free = free_coordinates(rows, panel.split)
+    free = free_coordinates(phase, panel.split)
     end = panel.interpolate(np.array([panel.t + length]))
     q, v = (np.vstack(pair) for pair in zip((panel.q, panel.v), end, strict=True))
     units, turned = tangents(system, q, v, panel.split, free)
-    slopes = _slopes(system, rows, panel, free, (units[:, :-1], turned[:, :-1]))
+    slopes = _slopes(system, phase, panel, free, (units[:, :-1], turned[:, :-1]))
     flat = _variations(slopes, panel.h).reshape(panel.order, -1)
     f, nv = len(free), system.body.nv
     integrals = evaluate_motion(flat, np.array([length / panel.h]))
@@ -108,7 +108,7 @@ def flight_map(
 
 def _slopes(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     panel: Panel,
     free: list[int],
     along: tuple[FloatArray, FloatArray],
@@ -123,8 +123,8 @@ def _slopes(
     q = panel.q + np.concatenate([still, aside, 0.0 * units])
     v = panel.v + np.concatenate([still, x[:, None, None] * turned, hurried])
     # One call for all; the forces of the drives are those of the nodes.
-    forcing = np.tile(system.forcing(system.shaft.driven(panel.times), rows), (2 * f + 1, 1))
-    a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), rows)
+    forcing = np.tile(system.forcing(system.shaft.driven(panel.times), phase), (2 * f + 1, 1))
+    a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), phase)
     a = a[:, free].reshape(2 * f + 1, count, f)
     differences = np.moveaxis(a[1:] - a[0], 0, 2)
     return differences[:, :, :f] / x, differences[:, :, f:] / w

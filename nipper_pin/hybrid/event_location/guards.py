@@ -52,7 +52,7 @@ class Trigger(NamedTuple):
 
 def triggers(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
 ) -> tuple[Trigger, ...]:
@@ -60,17 +60,17 @@ def triggers(
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         forces: Forces of the closed stops at its nodes, shape (N, closed).
     """
     found = []
-    for stop in rows.open:
-        t = _gap_root(system, rows, panel, stop)
+    for stop in phase.open:
+        t = _gap_root(system, phase, panel, stop)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
-    for column, stop in enumerate(rows.shut):
-        t = _force_root(system, rows, panel, forces[:, column], column)
+    for column, stop in enumerate(phase.shut):
+        t = _force_root(system, phase, panel, forces[:, column], column)
         if t is not None:
             found.append(Trigger(t, TriggerKind.FORCE, stop.name))
     if not found:
@@ -84,7 +84,7 @@ def triggers(
     )
 
 
-def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> float | None:
+def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) -> float | None:
     """Time at which a gap falls through zero on a panel, or None."""
     gap, rate = stop.gap(panel.q[0]), stop.rate(panel.v[0])
     if rate < 0.0 and gap <= 0.0:
@@ -102,7 +102,7 @@ def _gap_root(system: System, rows: ConstraintSet, panel: Panel, stop: Stop) -> 
         return float(gap_rate[0]), float(gap_rate[1])
 
     def exact(t: float) -> tuple[float, float]:
-        state = one_state_at(system, rows, panel, t)
+        state = one_state_at(system, phase, panel, t)
         return stop.gap(state.q), stop.rate(state.v)
 
     grid = nodes(panel.order)
@@ -177,7 +177,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
 
 def _force_root(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     panel: Panel,
     force: FloatArray,
     column: int,
@@ -205,7 +205,7 @@ def _force_root(
         return interpolant(sigma), float(np.interp(sigma, samples, slope))
 
     def exact(t: float) -> tuple[float, float]:
-        la_N = forces_at(system, rows, panel, np.array([t]))[3].la_N
+        la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
     while bracket is not None:

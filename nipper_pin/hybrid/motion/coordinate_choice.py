@@ -48,7 +48,7 @@ def serves(system: System, panel: Panel, start: FloatArray, end: FloatArray) -> 
 
 def suited_split(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     panel: Panel,
     end: FloatArray,
     preferred: tuple[int, ...],
@@ -57,7 +57,7 @@ def suited_split(
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         end: Closure Jacobian at the end of the segment on it, shape (m, nv).
         preferred: Coordinates to keep independent where the closures allow it.
@@ -71,7 +71,7 @@ def suited_split(
     sizes = [system.condition(own, jacobian) for jacobian in jacobians]
     worst = jacobians[int(np.argmax(sizes))]
     try:
-        other = partition(worst, rows.given, preferred, system.good_condition)
+        other = partition(worst, phase.given, preferred, system.good_condition)
     except SingularConfigurationError:
         # A dead centre, whatever the choice.
         return own if _keeps_sign(jacobians, own) else None

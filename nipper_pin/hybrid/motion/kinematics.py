@@ -31,7 +31,7 @@ _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 def kinematic_panel(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     split: Partition,
     begin: Begin,
     h: float,
@@ -41,7 +41,7 @@ def kinematic_panel(
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         split: Dependent and independent coordinates.
         begin: Where it begins; the guess for the nodes is made from it.
         h: Length [s].
@@ -57,24 +57,24 @@ def kinematic_panel(
     times = t + h * grid.sigma
     rates = np.repeat(v[None], len(times), axis=0)
     motion = system.shaft.driven(times)
-    system.prescribe(motion, guess, rates, rows)
+    system.prescribe(motion, guess, rates, phase)
     q_nodes, jacobian = close_positions(system.body, guess, split)
     _check_branch(jacobian, split)
     _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
-    a_nodes = system.accelerations(motion, q_nodes, v_nodes, rows)
+    a_nodes = system.accelerations(motion, q_nodes, v_nodes, phase)
     moving = np.abs(h * v_nodes).max(axis=0)
     # What no shorter panel would resolve either must not advise one.
     round_off = _round_off(system, q_nodes, jacobian, split)
-    rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+    rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
     if resolution.adaptive and rough_a.max() > 1.0:
         # Stops may lock links through closures, or all of them while drive trains wind up: what
         # these have of accelerations is round-off of the forces on them.
-        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, rows, split)
-        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
+        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
+        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
         rough_a[still <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
-    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, phase, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)

@@ -18,13 +18,13 @@ _EPS = float(np.finfo(float).eps)
 
 
 def roughness(
-    system: System, rows: ConstraintSet, t: float, q: FloatArray, v: FloatArray
+    system: System, phase: ConstraintSet, t: float, q: FloatArray, v: FloatArray
 ) -> FloatArray:
     """Largest differences of accelerations under forces that are the same but for round-off.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         t: Time [s].
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
@@ -32,12 +32,12 @@ def roughness(
     Returns:
         Not negative, shape (nv,).
     """
-    forcing = system.forcing(system.shaft.driven(np.array([t])), rows)[0]
+    forcing = system.forcing(system.shaft.driven(np.array([t])), phase)[0]
     unsure = NEARBY * _EPS * (np.abs(forcing) + _terms(system, q, v)) + _of_lengths(system, q, v)
     # Signs that alternate, and signs that do not: links in a row are moved by the one or the other.
     signs = (-1.0) ** np.arange(len(q))
     pushed = forcing + np.stack([np.zeros_like(q), unsure, signs * unsure])
-    a = system.respond(pushed, np.tile(q, (3, 1)), np.tile(v, (3, 1)), rows)
+    a = system.respond(pushed, np.tile(q, (3, 1)), np.tile(v, (3, 1)), phase)
     of_forces = np.abs(a[1:] - a[0]).max(axis=0)
     return np.asarray(np.maximum(of_forces, of_closures(system, v, a[0])))
 

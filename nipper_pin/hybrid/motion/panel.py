@@ -140,35 +140,35 @@ class Exact(NamedTuple):
     motion: Driven
 
 
-def state_at(system: System, rows: ConstraintSet, panel: Panel, t: FloatArray) -> Exact:
+def state_at(system: System, phase: ConstraintSet, panel: Panel, t: FloatArray) -> Exact:
     """Exact states on a panel.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         t: Times within it, shape (K,) [s].
     """
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t)
-    system.prescribe(motion, q, v, rows)
+    system.prescribe(motion, q, v, phase)
     q, jacobian = close_positions(system.body, q, panel.split)
     return Exact(q, close_velocities(v, jacobian, panel.split), jacobian, motion)
 
 
-def one_state_at(system: System, rows: ConstraintSet, panel: Panel, t: float) -> Exact:
+def one_state_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Exact:
     """One exact state on a panel, with what leads to it left ready for the impact that follows.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         t: Time within it [s].
     """
     q, v = panel.interpolate_at(t)
     motion = system.shaft.driven_at(t)
     guess = q[None]
-    system.prescribe(motion, guess, v[None], rows)
+    system.prescribe(motion, guess, v[None], phase)
     closed, jacobians = close_positions(system.body, guess, panel.split)
     jacobian = jacobians[0]
     return Exact(closed[0], system.closed_velocity(v, jacobian, panel.split), jacobian, motion)
@@ -176,7 +176,7 @@ def one_state_at(system: System, rows: ConstraintSet, panel: Panel, t: float) ->
 
 def forces_at(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     panel: Panel,
     t: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
@@ -185,21 +185,21 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    q, v, jacobian, motion = state_at(system, rows, panel, t)
+    q, v, jacobian, motion = state_at(system, phase, panel, t)
     if panel.integrated:
-        a = system.accelerations(motion, q, v, rows)
+        a = system.accelerations(motion, q, v, phase)
     else:
         # Near a dead centre, and of links of very different masses, those of the dynamics differ.
-        a = system.determined_accelerations(motion, q, v, jacobian, rows, panel.split)
-    return q, v, a, multipliers(system, motion, q, v, a, jacobian, rows, panel.split)
+        a = system.determined_accelerations(motion, q, v, jacobian, phase, panel.split)
+    return q, v, a, multipliers(system, motion, q, v, a, jacobian, phase, panel.split)
 
 
-def defect(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
+def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
     """How far the interpolated accelerations of a panel are from the dynamics.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         sigma: Places on it, in [0, 1], shape (K,).
 
@@ -209,8 +209,8 @@ def defect(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray)
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t)
-    system.prescribe(motion, q, v, rows)
-    there = system.accelerations(motion, q, v, rows)
+    system.prescribe(motion, q, v, phase)
+    there = system.accelerations(motion, q, v, phase)
     return np.asarray(np.abs(evaluate(panel.a, sigma, 0) - there))
 
 

@@ -43,7 +43,7 @@ _ITERATION_FLOOR = 1e3 * _EPS
 
 def flight_panel(
     system: System,
-    rows: ConstraintSet,
+    phase: ConstraintSet,
     split: Partition,
     begin: Begin,
     h: float,
@@ -53,7 +53,7 @@ def flight_panel(
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         split: Dependent and independent coordinates.
         begin: Where it begins; its acceleration is that of the first node.
         h: Length [s].
@@ -70,8 +70,8 @@ def flight_panel(
     tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
-    iteration = _Picard(system, rows, begin, h, finest, tolerance)
-    none = np.empty((0, len(rows.stops)))
+    iteration = _Picard(system, phase, begin, h, finest, tolerance)
+    none = np.empty((0, len(phase.stops)))
     a = begin.a[None]
     for stride in _STRIDES if nested else (1,):
         a = prolonged(a, (finest - 1) // stride + 1)
@@ -85,7 +85,7 @@ def flight_panel(
             break
     q_nodes, v_nodes = iteration.motion(a)
     panel = Panel(begin.t, h, q_nodes, v_nodes, a, split, integrated=True)
-    forces = forces_at(system, rows, panel, panel.times)[3].la_N if rows.stops else none
+    forces = forces_at(system, phase, panel, panel.times)[3].la_N if phase.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
     hard = iteration.sweeps > _EASY_SWEEPS
@@ -131,7 +131,7 @@ class _Picard:
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         begin: Where the panel begins.
         h: Its length [s].
         finest: Number of nodes of the finest grid.
@@ -141,18 +141,18 @@ class _Picard:
     def __init__(
         self,
         system: System,
-        rows: ConstraintSet,
+        phase: ConstraintSet,
         begin: Begin,
         h: float,
         finest: int,
         tolerance: float,
     ) -> None:
         """Compute what no sweep changes."""
-        self._system, self._rows, self._h, self._tolerance = system, rows, h, tolerance
+        self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
         t, q, v, _ = begin
         elapsed = h * nodes(finest).sigma
         motion = system.shaft.driven(t + elapsed)
-        self._forcing = system.forcing(motion, rows)
+        self._forcing = system.forcing(motion, phase)
         # Motion without acceleration; that of held drives is known.
         self._lines = np.empty((2, finest, len(q)))
         self._lines[0] = q + elapsed[:, None] * v
@@ -197,7 +197,7 @@ class _Picard:
         shape, free, weights = lines.shape, self._free[:count], self._weights[1:count]
         for sweep in range(1, most + 1):
             q, v = product(operator, a * free).reshape(shape) + lines
-            new = system.respond(forcing, q, v, self._rows)
+            new = system.respond(forcing, q, v, self._phase)
             if not self._weight.size:
                 self._way += h**2 * np.maximum.reduce(np.abs(new))
                 self._weigh()
@@ -232,7 +232,7 @@ class _Picard:
 
     def _weigh(self) -> None:
         # What is prescribed does not move: its accelerations are round-off of the armature.
-        self._weight = self._weights[:] = self._h**2 * self._rows.moving / self._way
+        self._weight = self._weights[:] = self._h**2 * self._phase.moving / self._way
 
     def left_over(self, a: FloatArray) -> float:
         """Relative change of positions by what follows the last coefficients of accelerations.
@@ -253,12 +253,12 @@ class _Picard:
         if self._allowed or not self._weight.size:
             return False
         self._allowed = True
-        return self._allow(roughness(self._system, self._rows, *self._start))
+        return self._allow(roughness(self._system, self._phase, *self._start))
 
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
         allowance = _SAFETY * self._h**2 * rough / self._tolerance
-        matters = bool((self._rows.moving * (allowance > _NOTICED * self._way)).any())
+        matters = bool((self._phase.moving * (allowance > _NOTICED * self._way)).any())
         self._moved = self._moved * (self._way / (self._way + allowance))
         self._way += allowance
         self._weigh()

@@ -89,23 +89,23 @@ def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: 
         left, right = (left, float(sigma[1])) if first else (float(sigma[1]), right)
 
 
-def shows_forces(system: System, rows: ConstraintSet, panel: Panel, tolerance: float) -> bool:
+def shows_forces(system: System, phase: ConstraintSet, panel: Panel, tolerance: float) -> bool:
     """True if a flight panel obeys its equations between its nodes, as far as forces ask for it.
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel, resolved by its nodes.
         tolerance: Relative accuracy of its positions.
     """
     sigma = rows_met(system, panel)
     if system.mechanism.struts:
         sigma = np.concatenate([sigma, nodes(panel.order).between])
-    return not sigma.size or _obeys(system, rows, panel, tolerance, sigma)
+    return not sigma.size or _obeys(system, phase, panel, tolerance, sigma)
 
 
 def shows_end(
-    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, t_end: float
+    system: System, phase: ConstraintSet, panel: Panel, tolerance: float, t_end: float
 ) -> bool:
     """True if a flight panel obeys its equations where an event ends it.
 
@@ -113,21 +113,21 @@ def shows_end(
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         tolerance: Relative accuracy of its positions.
         t_end: Time of the event [s].
     """
     if not system.mechanism.struts:
         return True
-    return _obeys(system, rows, panel, tolerance, np.array([(t_end - panel.t) / panel.h]))
+    return _obeys(system, phase, panel, tolerance, np.array([(t_end - panel.t) / panel.h]))
 
 
 def _obeys(
-    system: System, rows: ConstraintSet, panel: Panel, tolerance: float, sigma: FloatArray
+    system: System, phase: ConstraintSet, panel: Panel, tolerance: float, sigma: FloatArray
 ) -> bool:
     """True if the dynamics at places of a panel differ from it by no more than it may leave."""
-    off = rows.moving * defect(system, rows, panel, sigma)
+    off = phase.moving * defect(system, phase, panel, sigma)
     # What the closures determine follows from the others; where its mass is small beside theirs,
     # its acceleration is round-off of a large force.
     off[:, panel.split.columns] = 0.0
@@ -136,16 +136,16 @@ def _obeys(
     most = (2.0 * panel.order) ** 2 * tolerance * moved / panel.h**2
     if (off <= most).all():
         return True
-    return bool((off <= most + _round_off(system, rows, panel, sigma)).all())
+    return bool((off <= most + _round_off(system, phase, panel, sigma)).all())
 
 
-def _round_off(system: System, rows: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
+def _round_off(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
     """Round-off of the accelerations at some places of a panel, shape (K, nv)."""
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t)
-    there = system.accelerations(motion, q, v, rows)
-    close = system.accelerations(motion, *nearby(system, q, v, panel.split), rows)
+    there = system.accelerations(motion, q, v, phase)
+    close = system.accelerations(motion, *nearby(system, q, v, panel.split), phase)
     return np.asarray(_SAFETY * np.abs(close - there))
 
 

@@ -78,11 +78,11 @@ def energy_balance(
     work = heat = peak = 0.0
     length = segments[-1].t_end - segments[0].t_start if segments else 0.0
     for segment in segments:
-        rows = system.constraint_set(segment.closed)
+        phase = system.constraint_set(segment.closed)
         for panel, begin, end in segment.pieces():
             key = (id(panel.a), round((end - begin) / panel.h, 9))
             if key not in known:
-                known[key] = _exchanged(system, rows, panel, begin, end, peak / length)
+                known[key] = _exchanged(system, phase, panel, begin, end, peak / length)
             work += known[key][0]
             heat += known[key][1]
             peak = max(peak, known[key][2])
@@ -125,13 +125,13 @@ def _happened(events: Sequence[Event]) -> float:
 
 
 def _exchanged(
-    system: System, rows: ConstraintSet, panel: Panel, begin: float, end: float, before: float
+    system: System, phase: ConstraintSet, panel: Panel, begin: float, end: float, before: float
 ) -> tuple[float, float, float]:
     """Work of the drives, heat and largest kinetic energy on a part of a panel, all [J].
 
     Args:
         system: The system.
-        rows: The phase.
+        phase: The phase.
         panel: The panel.
         begin: Begin of the part [s].
         end: Its end [s].
@@ -142,7 +142,7 @@ def _exchanged(
     inner = np.sort(met[(begin < met) & (met < end)])
     borders = np.concatenate([[begin], inner, [end]])
     for _ in range(_MOST_HALVINGS):
-        work, heat, kinetic, missing = _by_gauss(system, rows, panel, borders)
+        work, heat, kinetic, missing = _by_gauss(system, phase, panel, borders)
         held = abs(work) + abs(heat) + kinetic
         if missing <= _AGREED * max(held, before * (end - begin)) or not system.mechanism.struts:
             break
@@ -152,13 +152,13 @@ def _exchanged(
 
 
 def _by_gauss(
-    system: System, rows: ConstraintSet, panel: Panel, borders: FloatArray
+    system: System, phase: ConstraintSet, panel: Panel, borders: FloatArray
 ) -> tuple[float, float, float, float]:
     """The same by Gauss quadrature between each two borders [s], and what it may miss [J]."""
     points, weights, last = _gauss()
     half = 0.5 * np.diff(borders)[:, None]
     t = (borders[:-1, None] + half * (points + 1.0)).ravel()
-    q, v, _, forces = forces_at(system, rows, panel, t)
+    q, v, _, forces = forces_at(system, phase, panel, t)
     works = half * np.einsum("ij,ij->i", forces.drive, v[:, system.driven]).reshape(len(half), -1)
     heats = half * system.dissipation(q, v).reshape(len(half), -1)
     # The last Legendre coefficients show what those that follow would be like.

@@ -97,8 +97,8 @@ class Trajectory:
         q = np.empty((len(times), self.system.body.nv))
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
-            rows = self.system.constraint_set(segment.closed)
-            exact = state_at(self.system, rows, panel, times[chosen])
+            phase = self.system.constraint_set(segment.closed)
+            exact = state_at(self.system, phase, panel, times[chosen])
             q[chosen], v[chosen] = exact.q, exact.v
         return Motion(times, self.system.shaft.angle(times), q, v)
 
@@ -113,8 +113,8 @@ class Trajectory:
         torques = np.empty((count, len(mechanism.drives)))
         stops = np.zeros((count, len(mechanism.stops)))
         for segment, panel, chosen in self._groups(times, left):
-            rows = self.system.constraint_set(segment.closed)
-            q, v, a_chosen, forces = forces_at(self.system, rows, panel, times[chosen])
+            phase = self.system.constraint_set(segment.closed)
+            q, v, a_chosen, forces = forces_at(self.system, phase, panel, times[chosen])
             a[chosen] = a_chosen
             torques[chosen] = forces.drive
             closed = [i for i, stop in enumerate(mechanism.stops) if stop.name in segment.closed]

@@ -38,8 +38,8 @@ def located(error: SimulationError, system: System, state: State | None = None) 
         message += f"; widest open is closure {evidence['closure']!r}"
     q = evidence.get("q", None if state is None else state.q)
     if q is not None and isinstance(error, ConvergenceError | SingularConfigurationError):
-        rows = system.constraint_set(state.closed) if state is not None else None
-        given = (*system.held_coordinates, *(rows.stops if rows is not None else ()))
+        phase = system.constraint_set(state.closed) if state is not None else None
+        given = (*system.held_coordinates, *(phase.stops if phase is not None else ()))
         _, jacobian = system.body.closures(np.reshape(q, (-1, system.body.nv))[:1])
         if np.isfinite(jacobian).all():
             condition, coordinates = weakest(jacobian[0], given)

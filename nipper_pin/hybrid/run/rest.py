@@ -72,18 +72,18 @@ def _deceleration_at_rest(
     system: System, state: State, a: FloatArray, stop: Stop, remaining: float
 ) -> float:
     """Deceleration of a stop where it will be at rest [rad/s^2 or m/s^2]; infinite if unknown."""
-    rows, t = system.constraint_set(state.closed), state.t + remaining
+    phase, t = system.constraint_set(state.closed), state.t + remaining
     try:
-        split = system.split(state.jacobian, rows.given, (stop.index, *rows.yielding))
+        split = system.split(state.jacobian, phase.given, (stop.index, *phase.yielding))
         if stop.index in split.dependent:
             return inf
         q = (state.q + remaining * (state.v + 0.5 * remaining * a))[None]
         v = (state.v + remaining * a)[None]
         motion = system.shaft.driven_at(t)
-        system.prescribe(motion, q, v, rows)
+        system.prescribe(motion, q, v, phase)
         q[:, stop.index], v[:, stop.index] = stop.at, 0.0
         q, jacobian = close_positions(system.body, q, split)
-        there = system.accelerations(motion, q, close_velocities(v, jacobian, split), rows)
+        there = system.accelerations(motion, q, close_velocities(v, jacobian, split), phase)
     except (ConvergenceError, ElementError, SingularConfigurationError):
         return inf
     return -stop.rate(there[0])

@@ -54,14 +54,14 @@ def branch(
     cylinder = mechanism.cylinder
     shaft = ShaftMotion(mechanism, rad_s_from_rpm(speed_rpm), cylinder.angle_at_touch_rad)
     system = System(mechanism, shaft)
-    rows = system.constraint_set(closed)
+    phase = system.constraint_set(closed)
     t = shaft.period * (index - touch_index(mechanism)) / INDEX_PER_TURN
     motion = shaft.driven(t)
     q = np.zeros((len(t), system.body.nv))
     v = np.zeros_like(q)
-    system.prescribe(motion, q, v, rows)
+    system.prescribe(motion, q, v, phase)
     _, jacobian = system.body.closures(np.zeros((1, system.body.nv)))
-    split = system.split(jacobian[0], rows.given, ())
+    split = system.split(jacobian[0], phase.given, ())
     dependent = list(split.dependent)
     for k in range(len(t)):
         # A straight line through the last two places is a guess near enough.
@@ -70,8 +70,8 @@ def branch(
         q[k : k + 1], _ = close_positions(system.body, q[k : k + 1], split)
     q, jacobian = close_positions(system.body, q, split)
     v = close_velocities(v, jacobian, split)
-    a = system.accelerations(motion, q, v, rows)
-    forces = multipliers(system, motion, q, v, a, jacobian, rows, split).la_N
+    a = system.accelerations(motion, q, v, phase)
+    forces = multipliers(system, motion, q, v, a, jacobian, phase, split).la_N
     return Branch(closed, index, q, v, a, forces)
 
 
