@@ -23,8 +23,13 @@ TIME_S, SHARE = 1e-10, 1e-8
 OTHER, _OWN = Precision(12, 1e-10, 1.0 / 40.0), 0.1
 # Rates and impulses are known to a share of the largest of their kind.
 _SMALL = 1e-6
-# Time that the end of a series may take [s], and rates in it by the fastest one.
-_LIMITS, _ENDED = 1e-6, 1e-9
+# Time that the end of a series may take [s].
+_LIMITS = 1e-6
+# An impulse that is known to no more than this share may as well not be there, and what follows it
+# for such a part of a turn.
+_NOTHING, _BEFORE = 0.5, 1e-3
+# Events further apart, by what their times may differ by, are not the same ones.
+_FAR = 10.0
 # Times at which forces and motion are compared, in each turn.
 _TIMES = 61
 # Forces change fast beside an event, whose time differs by round-off [turns].
@@ -51,7 +56,8 @@ class Report:
             1e-8, or the error that the package states where this is more.
         sure: Time from which the package states more than that [s].
         horizon: Time from which the motion amplifies the judge's own round-off beyond use, or
-            collides so often that the judge does not know the end of it [s].
+            until which the two can be compared: round-off decides on the order of bounces, or on
+            whether a stop is touched at all, or there are too many events [s].
     """
 
     model: str
@@ -86,7 +92,9 @@ class Report:
         if self.refused_by_package or self.refused_by_judge:
             return "refused by one"
         close = self.beyond <= 1.0 and self.force <= SHARE
-        return "agree" if close and not self.differs else "DIFFER"
+        if not close or self.differs:
+            return "DIFFER"
+        return "agree" if self.horizon == math.inf else "agree in part"
 
     def line(self) -> str:
         """One line of a table."""
@@ -182,7 +190,7 @@ def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
 
 def _compared(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
     _events(report, solution, verdict, horizon)
-    _forces(report, solution, verdict, horizon)
+    _forces(report, solution, verdict, min(horizon, report.horizon))
 
 
 def _horizon(one: Verdict, other: Verdict) -> float:
@@ -240,16 +248,20 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
     i = j = 0
     while i < len(ours) and j < len(theirs):
         one, other = ours[i], theirs[j]
-        alike = one.kind.value == other.kind and set(one.stops) == set(other.stops)
-        slow = all(abs(rate) <= _ENDED * fastest[name] for name, rate in other.before.items())
-        resting = "rest" in (one.kind.value, other.kind) or slow
-        if not alike or (resting and one.closed_after != other.closed):
+        if not _alike(solution, one, other):
             # One of the two takes the limit of a series earlier, or of all that rests at once.
+            faint = all(abs(rate) <= _SMALL * fastest[n] for n, rate in other.before.items())
+            resting = faint or "rest" in (one.kind.value, other.kind)
             places = _resting(solution, theirs, one, j) if resting else None
+            if places is None and (faint or _unsure(solution, one)):
+                # Round-off decides on what comes next.
+                report.horizon = min(report.horizon, one.t, other.t) - TIME_S
+                return
             if places is None:
                 report.differs.append(
-                    f"at {one.t:.9g} s {one.kind.value} of {', '.join(one.stops)}, the judge has "
-                    f"at {other.t:.9g} s {other.kind} of {', '.join(other.stops)}"
+                    f"{one.kind.value} of {', '.join(one.stops)} at {one.t:.12g} s, then closed "
+                    f"{sorted(one.closed_after)}; the judge has {other.kind} of "
+                    f"{', '.join(other.stops)} at {other.t:.12g} s, {sorted(other.closed)}"
                 )
                 return
             number, j = places
@@ -257,7 +269,7 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
             one, other = solution.events[i], theirs[j]
         _event(report, solution, one, other, fastest)
         i, j = i + 1, j + 1
-    more = [item for item in ours[i:] if item.t < end]
+    more = [item for item in ours[i:] if item.t < min(end, verdict.known - TIME_S)]
     late, following = theirs[j:], solution.events[len(ours) :]
     if verdict.known < math.inf and following and following[0].kind.value == "rest":
         # Of a series whose end the judge does not know the package has taken the limit.
@@ -266,6 +278,24 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         report.differs.append(
             f"{len(more)} events more of the package, {len(late)} more of the judge"
         )
+
+
+def _alike(solution: nip.Solution, one: Any, other: Event) -> bool:
+    """Whether two events may be the same one."""
+    apart = _FAR * max(TIME_S, solution.errors[one.number - 1].time)
+    return bool(
+        one.kind.value == other.kind
+        and set(one.stops) == set(other.stops)
+        and one.closed_after == other.closed
+        and abs(one.t - other.t) <= apart
+    )
+
+
+def _unsure(solution: nip.Solution, one: Any) -> bool:
+    """Whether the package states of an event, or of one just before it, that it knows nothing."""
+    near = one.t - _BEFORE * solution.shaft.period
+    stated = zip(solution.events[: one.number], solution.errors, strict=False)
+    return any(item.t >= near and error.impulse >= _NOTHING for item, error in stated)
 
 
 def _resting(
@@ -298,11 +328,6 @@ def _event(
     report.beyond = max(report.beyond, abs(one.t - other.t) / max(TIME_S, stated.time))
     if max(stated.time / TIME_S, stated.impulse / SHARE) > 1.0:
         report.sure = min(report.sure, other.t)
-    if one.closed_after != other.closed:
-        report.differs.append(
-            f"after {one.kind.value} at {one.t:.9g} s closed {sorted(one.closed_after)}, the "
-            f"judge has {sorted(other.closed)}"
-        )
     if other.kind != "collision":
         return
     rates = [abs(rate) for rate in (*other.before.values(), *other.after.values())]

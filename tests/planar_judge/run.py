@@ -195,6 +195,7 @@ class Run:
         """Apply the law of impact, see what stays closed, and whether a series ends."""
         state = self.state
         if len(self.verdict.events) > self.most:
+            self.verdict.known = self.state.t
             raise Refusal(Reason.COLLISIONS, f"more than {self.most} events")
         self._endless()
         stops = self.flight.shut(state.closed | set(hit))
