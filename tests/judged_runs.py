@@ -25,8 +25,8 @@ OTHER, _OWN = Precision(12, 1e-10, 1.0 / 40.0), 0.1
 _SMALL = 1e-6
 # Time that the end of a series may take [s].
 _LIMITS = 1e-6
-# An impulse that is known to no more than this share may as well not be there, and what follows it
-# for such a part of a turn.
+# Nothing is known of an impulse, and of what follows it for such a part of a turn, whose error the
+# package states as this share of it or more.
 _NOTHING, _BEFORE = 0.5, 1e-3
 # Events further apart, by what their times may differ by, are not the same ones.
 _FAR = 10.0
@@ -166,13 +166,13 @@ def compare(
                       **beginning)  # fmt: skip
         # Oscillations of an elastic drive train, and so its torque, want its shorter steps.
         report.cleared()
-        report.horizon = again.known
-        _compared(report, solution, again, again.known)
+        report.horizon = min(again.known, verdict.known)
+        _compared(report, solution, again, report.horizon, verdict)
         horizon = min(_horizon(verdict, again), verdict.known, again.known)
         if report.verdict == "DIFFER" and horizon < math.inf:
             report.cleared()
             report.horizon = horizon
-            _compared(report, solution, verdict, horizon)
+            _compared(report, solution, verdict, horizon, again)
     return report
 
 
@@ -188,9 +188,16 @@ def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
     return mechanism, build(ElementTree.tostring(root, encoding="unicode"), document)
 
 
-def _compared(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
+def _compared(
+    report: Report,
+    solution: nip.Solution,
+    verdict: Verdict,
+    horizon: float,
+    other: Verdict | None = None,
+) -> None:
+    """Compare until a time; forces as far as another resolution of the judge gives them, too."""
     _events(report, solution, verdict, horizon)
-    _forces(report, solution, verdict, min(horizon, report.horizon))
+    _forces(report, solution, verdict, min(horizon, report.horizon), other)
 
 
 def _horizon(one: Verdict, other: Verdict) -> float:
@@ -328,7 +335,7 @@ def _event(
     report.beyond = max(report.beyond, abs(one.t - other.t) / max(TIME_S, stated.time))
     if max(stated.time / TIME_S, stated.impulse / SHARE) > 1.0:
         report.sure = min(report.sure, other.t)
-    if other.kind != "collision":
+    if other.kind != "collision" or stated.impulse >= _NOTHING:
         return
     rates = [abs(rate) for rate in (*other.before.values(), *other.after.values())]
     for name in other.before:
@@ -357,7 +364,13 @@ def _beyond(one: float, other: float, scale: float, stated: float) -> float:
     return abs(one - other) / allowed if one != other else 0.0
 
 
-def _forces(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
+def _forces(
+    report: Report,
+    solution: nip.Solution,
+    verdict: Verdict,
+    horizon: float,
+    again: Verdict | None,
+) -> None:
     """Compare forces and motion at times that are beside no event."""
     if not verdict.stretches or not solution.segments:
         return
@@ -379,16 +392,26 @@ def _forces(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         q, _ = verdict.motion(t)
         report.motion = max(report.motion, float(np.abs(q[columns] - motion.q[row]).max()))
     # What nothing pulls at has a force of round-off, beside the inertia of what moves.
-    pairs = [
-        *((forces.stops[n], [verdict.stop_force(n, t) for t in times]) for n in forces.stops),
-        *((forces.drives[n], [verdict.drive_force(n, t) for t in times]) for n in forces.drives),
+    sets = [
+        *((forces.stops[name], name, "stop_force") for name in forces.stops),
+        *((forces.drives[name], name, "drive_force") for name in forces.drives),
     ]
-    most = max((float(np.abs(his).max(initial=0.0)) for _, his in pairs), default=0.0)
+    found = [
+        (mine, *(_forces_of(v, *which, times) for v in (verdict, again))) for mine, *which in sets
+    ]
+    most = max((float(np.abs(his).max(initial=0.0)) for _, his, _ in found), default=0.0)
     least = max(1e-6 * _inertia_force(solution, motion.v, forces.a), 1e-9 * most)
-    for mine, his in pairs:
+    for mine, his, own in found:
         largest = max(float(np.abs(his).max(initial=0.0)), least)
+        unknown = 0.0 if again is None else np.abs(his - own)
         if largest > 0.0:
-            report.force = max(report.force, float(np.abs(mine - np.array(his)).max()) / largest)
+            off = np.maximum(np.abs(mine - his) - unknown, 0.0)
+            report.force = max(report.force, float(off.max(initial=0.0)) / largest)
+
+
+def _forces_of(verdict: Verdict | None, name: str, kind: str, times: Any) -> Any:
+    """Forces of a stop or drive by the judge at these times [N or N m]."""
+    return np.array([getattr(verdict, kind)(name, t) for t in times] if verdict else [])
 
 
 def _inertia_force(solution: nip.Solution, v: Any, a: Any) -> float:
