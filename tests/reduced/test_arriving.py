@@ -267,3 +267,13 @@ def test_a_line_with_large_terms_that_cancel_is_searched() -> None:
         expected = u[positive[0]] if positive.size else 2.0
         assert found == pytest.approx(expected, abs=2e-3)
     assert linear(1.0, 0.0, 2.0).tolist() == [1.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("place", [0.521, 0.69])
+def test_a_peak_between_the_places_that_are_looked_at_is_found(place: float) -> None:
+    """A parabola that is positive on a thirtieth of its cell alone."""
+    peak, bent = 1e-3, 4.0
+    u = 0.5 + 0.5 * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
+    line = chebyshev.chebfit(2.0 * u - 1.0, peak - bent * (u - place) ** 2, 4)[None]
+    found = arriving.released(np.ascontiguousarray(line), 1, 5, 1.0, 0.0, 1.0)
+    assert found == pytest.approx(place - np.sqrt(peak / bent), abs=1e-9)
