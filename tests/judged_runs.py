@@ -28,6 +28,7 @@ _LIMITS = 1e-6
 # Nothing is known of an impulse, and of what follows it for such a part of a turn, whose error the
 # package states as this share of it or more.
 _NOTHING, _BEFORE = 0.5, 1e-3
+_ROUND_OFF = 1e-15
 # Events further apart, by what their times may differ by, are not the same ones.
 _FAR = 10.0
 # Times at which forces and motion are compared, in each turn.
@@ -290,9 +291,12 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
 def _alike(solution: nip.Solution, one: Any, other: Event) -> bool:
     """Whether two events may be the same one."""
     apart = _FAR * max(TIME_S, solution.errors[one.number - 1].time)
+    # An impulse of round-off beside that of the stop which is struck is none.
+    least = _ROUND_OFF * max(one.P_N.values(), default=0.0)
+    struck = {name for name in one.stops if name in other.stops or one.P_N.get(name, 1.0) > least}
     return bool(
         one.kind.value == other.kind
-        and set(one.stops) == set(other.stops)
+        and struck == set(other.stops)
         and one.closed_after == other.closed
         and abs(one.t - other.t) <= apart
     )
