@@ -18,7 +18,10 @@ from ..errors import ImpactError
 from ..mechanism import Stop
 from .system import System
 
-_NO_RATE = 1e-13
+_EPS = float(np.finfo(float).eps)
+# Gap rates that are round-off, as shares of the fastest one before an impact: after it, in the
+# law, and where the impact matrix has to tell how much it is.
+_NO_RATE, _SLACK, _FAINT = 1e-13, 1e-12, 1e-6
 # Rates along the rows after an impact that are round-off, as a share of those before, and the
 # repetitions that have to get there.
 _REFINED, _REFINEMENTS = 1e-13, 3
@@ -69,24 +72,17 @@ def collide(
     """
     before = [stop.rate(v) for stop in contacts]
     wanted = [-e_N * rate for e_N, rate in zip(restitution, before, strict=True)]
-    slack = 1e-12 * max(map(abs, before), default=0.0)
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
     for size in range(1, len(contacts) + 1):
         for chosen in combinations(range(len(contacts)), size):
             solved = _impulses(system, q, jacobian, [contacts[i] for i in chosen],
                                [wanted[i] - before[i] for i in chosen])  # fmt: skip
-            if solved is None:
+            if solved is None or solved[2].min() < 0.0:
                 continue
-            delta, _, stop_impulses = solved
-            # xi is zero by construction where chosen; what is left there is round-off.
-            xi = (
-                before[i] + stop.rate(delta) - wanted[i]
-                for i, stop in enumerate(contacts)
-                if i not in chosen
-            )
-            if stop_impulses.min() >= 0.0 and min(xi, default=0.0) >= -slack:
-                return _outcome(v, contacts, chosen, wanted, solved)
+            still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])
+            if still is not None:
+                return _outcome(v, contacts, chosen, wanted, solved, still)
     names = ", ".join(stop.name for stop in contacts)
     message = (
         f"no impulses at {names} satisfy the impact law: these stops jam the mechanism against "
@@ -125,7 +121,41 @@ def arrest(
         names = ", ".join(stop.name for stop in stops)
         message = f"stop {names} cannot come to rest: the mechanism is in a dead centre"
         raise ImpactError(message, stops=names, rates_before=[-jump for jump in jumps])
-    return _outcome(v, stops, range(len(stops)), [0.0] * len(stops), solved)
+    return _outcome(v, stops, range(len(stops)), [0.0] * len(stops), solved, ())
+
+
+def _still(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    v: FloatArray,
+    contacts: Sequence[Stop],
+    chosen: Sequence[int],
+    wanted: Sequence[float],
+    delta: FloatArray,
+) -> list[int] | None:
+    """Coordinates of the contacts that an impact at others leaves in touch; None if it may not.
+
+    A contact that an impact does not reach neither separates nor approaches by its round-off.
+    """
+    others = [contacts[i] for i in range(len(contacts)) if i not in chosen]
+    after = np.array([stop.rate(v) + stop.rate(delta) for stop in others])
+    # xi is zero by construction where chosen; what is left there is round-off.
+    xi = after - [wanted[i] for i in range(len(contacts)) if i not in chosen]
+    fastest = max(abs(stop.rate(v)) for stop in contacts)
+    none, slack = np.full((2, len(others)), fastest) * [[_NO_RATE], [_SLACK]]
+    small = np.minimum(np.abs(xi), np.abs(after))
+    if ((small > none) & (small <= _FAINT * fastest)).any():
+        struck = [contacts[i].index for i in chosen]
+        lost = _EPS * impact_condition(system, q, jacobian, struck)
+        moving, mass = _moving_mass(system, q)
+        size = lost * math.sqrt(delta[moving] @ mass @ delta[moving])
+        known = size * impulse_sizes(system, q, [stop.index for stop in others])
+        none, slack = np.maximum(none, known), np.maximum(slack, known)
+    if (xi < -slack).any():
+        return None
+    places = np.flatnonzero(np.abs(after) <= none).tolist()
+    return [others[place].index for place in places]
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
@@ -233,6 +263,7 @@ def _outcome(
     chosen: Sequence[int],
     wanted: Sequence[float],
     solved: tuple[FloatArray, FloatArray, FloatArray],
+    still: Sequence[int],
 ) -> Impact:
     """Velocity, impulses and energies of an impact at the chosen ones of the contacts."""
     delta, closure_impulses, stop_impulses = solved
@@ -244,12 +275,7 @@ def _outcome(
         v_after[stop.index] = stop.sense * wanted[place]
         P_N[stop.name] = impulse
         lost -= 0.5 * impulse * (stop.rate(v) + wanted[place])
-    if len(chosen) < len(contacts):
-        fastest = max(abs(v[stop.index]) for stop in contacts)
-        for stop in contacts:
-            # A contact that the impact does not touch must not separate by its round-off.
-            if P_N[stop.name] == 0.0 and abs(v_after[stop.index]) <= _NO_RATE * fastest:
-                v_after[stop.index] = 0.0
+    v_after[list(still)] = 0.0
     return Impact(v_after, delta, closure_impulses, P_N, lost)
 
 
