@@ -18,7 +18,7 @@ from ..errors import SingularConfigurationError
 from .case import Resolution
 from .collocation import nodes, tail
 from .panel import SMALLEST, Attempt, Panel, judged
-from .roughness import of_closures
+from .roughness import of_closures, rates_of_closures
 
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
@@ -78,7 +78,9 @@ def kinematic_panel(
         a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, rows, split)
         rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * rows.moving
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
-        rough_a[still <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
+        nothing = h * rates_of_closures(system, v_nodes)
+        nothing += h**2 * of_closures(system, v_nodes, a_nodes)
+        rough_a[still <= _SAFETY * nothing] = 0.0
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, rows, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
