@@ -33,6 +33,8 @@ _ROUND_OFF = 1e-15
 _FAR = 10.0
 # Times at which forces and motion are compared, in each turn.
 _TIMES = 61
+# Round-off of the angle by which a drive train is wound up, by the angle that it has turned.
+_TWIST = 1e-14
 # Forces change fast beside an event, whose time differs by round-off [turns].
 _BESIDE = 1e-6
 
@@ -160,7 +162,7 @@ def compare(
     report.horizon = verdict.known
     if verdict.known < math.inf:
         report.refused_by_judge = ""
-    _compared(report, solution, verdict, verdict.known)
+    _compared(report, solution, machine, verdict, verdict.known)
     if report.verdict == "DIFFER":
         # What the judge itself does not know is no measure: a motion may amplify round-off.
         again = judge(machine, speed_rpm, start_index, drive, turns, most=most, precision=OTHER,
@@ -168,12 +170,12 @@ def compare(
         # Oscillations of an elastic drive train, and so its torque, want its shorter steps.
         report.cleared()
         report.horizon = min(again.known, verdict.known)
-        _compared(report, solution, again, report.horizon, verdict)
+        _compared(report, solution, machine, again, report.horizon, verdict)
         horizon = min(_horizon(verdict, again), verdict.known, again.known)
         if report.verdict == "DIFFER" and horizon < math.inf:
             report.cleared()
             report.horizon = horizon
-            _compared(report, solution, verdict, horizon, again)
+            _compared(report, solution, machine, verdict, horizon, again)
     return report
 
 
@@ -192,13 +194,14 @@ def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
 def _compared(
     report: Report,
     solution: nip.Solution,
+    machine: Machine,
     verdict: Verdict,
     horizon: float,
     other: Verdict | None = None,
 ) -> None:
     """Compare until a time; forces as far as another resolution of the judge gives them, too."""
     _events(report, solution, verdict, horizon)
-    _forces(report, solution, verdict, min(horizon, report.horizon), other)
+    _forces(report, solution, machine, verdict, min(horizon, report.horizon), other)
 
 
 def _horizon(one: Verdict, other: Verdict) -> float:
@@ -371,6 +374,7 @@ def _beyond(one: float, other: float, scale: float, stated: float) -> float:
 def _forces(
     report: Report,
     solution: nip.Solution,
+    machine: Machine,
     verdict: Verdict,
     horizon: float,
     again: Verdict | None,
@@ -401,13 +405,15 @@ def _forces(
         *((forces.drives[name], name, "drive_force") for name in forces.drives),
     ]
     found = [
-        (mine, *(_forces_of(v, *which, times) for v in (verdict, again))) for mine, *which in sets
+        (name, mine, *(_forces_of(v, name, kind, times) for v in (verdict, again)))
+        for mine, name, kind in sets
     ]
-    most = max((float(np.abs(his).max(initial=0.0)) for _, his, _ in found), default=0.0)
+    most = max((float(np.abs(his).max(initial=0.0)) for *_, his, _ in found), default=0.0)
+    wound = _wound(solution, machine, end)
     least = max(1e-6 * _inertia_force(solution, motion.v, forces.a), 1e-9 * most)
-    for mine, his, own in found:
+    for name, mine, his, own in found:
         largest = max(float(np.abs(his).max(initial=0.0)), least)
-        unknown = 0.0 if again is None else np.abs(his - own)
+        unknown = wound.get(name, 0.0) + (0.0 if again is None else np.abs(his - own))
         if largest > 0.0:
             off = np.maximum(np.abs(mine - his) - unknown, 0.0)
             report.force = max(report.force, float(off.max(initial=0.0)) / largest)
@@ -416,6 +422,17 @@ def _forces(
 def _forces_of(verdict: Verdict | None, name: str, kind: str, times: Any) -> Any:
     """Forces of a stop or drive by the judge at these times [N or N m]."""
     return np.array([getattr(verdict, kind)(name, t) for t in times] if verdict else [])
+
+
+def _wound(solution: nip.Solution, machine: Machine, end: float) -> dict[str, float]:
+    """Round-off of the torques of elastic drive trains [N m], or of their forces [N], by drive."""
+    if solution.case.drive is nip.DriveMode.HELD:
+        return {}
+    turned = solution.shaft.speed_rad_s * end
+    return {
+        drive.name: drive.inertia * drive.frequency**2 * _TWIST * max(turned, 1.0)
+        for drive in machine.drives
+    }
 
 
 def _inertia_force(solution: nip.Solution, v: Any, a: Any) -> float:
