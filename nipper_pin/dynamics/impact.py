@@ -138,24 +138,39 @@ def _still(
 
     A contact that an impact does not reach neither separates nor approaches by its round-off.
     """
-    others = [contacts[i] for i in range(len(contacts)) if i not in chosen]
-    after = np.array([stop.rate(v) + stop.rate(delta) for stop in others])
+    if len(chosen) == len(contacts):
+        return []
+    others = [i for i in range(len(contacts)) if i not in chosen]
+    after = [contacts[i].rate(v) + contacts[i].rate(delta) for i in others]
     # xi is zero by construction where chosen; what is left there is round-off.
-    xi = after - [wanted[i] for i in range(len(contacts)) if i not in chosen]
+    xi = [rate - wanted[i] for i, rate in zip(others, after, strict=True)]
     fastest = max(abs(stop.rate(v)) for stop in contacts)
-    none, slack = np.full((2, len(others)), fastest) * [[_NO_RATE], [_SLACK]]
-    small = np.minimum(np.abs(xi), np.abs(after))
-    if ((small > none) & (small <= _FAINT * fastest)).any():
-        struck = [contacts[i].index for i in chosen]
-        lost = _EPS * impact_condition(system, q, jacobian, struck)
-        moving, mass = _moving_mass(system, q)
-        size = lost * math.sqrt(delta[moving] @ mass @ delta[moving])
-        known = size * impulse_sizes(system, q, [stop.index for stop in others])
-        none, slack = np.maximum(none, known), np.maximum(slack, known)
-    if (xi < -slack).any():
+    nothing = [_NO_RATE * fastest] * len(others)
+    smallest = [min(abs(rate), abs(excess)) for rate, excess in zip(after, xi, strict=True)]
+    if any(_NO_RATE * fastest < small <= _FAINT * fastest for small in smallest):
+        struck, beside = ([contacts[i].index for i in group] for group in (chosen, others))
+        unknown = _round_off(system, q, jacobian, delta, struck, beside)
+        nothing = [max(least, found) for least, found in zip(nothing, unknown, strict=True)]
+    slack = _SLACK * fastest
+    if any(excess < -max(slack, least) for excess, least in zip(xi, nothing, strict=True)):
         return None
-    places = np.flatnonzero(np.abs(after) <= none).tolist()
-    return [others[place].index for place in places]
+    found = zip(others, after, nothing, strict=True)
+    return [contacts[i].index for i, rate, least in found if abs(rate) <= least]
+
+
+def _round_off(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    delta: FloatArray,
+    struck: Sequence[int],
+    beside: Sequence[int],
+) -> list[float]:
+    """Round-off of gap rates beside an impact: for each the same share of its energy."""
+    lost = _EPS * impact_condition(system, q, jacobian, struck)
+    moving, mass = _moving_mass(system, q)
+    given = math.sqrt(delta[moving] @ mass @ delta[moving])
+    return [lost * given * size for size in impulse_sizes(system, q, beside).tolist()]
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
