@@ -23,10 +23,18 @@ TIME_S, SHARE = 1e-10, 1e-8
 OTHER, _OWN = Precision(12, 1e-10, 1.0 / 40.0), 0.1
 # Rates and impulses are known to a share of the largest of their kind.
 _SMALL = 1e-6
-# Time that the end of a series may take [s], and rates in it by the fastest one.
-_LIMITS, _ENDED = 1e-6, 1e-9
+# Time that the end of a series may take [s].
+_LIMITS = 1e-6
+# Nothing is known of an impulse, and of what follows it for such a part of a turn, whose error the
+# package states as this share of it or more.
+_NOTHING, _BEFORE = 0.5, 1e-3
+_ROUND_OFF = 1e-15
+# Events further apart, by what their times may differ by, are not the same ones.
+_FAR = 10.0
 # Times at which forces and motion are compared, in each turn.
 _TIMES = 61
+# Round-off of the angle by which a drive train is wound up, by the angle that it has turned.
+_TWIST = 1e-14
 # Forces change fast beside an event, whose time differs by round-off [turns].
 _BESIDE = 1e-6
 
@@ -51,7 +59,8 @@ class Report:
             1e-8, or the error that the package states where this is more.
         sure: Time from which the package states more than that [s].
         horizon: Time from which the motion amplifies the judge's own round-off beyond use, or
-            collides so often that the judge does not know the end of it [s].
+            until which the two can be compared: round-off decides on the order of bounces, or on
+            whether a stop is touched at all, or there are too many events [s].
     """
 
     model: str
@@ -86,7 +95,9 @@ class Report:
         if self.refused_by_package or self.refused_by_judge:
             return "refused by one"
         close = self.beyond <= 1.0 and self.force <= SHARE
-        return "agree" if close and not self.differs else "DIFFER"
+        if not close or self.differs:
+            return "DIFFER"
+        return "agree" if self.horizon == math.inf else "agree in part"
 
     def line(self) -> str:
         """One line of a table."""
@@ -151,20 +162,20 @@ def compare(
     report.horizon = verdict.known
     if verdict.known < math.inf:
         report.refused_by_judge = ""
-    _compared(report, solution, verdict, verdict.known)
+    _compared(report, solution, machine, verdict, verdict.known)
     if report.verdict == "DIFFER":
         # What the judge itself does not know is no measure: a motion may amplify round-off.
         again = judge(machine, speed_rpm, start_index, drive, turns, most=most, precision=OTHER,
                       **beginning)  # fmt: skip
         # Oscillations of an elastic drive train, and so its torque, want its shorter steps.
         report.cleared()
-        report.horizon = again.known
-        _compared(report, solution, again, again.known)
+        report.horizon = min(again.known, verdict.known)
+        _compared(report, solution, machine, again, report.horizon, verdict)
         horizon = min(_horizon(verdict, again), verdict.known, again.known)
         if report.verdict == "DIFFER" and horizon < math.inf:
             report.cleared()
             report.horizon = horizon
-            _compared(report, solution, verdict, horizon)
+            _compared(report, solution, machine, verdict, horizon, again)
     return report
 
 
@@ -180,9 +191,17 @@ def both(mechanism: nip.Mechanism) -> tuple[nip.Mechanism, Machine]:
     return mechanism, build(ElementTree.tostring(root, encoding="unicode"), document)
 
 
-def _compared(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
+def _compared(
+    report: Report,
+    solution: nip.Solution,
+    machine: Machine,
+    verdict: Verdict,
+    horizon: float,
+    other: Verdict | None = None,
+) -> None:
+    """Compare until a time; forces as far as another resolution of the judge gives them, too."""
     _events(report, solution, verdict, horizon)
-    _forces(report, solution, verdict, horizon)
+    _forces(report, solution, machine, verdict, min(horizon, report.horizon), other)
 
 
 def _horizon(one: Verdict, other: Verdict) -> float:
@@ -240,16 +259,20 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
     i = j = 0
     while i < len(ours) and j < len(theirs):
         one, other = ours[i], theirs[j]
-        alike = one.kind.value == other.kind and set(one.stops) == set(other.stops)
-        slow = all(abs(rate) <= _ENDED * fastest[name] for name, rate in other.before.items())
-        resting = "rest" in (one.kind.value, other.kind) or slow
-        if not alike or (resting and one.closed_after != other.closed):
+        if not _alike(solution, one, other):
             # One of the two takes the limit of a series earlier, or of all that rests at once.
+            faint = all(abs(rate) <= _SMALL * fastest[n] for n, rate in other.before.items())
+            resting = faint or "rest" in (one.kind.value, other.kind)
             places = _resting(solution, theirs, one, j) if resting else None
+            if places is None and (faint or _unsure(solution, one)):
+                # Round-off decides on what comes next.
+                report.horizon = min(report.horizon, one.t, other.t) - TIME_S
+                return
             if places is None:
                 report.differs.append(
-                    f"at {one.t:.9g} s {one.kind.value} of {', '.join(one.stops)}, the judge has "
-                    f"at {other.t:.9g} s {other.kind} of {', '.join(other.stops)}"
+                    f"{one.kind.value} of {', '.join(one.stops)} at {one.t:.12g} s, then closed "
+                    f"{sorted(one.closed_after)}; the judge has {other.kind} of "
+                    f"{', '.join(other.stops)} at {other.t:.12g} s, {sorted(other.closed)}"
                 )
                 return
             number, j = places
@@ -257,7 +280,7 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
             one, other = solution.events[i], theirs[j]
         _event(report, solution, one, other, fastest)
         i, j = i + 1, j + 1
-    more = [item for item in ours[i:] if item.t < end]
+    more = [item for item in ours[i:] if item.t < min(end, verdict.known - TIME_S)]
     late, following = theirs[j:], solution.events[len(ours) :]
     if verdict.known < math.inf and following and following[0].kind.value == "rest":
         # Of a series whose end the judge does not know the package has taken the limit.
@@ -266,6 +289,27 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         report.differs.append(
             f"{len(more)} events more of the package, {len(late)} more of the judge"
         )
+
+
+def _alike(solution: nip.Solution, one: Any, other: Event) -> bool:
+    """Whether two events may be the same one."""
+    apart = _FAR * max(TIME_S, solution.errors[one.number - 1].time)
+    # An impulse of round-off beside that of the stop which is struck is none.
+    least = _ROUND_OFF * max(one.P_N.values(), default=0.0)
+    struck = {name for name in one.stops if name in other.stops or one.P_N.get(name, 1.0) > least}
+    return bool(
+        one.kind.value == other.kind
+        and struck == set(other.stops)
+        and one.closed_after == other.closed
+        and abs(one.t - other.t) <= apart
+    )
+
+
+def _unsure(solution: nip.Solution, one: Any) -> bool:
+    """Whether the package states of an event, or of one just before it, that it knows nothing."""
+    near = one.t - _BEFORE * solution.shaft.period
+    stated = zip(solution.events[: one.number], solution.errors, strict=False)
+    return any(item.t >= near and error.impulse >= _NOTHING for item, error in stated)
 
 
 def _resting(
@@ -298,12 +342,7 @@ def _event(
     report.beyond = max(report.beyond, abs(one.t - other.t) / max(TIME_S, stated.time))
     if max(stated.time / TIME_S, stated.impulse / SHARE) > 1.0:
         report.sure = min(report.sure, other.t)
-    if one.closed_after != other.closed:
-        report.differs.append(
-            f"after {one.kind.value} at {one.t:.9g} s closed {sorted(one.closed_after)}, the "
-            f"judge has {sorted(other.closed)}"
-        )
-    if other.kind != "collision":
+    if other.kind != "collision" or stated.impulse >= _NOTHING:
         return
     rates = [abs(rate) for rate in (*other.before.values(), *other.after.values())]
     for name in other.before:
@@ -332,7 +371,14 @@ def _beyond(one: float, other: float, scale: float, stated: float) -> float:
     return abs(one - other) / allowed if one != other else 0.0
 
 
-def _forces(report: Report, solution: nip.Solution, verdict: Verdict, horizon: float) -> None:
+def _forces(
+    report: Report,
+    solution: nip.Solution,
+    machine: Machine,
+    verdict: Verdict,
+    horizon: float,
+    again: Verdict | None,
+) -> None:
     """Compare forces and motion at times that are beside no event."""
     if not verdict.stretches or not solution.segments:
         return
@@ -354,16 +400,39 @@ def _forces(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         q, _ = verdict.motion(t)
         report.motion = max(report.motion, float(np.abs(q[columns] - motion.q[row]).max()))
     # What nothing pulls at has a force of round-off, beside the inertia of what moves.
-    pairs = [
-        *((forces.stops[n], [verdict.stop_force(n, t) for t in times]) for n in forces.stops),
-        *((forces.drives[n], [verdict.drive_force(n, t) for t in times]) for n in forces.drives),
+    sets = [
+        *((forces.stops[name], name, "stop_force") for name in forces.stops),
+        *((forces.drives[name], name, "drive_force") for name in forces.drives),
     ]
-    most = max((float(np.abs(his).max(initial=0.0)) for _, his in pairs), default=0.0)
+    found = [
+        (name, mine, *(_forces_of(v, name, kind, times) for v in (verdict, again)))
+        for mine, name, kind in sets
+    ]
+    most = max((float(np.abs(his).max(initial=0.0)) for *_, his, _ in found), default=0.0)
+    wound = _wound(solution, machine, end)
     least = max(1e-6 * _inertia_force(solution, motion.v, forces.a), 1e-9 * most)
-    for mine, his in pairs:
+    for name, mine, his, own in found:
         largest = max(float(np.abs(his).max(initial=0.0)), least)
+        unknown = wound.get(name, 0.0) + (0.0 if again is None else np.abs(his - own))
         if largest > 0.0:
-            report.force = max(report.force, float(np.abs(mine - np.array(his)).max()) / largest)
+            off = np.maximum(np.abs(mine - his) - unknown, 0.0)
+            report.force = max(report.force, float(off.max(initial=0.0)) / largest)
+
+
+def _forces_of(verdict: Verdict | None, name: str, kind: str, times: Any) -> Any:
+    """Forces of a stop or drive by the judge at these times [N or N m]."""
+    return np.array([getattr(verdict, kind)(name, t) for t in times] if verdict else [])
+
+
+def _wound(solution: nip.Solution, machine: Machine, end: float) -> dict[str, float]:
+    """Round-off of the torques of elastic drive trains [N m], or of their forces [N], by drive."""
+    if solution.case.drive is nip.DriveMode.HELD:
+        return {}
+    turned = solution.shaft.speed_rad_s * end
+    return {
+        drive.name: drive.inertia * drive.frequency**2 * _TWIST * max(turned, 1.0)
+        for drive in machine.drives
+    }
 
 
 def _inertia_force(solution: nip.Solution, v: Any, a: Any) -> float:

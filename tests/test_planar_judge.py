@@ -6,8 +6,11 @@ The bounds are those of ``judged_runs``: 1e-10 s, and 1e-8 of rates, impulses, e
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import judged_runs
 import numpy as np
 import pytest
 from judge import press
@@ -16,6 +19,7 @@ from lid_box import lid_box
 from random_chains import chain
 from small_machines import SLED, hinge, link, machine, slide
 
+from nipper_pin import Case, Event, EventKind, Mechanism, Solution
 from nipper_pin.bench.stress.linkages import write_linkage
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
@@ -29,7 +33,7 @@ SHUT_FIRST = [
 
 def agree(report: Report, least: int) -> None:
     """Both have run, with so many events at least, and agree."""
-    assert report.verdict == "agree", report.line()
+    assert report.verdict in ("agree", "agree in part"), report.line()
     assert report.events >= least, report.line()
 
 
@@ -143,6 +147,43 @@ def test_a_small_error_is_seen() -> None:
     assert 1e-9 < report.impulse < 1e-4
 
 
+def _off(event: Event, **new: object) -> Event:
+    return replace(event, **new)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda e: _off(e, t=e.t + 3e-10),
+        lambda e: _off(e, P_N={name: P * (1.0 + 3e-8) for name, P in e.P_N.items()}),
+        lambda e: _off(e, v_after=e.v_after * (1.0 + 3e-8)),
+        lambda e: _off(e, energy_lost=e.energy_lost * (1.0 + 1e-7)),
+        lambda e: _off(e, closed_after=e.closed_after ^ {"floor"}),
+        lambda _: None,
+    ],
+    ids=["time", "impulse", "rate", "energy", "closed", "missing"],
+)
+def test_an_event_that_is_a_little_off_is_seen(
+    change: Callable[[Event], Event | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three times what is allowed, of the second collision: the stated errors are far smaller."""
+    pair = both(press())
+    right = judged_runs.nip.simulate
+
+    def wrong(mechanism: Mechanism, case: Case) -> Solution:
+        solution = right(mechanism, case)
+        hits = [e for e in solution.events if e.kind is EventKind.COLLISION]
+        events = [change(e) if e is hits[1] else e for e in solution.events]
+        left = [e for e in events if e is not None]
+        return replace(
+            solution, events=tuple(replace(e, number=n) for n, e in enumerate(left, start=1))
+        )
+
+    agree(compare(pair, 150.0), 10)
+    monkeypatch.setattr(judged_runs.nip, "simulate", wrong)
+    assert compare(pair, 150.0).verdict == "DIFFER"
+
+
 @pytest.mark.parametrize("seed", [0, 1, slow(2), slow(3)])
 def test_random_chains(seed: int) -> None:
     rng = np.random.default_rng([20, seed])
@@ -150,8 +191,15 @@ def test_random_chains(seed: int) -> None:
     agree(compare(both(mechanism), 60.0, start_index=0.0), 3)
 
 
-@pytest.mark.parametrize("number", [1, 3, slow(0), slow(10)])
+@pytest.mark.parametrize(
+    "number", [1, 3, 337, slow(0), slow(10), slow(253), slow(309), slow(411), slow(443)]
+)
 def test_random_linkages(tmp_path: Path, number: int) -> None:
-    """Linkages of the campaign; in 0 and 10 a stop rests in a collision that opens another."""
+    """Linkages of the campaign, some of them chosen.
+
+    In 0 and 10 a stop rests in a collision that opens another. In 337 a link that is shut is out of
+    reach of a collision, in 443 a parallelogram is locked by stops. In 253 and 309 gaps are lost in
+    the round-off of their coordinates; in 411 a series holds series of which one holds another.
+    """
     case = write_linkage(421, number, tmp_path / "linkage")
     agree(compare(tmp_path / "linkage", case["speed_rpm"], case["drive"]), 3)

@@ -18,7 +18,10 @@ from ..errors import ImpactError
 from ..mechanism import Stop
 from .system import System
 
-_NO_RATE = 1e-13
+_EPS = float(np.finfo(float).eps)
+# Gap rates that are round-off, as shares of the fastest one before an impact: after it, in the
+# law, and where the impact matrix has to tell how much it is.
+_NO_RATE, _SLACK, _FAINT = 1e-13, 1e-12, 1e-6
 # Rates along the rows after an impact that are round-off, as a share of those before, and the
 # repetitions that have to get there.
 _REFINED, _REFINEMENTS = 1e-13, 3
@@ -69,24 +72,17 @@ def collide(
     """
     before = [stop.rate(v) for stop in contacts]
     wanted = [-e_N * rate for e_N, rate in zip(restitution, before, strict=True)]
-    slack = 1e-12 * max(map(abs, before), default=0.0)
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
     for size in range(1, len(contacts) + 1):
         for chosen in combinations(range(len(contacts)), size):
             solved = _impulses(system, q, jacobian, [contacts[i] for i in chosen],
                                [wanted[i] - before[i] for i in chosen])  # fmt: skip
-            if solved is None:
+            if solved is None or solved[2].min() < 0.0:
                 continue
-            delta, _, stop_impulses = solved
-            # xi is zero by construction where chosen; what is left there is round-off.
-            xi = (
-                before[i] + stop.rate(delta) - wanted[i]
-                for i, stop in enumerate(contacts)
-                if i not in chosen
-            )
-            if stop_impulses.min() >= 0.0 and min(xi, default=0.0) >= -slack:
-                return _outcome(v, contacts, chosen, wanted, solved)
+            still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])
+            if still is not None:
+                return _outcome(v, contacts, chosen, wanted, solved, still)
     names = ", ".join(stop.name for stop in contacts)
     message = (
         f"no impulses at {names} satisfy the impact law: these stops jam the mechanism against "
@@ -125,7 +121,56 @@ def arrest(
         names = ", ".join(stop.name for stop in stops)
         message = f"stop {names} cannot come to rest: the mechanism is in a dead centre"
         raise ImpactError(message, stops=names, rates_before=[-jump for jump in jumps])
-    return _outcome(v, stops, range(len(stops)), [0.0] * len(stops), solved)
+    return _outcome(v, stops, range(len(stops)), [0.0] * len(stops), solved, ())
+
+
+def _still(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    v: FloatArray,
+    contacts: Sequence[Stop],
+    chosen: Sequence[int],
+    wanted: Sequence[float],
+    delta: FloatArray,
+) -> list[int] | None:
+    """Coordinates of the contacts that an impact at others leaves in touch; None if it may not.
+
+    A contact that an impact does not reach neither separates nor approaches by its round-off.
+    """
+    if len(chosen) == len(contacts):
+        return []
+    others = [i for i in range(len(contacts)) if i not in chosen]
+    after = [contacts[i].rate(v) + contacts[i].rate(delta) for i in others]
+    # xi is zero by construction where chosen; what is left there is round-off.
+    xi = [rate - wanted[i] for i, rate in zip(others, after, strict=True)]
+    fastest = max(abs(stop.rate(v)) for stop in contacts)
+    nothing = [_NO_RATE * fastest] * len(others)
+    smallest = [min(abs(rate), abs(excess)) for rate, excess in zip(after, xi, strict=True)]
+    if any(_NO_RATE * fastest < small <= _FAINT * fastest for small in smallest):
+        struck, beside = ([contacts[i].index for i in group] for group in (chosen, others))
+        unknown = _round_off(system, q, jacobian, delta, struck, beside)
+        nothing = [max(least, found) for least, found in zip(nothing, unknown, strict=True)]
+    slack = _SLACK * fastest
+    if any(excess < -max(slack, least) for excess, least in zip(xi, nothing, strict=True)):
+        return None
+    found = zip(others, after, nothing, strict=True)
+    return [contacts[i].index for i, rate, least in found if abs(rate) <= least]
+
+
+def _round_off(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    delta: FloatArray,
+    struck: Sequence[int],
+    beside: Sequence[int],
+) -> list[float]:
+    """Round-off of gap rates beside an impact: for each the same share of its energy."""
+    lost = _EPS * impact_condition(system, q, jacobian, struck)
+    moving, mass = _moving_mass(system, q)
+    given = math.sqrt(delta[moving] @ mass @ delta[moving])
+    return [lost * given * size for size in impulse_sizes(system, q, beside).tolist()]
 
 
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
@@ -233,6 +278,7 @@ def _outcome(
     chosen: Sequence[int],
     wanted: Sequence[float],
     solved: tuple[FloatArray, FloatArray, FloatArray],
+    still: Sequence[int],
 ) -> Impact:
     """Velocity, impulses and energies of an impact at the chosen ones of the contacts."""
     delta, closure_impulses, stop_impulses = solved
@@ -244,12 +290,7 @@ def _outcome(
         v_after[stop.index] = stop.sense * wanted[place]
         P_N[stop.name] = impulse
         lost -= 0.5 * impulse * (stop.rate(v) + wanted[place])
-    if len(chosen) < len(contacts):
-        fastest = max(abs(v[stop.index]) for stop in contacts)
-        for stop in contacts:
-            # A contact that the impact does not touch must not separate by its round-off.
-            if P_N[stop.name] == 0.0 and abs(v_after[stop.index]) <= _NO_RATE * fastest:
-                v_after[stop.index] = 0.0
+    v_after[list(still)] = 0.0
     return Impact(v_after, delta, closure_impulses, P_N, lost)
 
 

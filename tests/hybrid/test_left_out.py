@@ -58,7 +58,7 @@ def test_it_is_the_difference_to_a_run_of_more_bounces(tolerance: float, exact: 
     found = left_out(solution.system, rest, rest.t - lying.t_start)
     t = rest.t + 0.01
     lying = replace(lying, t_end=t, panels=lying.panels[:1])
-    later = LinearMaps(solution.system).flight(lying).matrix @ found
+    later = LinearMaps(solution.system, solution.events).flight(lying).matrix @ found
     states = [item.trajectory.evaluate(np.array([t])) for item in (solution, exact)]
     q, v = (np.diff([getattr(state, name)[0] for state in states], axis=0)[0] for name in "qv")
     assert later[[1, 3]] == pytest.approx([q[1], v[1]], rel=0.1)

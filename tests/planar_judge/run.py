@@ -132,7 +132,9 @@ class Run:
         self.state = state._replace(closed=stays, gaps=gaps)
 
     def note(self, kind: str, t: float, stops: list[str], closed: frozenset[str]) -> None:
-        """Record an event without impulse."""
+        """Record an event without impulse; no rest comes before the limit of a series."""
+        limits = (event.t for event in self.verdict.events if event.kind == "rest")
+        t = max([t, *limits]) if kind == "rest" else t
         self.verdict.events.append(Event(kind, t, tuple(stops), {}, {}, {}, 0.0, closed))
 
     # The way.
@@ -195,6 +197,7 @@ class Run:
         """Apply the law of impact, see what stays closed, and whether a series ends."""
         state = self.state
         if len(self.verdict.events) > self.most:
+            self.verdict.known = self.state.t
             raise Refusal(Reason.COLLISIONS, f"more than {self.most} events")
         self._endless()
         stops = self.flight.shut(state.closed | set(hit))

@@ -164,12 +164,13 @@ TOUCH_ERRORS = np.array([2e-6, 3e-6, 5e-6])
 
 @pytest.mark.parametrize("part", [0.7, 1.3])
 @pytest.mark.parametrize("wrong", [0.0, 1e-6])
-def test_motion_at_the_touch(part: float, wrong: float) -> None:
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_motion_at_the_touch(part: float, wrong: float, sense: float) -> None:
     """y and y' of the flight there, taken to x and x' by the series; errors by their formulas."""
     travel = part * FIRST
     residual = np.array([wrong, 0.0, 0.0, 0.0, 0.0, 0.0])
     y, turn, work = machine(travel, residual=residual, approach_residual=wrong)
-    turn = turn._replace(touch=TOUCH, touch_errors=TOUCH_ERRORS)
+    turn = turn._replace(touch=sense * TOUCH, touch_errors=TOUCH_ERRORS)
     known, x, v, dx, dv = arriving.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, 0.0, 1e-12)
     assert known
     t, w, dt, dw = travel / SPEED, THROWN, 0.0, E_N * wrong * SPEED
@@ -182,7 +183,7 @@ def test_motion_at_the_touch(part: float, wrong: float) -> None:
         t, w, dw = t - T, E_N * w, E_N * rate
     height, slope = w * t - 0.5 * A * t**2, w - A * t
     place = (2.0 * height - 1.5) / 2.5
-    value, by_y, by_u = (chebyshev.chebval(place, row) for row in TOUCH)
+    value, by_y, by_u = (sense * chebyshev.chebval(place, row) for row in TOUCH)
     assert x == pytest.approx(value, rel=1e-10)
     assert v == pytest.approx(by_y * slope + by_u * SPEED, rel=1e-10)
     fastest = max(abs(w), abs(slope))
@@ -266,3 +267,13 @@ def test_a_line_with_large_terms_that_cancel_is_searched() -> None:
         expected = u[positive[0]] if positive.size else 2.0
         assert found == pytest.approx(expected, abs=2e-3)
     assert linear(1.0, 0.0, 2.0).tolist() == [1.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("place", [0.521, 0.69])
+def test_a_peak_between_the_places_that_are_looked_at_is_found(place: float) -> None:
+    """A parabola that is positive on a thirtieth of its cell alone."""
+    peak, bent = 1e-3, 4.0
+    u = 0.5 + 0.5 * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
+    line = chebyshev.chebfit(2.0 * u - 1.0, peak - bent * (u - place) ** 2, 4)[None]
+    found = arriving.released(np.ascontiguousarray(line), 1, 5, 1.0, 0.0, 1.0)
+    assert found == pytest.approx(place - np.sqrt(peak / bent), abs=1e-9)

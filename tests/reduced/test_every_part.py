@@ -11,7 +11,7 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.reduced import arrival, sampling
+from nipper_pin.reduced import arrival, kernel, layout, sampling
 from nipper_pin.reduced import tables as tables_module
 from nipper_pin.reduced.arrival import Arrival
 from nipper_pin.reduced.model import ReducedModel
@@ -194,3 +194,16 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
     column = np.searchsorted([-1.0, 0.0, 3.0], x).clip(0, 2)
     assert (guess[:, 0] == 3 * row + column).mean() > 0.99
     assert (rest[:, 0] == 3 * row + 1).mean() > 0.99
+
+
+@pytest.mark.parametrize("worst", ["time", "amplitude", "first", "second"])
+def test_the_worst_relative_error_of_a_transition(worst: str) -> None:
+    """Of its duration, its amplitude and the times of its first two rebounds."""
+    table = np.zeros((20, 5))
+    table[layout.TIME, 2], table[layout.AMPLITUDE, 0] = 0.03, 2e-3
+    table[layout.REBOUND, :3] = 0.02, 0.01, 0.004
+    errors = {"time": 1e-9, "amplitude": 2e-9, "first": 3e-9, "second": 4e-9} | {worst: 7e-9}
+    table[layout.AMPLITUDE_ERROR, 0] = 2e-3 * errors["amplitude"]
+    table[layout.REBOUND_ERROR, :2] = 0.02 * errors["first"], 0.01 * errors["second"]
+    found = kernel._summary(table, layout.AT_REST, 3, 0.04, 0.04 * errors["time"])
+    assert found == pytest.approx((0.04, 0.04 * errors["time"], 0.75, 7e-9), rel=1e-12)

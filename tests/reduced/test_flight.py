@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
 from nipper_pin import Case, Resolution, simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel
 from nipper_pin.reduced.arriving import prepare
-from nipper_pin.reduced.flight import flight
+from nipper_pin.reduced.flight import _highest, flight
 from nipper_pin.reduced.kernel import _scratch
-from nipper_pin.reduced.layout import AT_REST
+from nipper_pin.reduced.layout import AT_REST, LEVELS, NODE_X, SERIES_ONCE, SIGMA
 from nipper_pin.reduced.machine import grids
 from nipper_pin.reduced.panel import OVERSHOOT
 
@@ -42,3 +43,18 @@ def test_the_fastest_rate_of_a_flight_is_its_largest(e62: Mechanism, model: Redu
     beyond = 2.0 * (OVERSHOOT - 1.0) * duration * abs(acceleration)
     assert (1.0 - 1e3 * TOLERANCE) * largest <= fastest <= largest + beyond
     assert np.isfinite(fastest)
+
+
+@pytest.mark.parametrize("past", [0.2, 0.8])
+def test_a_top_behind_the_end_of_a_flight_does_not_count(past: float) -> None:
+    """x = s (2 p - s), whose top p lies between the end of the flight and the node behind that."""
+    level, number = 2, 7
+    places = grids()[SIGMA, level, 0]
+    end = places[number] + 0.1 * (places[number + 1] - places[number])
+    top = end + past * (places[number + 1] - end)
+    nodes = np.zeros((7, LEVELS[-1] + 2))
+    nodes[NODE_X, : LEVELS[level]] = (places * (2.0 * top - places))[: LEVELS[level]]
+    # Its rate, 2 (p - s), as a series on -1 to 1.
+    nodes[SERIES_ONCE, :2] = 2.0 * top - 1.0, -1.0
+    found = _highest(grids(), nodes, level, 1.0, 0.0, 0.0, end)
+    assert found == (nodes[NODE_X, number], places[number])

@@ -304,6 +304,14 @@ def test_the_domain_ends_at_the_opening_without_the_rest_of_the_turn(
     assert alone.travel_rad not in (sampling._USUAL, sampling._LONGEST)
 
 
+def test_the_rest_of_the_turn_belongs_to_a_domain_that_is_given(
+    e62: Mechanism, model: ReducedModel
+) -> None:
+    """It tells how the machine arrives, as where the domain is found."""
+    given = build(e62, tolerance=1e-3, travel_rad=model.travel_rad, gap_max=0.02)
+    assert (given.arrival.why, given.arrival.asked) == ("", True)
+
+
 def test_the_coarsest_and_the_longest_domain_can_be(e62: Mechanism) -> None:
     """At their limits tolerances are allowed; what is given is taken."""
     model = build(e62, tolerance=1e-3, travel_rad=1.0, gap_max=0.02, turn=False)

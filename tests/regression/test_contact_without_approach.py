@@ -110,3 +110,23 @@ def test_a_stop_that_opens_from_below_zero_and_closes_is_not_passed(gap: float) 
     panel = Panel(0.0, h, q, v, a, Partition((), (0,)), integrated=True)
     found = _flight_root(panel, mechanism.stop("floor"), gap, rate)
     assert found == pytest.approx(2.0 * rate / pull, rel=1e-10)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-9, 1e-3])
+def test_a_stop_that_opens_without_a_pull_and_is_pressed_shut_closes_at_once(start: float) -> None:
+    """Found by case 1018 of seed 611: "its gap starts to close from zero".
+
+    A machine without weight, at rest but for round-off: accelerations of 1e-34 opened a stop, and
+    pushed it shut from there, slowly at first.
+    """
+    mechanism = machine_of_parts(
+        [link("mass"), slide("x", "frame", "mass")], 1,
+        stops={"floor": {"joint": "x", "side": "lower", "restitution": 0.0}},
+    )  # fmt: skip
+    order, h, pull = 13, 0.02, 1e-33
+    t = h * nodes(order).sigma[:, None]
+    a = -pull * (start + t / h)
+    v = -pull * (start * t + 0.5 * t**2 / h)
+    q = -pull * (0.5 * start * t**2 + t**3 / (6.0 * h))
+    panel = Panel(0.25, h, q, v, a, Partition((), (0,)), integrated=True)
+    assert _flight_root(panel, mechanism.stop("floor"), 0.0, 0.0) == 0.25

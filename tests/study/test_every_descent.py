@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -218,3 +220,31 @@ def test_designs_as_they_are_reported() -> None:
     assert outside is not None
     assert not outside.inside
     assert design_module._finite(math.nan) is None
+
+
+def test_what_cannot_be_simulated_is_far_outside_its_limits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To the solver such a point is worse than any other, when limits are mended, too."""
+    source: Any = Source(problem(*LIMITS), VALUES)
+    trace = Trace(source, SCALES)
+    asked: list[Any] = []
+
+    def solver(*words: Any, constraints: Any, **more: Any) -> Any:
+        del words, more
+        usable = trace.at
+
+        def lost(z: Any) -> Point:
+            return replace(usable(z), why="does not close")
+
+        before = constraints[0]["fun"](np.array([0.25, 0.5, 0.0]))
+        monkeypatch.setattr(trace, "at", lost)
+        asked.extend((before, constraints[0]["fun"](np.array([0.25, 0.5, 0.0]))))
+        monkeypatch.setattr(trace, "at", usable)
+        return SimpleNamespace(success=True)
+
+    monkeypatch.setattr("scipy.optimize.minimize", solver)
+    descend._mend(trace, np.array([0.25, 0.5]))
+    inside, outside = asked
+    assert (np.abs(inside) < 10.0).all()
+    assert (outside <= -100.0 * np.abs(inside).max()).all()

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin.bench.stress import looking, model_invariants, rebound_invariants
+from nipper_pin.bench.stress import interpolants, looking, model_invariants, rebound_invariants
 from nipper_pin.bench.stress.from_text import Text
 from nipper_pin.bench.stress.mirror import mirrored
 from nipper_pin.bench.stress.parts import Source
@@ -338,3 +338,15 @@ def test_what_a_solution_shows(parts: int) -> None:
     assert np.array_equal(found.drives, drives)
     assert list(found.stops) == ["c", "a"]
     assert all(np.array_equal(found.stops[k], ord(k) * t) for k in "ac")
+
+
+def test_places_between_nodes() -> None:
+    """One between any two nodes, and the largest that an interpolant of ones can be."""
+    for count in (2, 3, 4, 13):
+        nodes = 0.5 * (1.0 - np.cos(np.pi * np.arange(count) / (count - 1)))
+        halves = np.sin(np.pi * (2.0 * np.arange(count - 1) + 1.0) / (4.0 * (count - 1))) ** 2
+        found = interpolants.halfway(count)
+        assert found == pytest.approx(halves)
+        assert (nodes[:-1] < found).all()
+        assert (found < nodes[1:]).all()
+        assert interpolants.farthest(count) == pytest.approx(1.0 + 2.0 * math.log(count) / math.pi)

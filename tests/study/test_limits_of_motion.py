@@ -150,6 +150,7 @@ class Run:
         moving = [(v**2).sum() * (1.0 + q[0] ** 2) for q, v in zip(seen.q, seen.v, strict=True)]
         acting = 3.25 * 5.0 * self.model.gravity.linear[1] / 3.0
         acting += self.equations.tension(seen.q, seen.v) * len(self.struts)
+        acting += body.reach_m * sum(item.stiffness for item in self.struts)
         acting += 2.0 * max(moving) / min(body.reach_m, 1.0)
         shares, size_of = [], []
         for k, (q, v, a) in enumerate(zip(*seen[:3], strict=True)):

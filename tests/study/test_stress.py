@@ -400,6 +400,10 @@ def test_the_command_reports_and_keeps_failures(
     }  # fmt: skip
     assert "number 1: 1 J" in captured.err
     assert json.loads((tmp_path / "stress.json").read_text())["wrong"] == 1
+    # The file of the failure is a saved case, too.
+    case = str(tmp_path / "trial-1.json")
+    assert main(["simulate", "--case", case, "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["case"]["speed_rpm"] > 0.0
     assert load_trial(tmp_path / "trial-1.json").family == trial(1, 1).family
     assert main(["stress", "--cases", "3"]) == 1
     assert "speed" in capsys.readouterr().out

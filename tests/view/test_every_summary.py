@@ -114,6 +114,7 @@ def test_identify_in_words() -> None:
         "4 starts, seed 17: 2 of them end at the least cost 1.5; 1 of 2 targets are met within "
         "4 %, 2 within 10 %" in text
     )
+    assert "\nWhat the targets determine\n2 of 3 directions" in text
     assert (
         "2 of 3 directions; singular values (sigmas over the whole range): 31.5, 4.25, 0.75" in text
     )

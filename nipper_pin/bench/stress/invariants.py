@@ -236,6 +236,8 @@ def _forces(
     model = solution.mechanism.model
     acting = sum(item.mass for item in model.inertias) * float(np.linalg.norm(model.gravity.linear))
     acting += equations.forces.tension(q, v) * len(solution.mechanism.struts)
+    # The length of a strut is a difference of places.
+    acting += system.body.reach_m * sum(item.stiffness for item in solution.mechanism.struts)
     acting += 2.0 * _most(system.body.kinetic_energy(q, v)) / min(system.body.reach_m, 1.0)
     size += 4.0 * EPS / _BALANCED * acting * reach
     share = np.abs(left).max(axis=1) / size.max(axis=1)

@@ -66,7 +66,7 @@ def event_errors(
     """
     if not events:
         return ()
-    maps = LinearMaps(system)
+    maps = LinearMaps(system, events)
     state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
     last: dict[int, _Step] = {}
     found: list[EventError] = []

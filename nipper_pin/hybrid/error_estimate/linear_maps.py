@@ -5,6 +5,7 @@ Neither depends on the deviations that come in, nor do those that a flight makes
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -72,11 +73,16 @@ class LinearMaps:
 
     Args:
         system: The system.
+        events: Events of the run.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, events: Sequence[Event]) -> None:
         """Begin with none."""
         self._system = system
+        self._touched: dict[float, set[str]] = {}
+        for event in events:
+            touched = self._touched.setdefault(event.t, set())
+            touched.update(event.stops, event.closed_before, event.P_N)
         self._flights: dict[int, FlightMap] = {}
         self._ends: dict[int, Deviations] = {}
         self._impacts: dict[int, ImpactMap] = {}
@@ -117,7 +123,7 @@ class LinearMaps:
     def _flight(self, segment: Segment) -> FlightMap:
         system, phase = self._system, self._system.constraint_set(segment.closed)
         first, nv = segment.panels[0], system.body.nv
-        touching = [s.index for s in system.mechanism.stops if first.q[0, s.index] == s.at]
+        touching = self._touching(segment)
         matrix, own = np.eye(2 * nv), Deviations.of(np.empty((2 * nv, 0)))
         position = np.zeros(nv)
         for panel, begin, end in segment.pieces():
@@ -144,6 +150,16 @@ class LinearMaps:
             own = own.through(carried).joined(Deviations.of(made)).merged()
         rates = np.concatenate([first.v[0], first.a[0]])
         return FlightMap(np.clip(matrix, -NOTHING_KNOWN, NOTHING_KNOWN), own, rates, position)
+
+    def _touching(self, segment: Segment) -> list[int]:
+        """Coordinates of the stops whose gap is exactly zero where a segment begins.
+
+        Any other gap that is zero there has been lost in the round-off of its coordinate.
+        """
+        names = self._touched.get(segment.t_start, set()) | segment.closed
+        place = segment.panels[0].q[0]
+        stops = (self._system.mechanism.stop(name) for name in names)
+        return [stop.index for stop in stops if place[stop.index] == stop.at]
 
     def _impact(self, event: Event) -> ImpactMap:
         system = self._system

@@ -159,10 +159,11 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
-    if power == 2 and values[0] < -_CLOSING * float(np.abs(values).max()):
+    closing = bool((values < 0.0).all())
+    if power == 2 and (closing or values[0] < -_CLOSING * float(np.abs(values).max())):
         # It was opened where its force only just touched zero, and is pressed shut again.
         return panel.t
-    if (values < 0.0).all():
+    if closing:
         if rate < 0.0 < gap <= _ROUND_OFF:
             # It closes within the round-off of its integral.
             return panel.t + min(-gap / rate, h)

@@ -71,6 +71,16 @@ class Setting(_Record, frozen=True, kw_only=True):
     case: CaseRecord
 
 
+class SavedCase(Setting, frozen=True, kw_only=True):
+    """A case by itself.
+
+    Attributes:
+        stress: What a campaign has found of it, in files of its failures.
+    """
+
+    stress: dict[str, object] | None = None
+
+
 class ShaftRecord(_Record, frozen=True):
     """Fields of ``ShaftMotion``: [rad/s] and [rad]."""
 
@@ -135,7 +145,7 @@ def setting(document: object) -> Setting:
     Raises:
         msgspec.ValidationError: A key is unknown or missing, or has another type; a ``ValueError``.
     """
-    return msgspec.convert(document, Setting)
+    return msgspec.convert(document, SavedCase)
 
 
 def run(document: object) -> Run:

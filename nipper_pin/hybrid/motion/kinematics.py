@@ -17,7 +17,7 @@ from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
 from ..case import Resolution
 from .chebyshev import nodes, tail
-from .noise_floor import of_closures
+from .noise_floor import of_closures, rates_of_closures
 from .panel import SMALLEST, Attempt, Begin, Panel, judged
 
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
@@ -73,7 +73,9 @@ def kinematic_panel(
         a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
         rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
-        rough_a[still <= h**2 * _SAFETY * of_closures(system, v_nodes, a_nodes)] = 0.0
+        nothing = h * rates_of_closures(system, v_nodes)
+        nothing += h**2 * of_closures(system, v_nodes, a_nodes)
+        rough_a[still <= _SAFETY * nothing] = 0.0
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, phase, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:

@@ -59,6 +59,13 @@ def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
     return np.asarray(NEARBY * _EPS * largest / system.turning)
 
 
+def rates_of_closures(system: System, v: FloatArray) -> FloatArray:
+    """Round-off that the closures leave in rates, shape (nv,); v of shape (..., nv)."""
+    if not system.body.closure_rows:
+        return np.zeros(system.body.nv)
+    return np.asarray(NEARBY * _EPS * system.turns(v).max() / system.turning)
+
+
 def _of_lengths(system: System, q: FloatArray, v: FloatArray) -> FloatArray:
     """Round-off of the forces of struts, whose lengths are differences of places, shape (nv,)."""
     if not system.mechanism.struts:

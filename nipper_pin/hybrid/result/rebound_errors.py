@@ -62,7 +62,7 @@ def _left_out(
 ) -> ReboundError:
     """Errors of a rebound that the run did not follow: those of its rate, and of its own flight."""
     index = solution.mechanism.stop(hit.stop).index
-    own = LinearMaps(solution.system).flight(flight).own
+    own = LinearMaps(solution.system, solution.events).flight(flight).own
     _, v = flight.panels[-1].interpolate_at(flight.t_end)
     rate = abs(float(v[index]))
     relative = error.impulse + own.size(len(v) + index) / rate
