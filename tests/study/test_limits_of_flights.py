@@ -215,7 +215,7 @@ def test_limits_of_rebounds(monkeypatch: pytest.MonkeyPatch, size: float, tolera
                        abs(row.rebound_time - (end - row.t)), clock))  # fmt: skip
         amplitude = row.rebound_amplitude
         most = 1e-8 * amplitude + 16.0 * EPS * (stands + amplitude) + clock * row.separation_rate
-        most += 1e-16 + 10.0 * tolerance * amplitude
+        most += 4.0 * EPS + 10.0 * tolerance * amplitude
         wanted.append((f"{where}: rebound amplitude is not that of the motion [rad or m]",
                        abs(amplitude - 7.0 * size), most))  # fmt: skip
     compared(said, wanted)

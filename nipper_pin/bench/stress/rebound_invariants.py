@@ -14,8 +14,9 @@ from ...mechanism import Stop
 from .looking import EPS, beyond, some
 
 _LOOKED_AT = 12
-# Round-off of positions of other links, which closures hand on [rad or m].
-_LOST = 1e-16
+# Round-off that closures hand on: they are sums of some eight terms, each with half a last digit of
+# angles of about a radian and lengths of less than a metre [rad or m].
+_LOST = 4.0 * EPS
 # Points over the whole flight, then about its highest one, three times: 3e-5 of the flight apart in
 # the end, where a parabola leaves less than 1e-9 of its height.
 _FIRST, _NEXT = 65, 17
