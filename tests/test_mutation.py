@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = Path(__file__).parents[1] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "scripts/maintain/mutation"))
 
 import mutate  # noqa: E402
-from mutation.choice import ROOMS, Choice, Recorded, drawn  # noqa: E402
-from mutation.processes import collected, run_tests  # noqa: E402
-from mutation.recording import instrument  # noqa: E402
-from mutation.sites import compiles, mutations_of  # noqa: E402
+from random_errors.choice import ROOMS, Choice, Recorded, drawn  # noqa: E402
+from random_errors.processes import collected, run_tests  # noqa: E402
+from random_errors.recording import instrument  # noqa: E402
+from random_errors.sites import compiles, mutations_of  # noqa: E402
 
 SOURCE = '''"""Text 7."""
 from math import degrees
@@ -60,7 +60,7 @@ def test_texts_types_and_looks_are_left_alone(word: str) -> None:
 
 def test_a_sample_grows_with_its_count_and_changes_with_its_seed() -> None:
     """The first mutations of a seed stay the first; most of all rooms are among them."""
-    package = SCRIPTS.parent / "nipper_pin"
+    package = ROOT / "nipper_pin"
     first, again, other = (
         [item.identity for item in drawn(package, ["cli", "reduced"], seed)[:40]]
         for seed in (1, 1, 2)

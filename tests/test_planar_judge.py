@@ -129,7 +129,7 @@ def test_links_that_a_stop_locks_through_closures(tmp_path: Path) -> None:
 def test_the_gallery(tmp_path: Path, name: str, drive: str) -> None:
     """The gallery at its rated speed; motion is compared until two runs of the judge part.
 
-    Inertial drives of a part, which take a minute each; scripts/judge_linkages.py runs all.
+    Inertial drives of a part, which take a minute each; judge_linkages.py runs all.
     """
     folder = tmp_path / name
     assert main(["new", "--from", name, str(folder)]) == 0

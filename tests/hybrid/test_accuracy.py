@@ -14,7 +14,7 @@ import pytest
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
 from nipper_pin.study.transitions import transition_table
 
-SCRIPT = Path(__file__).parents[2] / "scripts" / "measure_stated_errors.py"
+SCRIPT = Path(__file__).parents[2] / "scripts/maintain/measure/measure_stated_errors.py"
 extended_only = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="numpy.longdouble has no 80 bits on this machine"
 )

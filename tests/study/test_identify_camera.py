@@ -12,11 +12,11 @@ from scipy.stats import chi2
 
 from nipper_pin.study.identify import Fit, Problem, determinability, identify, read_problem
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/confirm"))
 
 import make_camera_example as example
 
-SCRIPTS = Path(example.__file__).parent
+SCRIPTS = Path(example.__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ from .table import TransitionTable
 
 Engine = Literal["auto", "direct", "reduced"]
 
-# Cases from which the reduced engine is worth its start, by scripts/measure_sweep.py: tables cost
+# Cases from which the reduced engine is worth its start, by measure_sweep.py: tables cost
 # what 7 direct cases do and, once a process, loading compiled code what 21 do. A fixed number, so
 # that the engine of a case does not depend on what a process did before.
 REDUCED_PAYS_FROM = 32

@@ -7,7 +7,7 @@ identified from the numbers of the E62. Then the machine with the identified num
 turns in its own right: every target has to come out as the fit says, and the fit has to be within
 its stated deviations of the numbers that were drawn, as often as it should be.
 
-Run: python scripts/confirm_fits.py [PROBLEMS] [SEED]
+Run: python scripts/maintain/confirm/confirm_fits.py [PROBLEMS] [SEED]
 
 Exit status 1 if a fit is not confirmed, or if the deviations are not those that are stated.
 """

@@ -1,6 +1,6 @@
 """How long do the reduced model and its transitions take, and how large is the error?
 
-Run: python scripts/benchmark_reduced.py [CASES]
+Run: python scripts/maintain/measure/benchmark_reduced.py [CASES]
 """
 
 from __future__ import annotations

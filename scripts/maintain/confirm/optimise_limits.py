@@ -1,7 +1,7 @@
 """How much of the answer of scripts/optimise_rebound.toml is owed to limits that are a judgement?
 
 Least rebounds of the E62 estimate for other strokes and openings, and whether a low first rebound
-and a short transition are at odds: python scripts/optimise_limits.py
+and a short transition are at odds: python scripts/maintain/confirm/optimise_limits.py
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from nipper_pin.study.optimise import Aim, Limit, Problem, optimise, read_problem
 
-STUDY = Path(__file__).with_name("optimise_rebound.toml")
+STUDY = Path(__file__).parents[2] / "optimise_rebound.toml"
 JUDGED = ("stroke_mm", "jaw_opening_deg")
 # Least stroke [mm] and least opening [deg]; None: no such limit.
 CASES = ((None, None), (None, 20.0), (2.5, 20.0), (3.0, 20.0), (3.5, 20.0), (3.0, 21.5))

@@ -1,6 +1,6 @@
 """What does a digit cost? Wall time against error of this package's engines and of its peers.
 
-Run: python scripts/benchmark_work_precision.py [REPEATS]
+Run: python scripts/maintain/measure/benchmark_work_precision.py [REPEATS]
 
 Prints the two tables only; ``nipper-pin benchmark`` measures costs and skips as well.
 """

@@ -1,8 +1,9 @@
 """Machines run by the package and by the planar solver of the tests, one line each.
 
-    python scripts/judge_linkages.py FOLDER... [--speed RPM ...] [--drive held inertial] [--turns N]
-    python scripts/judge_linkages.py --gallery [--speed-factor 0.5 1 2] [--drive held inertial]
-    python scripts/judge_linkages.py --random 500 [--first 0] [--seed 421] [--workers 2]
+    cd scripts/maintain/confirm
+    python judge_linkages.py FOLDER... [--speed RPM ...] [--drive held inertial] [--turns N]
+    python judge_linkages.py --gallery [--speed-factor 0.5 1 2] [--drive held inertial]
+    python judge_linkages.py --random 500 [--first 0] [--seed 421] [--workers 2]
 
 A machine agrees in part if round-off decides on its motion from some time on (the line says when).
 A line holds the worst differences of event times [s], and relative ones of rates, of impulses and
@@ -28,7 +29,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
-TESTS = Path(__file__).resolve().parents[1] / "tests"
+TESTS = Path(__file__).resolve().parents[3] / "tests"
 
 
 class Run(NamedTuple):

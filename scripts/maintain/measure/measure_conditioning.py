@@ -5,7 +5,7 @@ crank to pass half a turn is followed through that place for d from 1e-1 down to
 at half a turn are compared with the closed form in 50 digits (mpmath); the condition number of the
 closures there is of order 1 / sqrt(d). What cannot be followed is refused, with the place.
 
-    python scripts/measure_conditioning.py [--out docs/images/conditioning.svg]
+    python scripts/maintain/measure/measure_conditioning.py [--out docs/images/conditioning.svg]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a picture of the live page is made of: it is drawn with one thing taken away.
 
-Run: python scripts/measure_live_drawing.py [WIDTH HEIGHT]
+Run: python scripts/maintain/in_browser/measure_live_drawing.py [WIDTH HEIGHT]
 
 Needs the `dev` extra and Chromium, which draws with the processor here. Each row is the least and
 the median of many drawings, taken in turns with those of the other rows, until the last of their

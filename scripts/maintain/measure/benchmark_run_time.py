@@ -1,6 +1,6 @@
 """How long do a load, a transition and a cycle take, and the command as a whole process?
 
-Run: python scripts/benchmark_run_time.py [REPEATS]
+Run: python scripts/maintain/measure/benchmark_run_time.py [REPEATS]
 """
 
 from __future__ import annotations

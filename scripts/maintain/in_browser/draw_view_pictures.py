@@ -1,6 +1,6 @@
 """Pictures of the viewer and of the live page for the documents.
 
-Run: python scripts/draw_view_pictures.py [FOLDER]      (default docs/images)
+Run: python scripts/maintain/in_browser/draw_view_pictures.py [FOLDER]      (default docs/images)
      Needs the `dev` extra and Chromium.
 """
 
@@ -96,7 +96,7 @@ def live_picture(browser: Browser, path: Path) -> None:
 
 def main(folder: str | None = None) -> None:
     """Write all pictures."""
-    target = Path(folder) if folder else Path(__file__).resolve().parents[1] / "docs" / "images"
+    target = Path(folder) if folder else Path(__file__).resolve().parents[3] / "docs" / "images"
     with chromium() as browser:
         view_pictures(browser, target)
         live_picture(browser, target / "live.png")

@@ -1,6 +1,6 @@
 """True over stated error of random chains, for which there is no independent solution.
 
-    python scripts/measure_chain_errors.py
+    python scripts/maintain/measure/measure_chain_errors.py
 
 The truth is a run at a tolerance of 1e-13; its own stated error is added to the one that is judged.
 Chains have up to five freedoms, with and without loops, and up to four stops (those of the stress

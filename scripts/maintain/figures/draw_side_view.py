@@ -1,6 +1,6 @@
 """Draw a model in side view, jaw open and jaw closed, from its collision shapes.
 
-Run: python scripts/draw_side_view.py [MODEL] [FILE.png]
+Run: python scripts/maintain/figures/draw_side_view.py [MODEL] [FILE.png]
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Each is drawn in its touch configuration from what the viewer draws, with the path of one point
 over a turn, as the links move where nothing is struck.
 
-Run: python scripts/draw_gallery.py [FOLDER]
+Run: python scripts/maintain/figures/draw_gallery.py [FOLDER]
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ write_drawing(press, "press")
 ```
 
 `nipper_pin/mechanism/gallery/` has those below, a page of code each, and
-`python scripts/draw_gallery.py` writes this page.
+`python scripts/maintain/figures/draw_gallery.py` writes this page.
 """
 
 

@@ -1,6 +1,6 @@
 """Where the time between a move of a slider of the live page and its answer goes.
 
-Run: python scripts/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
+Run: python scripts/maintain/in_browser/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
      QUERY is put behind the address, for example fixedDpr=0.5
 
 Needs the `dev` extra and Chromium, which draws with the processor here. The mouse drags, because

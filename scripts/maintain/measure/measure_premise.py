@@ -1,6 +1,6 @@
 """Random transitions: is a premise that is called true always true?
 
-    python scripts/measure_premise.py --cases 1000 --seed 1
+    python scripts/maintain/measure/measure_premise.py --cases 1000 --seed 1
 
 For each case both engines say whether the machine arrives at the touch as a transition assumes, and
 two whole turns are simulated. A transition that differs from that of the second turn by more than

@@ -1,6 +1,6 @@
 """True over stated error of the E62-class model, against a solution that shares nothing with it.
 
-    python scripts/measure_stated_errors.py --cases 200 --folder build/stated_errors
+    python scripts/maintain/measure/measure_stated_errors.py --cases 200 [--folder FOLDER]
 
 Random machines (speed, restitution, spring, also touch angles at which the jaw touches slowly) are
 solved in 80-bit arithmetic by tests/reference/extended.py, and by both engines at many tolerances,
@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "reference"
+REFERENCE = Path(__file__).resolve().parents[3] / "tests" / "reference"
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 # Names that OPENBLAS_CORETYPE knows; with and without AVX-512, and without AVX2.
 KERNELS = ("SkylakeX", "Haswell", "Sandybridge")

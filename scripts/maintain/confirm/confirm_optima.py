@@ -3,7 +3,7 @@
 Random problems on the E62 estimate: speed, free numbers and their bounds, aim and limits are drawn;
 limits are such that one drawn design meets them. Each optimum is confirmed twice: by the control of
 the optimisation, and here by simulated turns of the overrides that it gives out. Status 1 if one is
-not: python scripts/confirm_optima.py [PROBLEMS] [SEED]
+not: python scripts/maintain/confirm/confirm_optima.py [PROBLEMS] [SEED]
 """
 
 from __future__ import annotations

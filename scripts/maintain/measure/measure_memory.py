@@ -3,7 +3,7 @@
 Each run is a transition with another speed, its tables and checks asked for; every tenth one loads
 the model again. The resident size is printed on the way.
 
-    python scripts/measure_memory.py [--runs 10000]
+    python scripts/maintain/measure/measure_memory.py [--runs 10000]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """How long it takes to make the film of one cycle, and how large its files are.
 
-Run: python scripts/measure_film.py [RUNS]
+Run: python scripts/maintain/measure/measure_film.py [RUNS]
 
 The cycle is the E62's at 650 r/min with the jaw's gap drawn ten times as large. A page holds film,
 solids and viewer; a GIF holds pictures of the same film. Times are those of the clock.

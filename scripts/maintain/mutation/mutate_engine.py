@@ -1,6 +1,6 @@
 """Which test notices which error? Deliberate mistakes in a copy of the package, one at a time.
 
-    python scripts/mutate_engine.py [NAME ...]
+    python scripts/maintain/mutation/mutate_engine.py [NAME ...]
 
 Each mutation replaces one text of the engine, found exactly once, in a copy; the tests run there
 until the first fails. A mutation that no test notices is a test that is missing. The table in
@@ -19,7 +19,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[3]
 # The fast ones first: most errors do not get far.
 TESTS = (
     "tests/mechanism",

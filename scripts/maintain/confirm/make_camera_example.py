@@ -5,7 +5,7 @@ several closings are written with the random errors that such a camera has, draw
 `nipper-pin identify scripts/identify_camera.toml` has to find TRUTH again, within what the errors
 allow. A test does it.
 
-Run: python scripts/make_camera_example.py [FILE]
+Run: python scripts/maintain/confirm/make_camera_example.py [FILE]
 """
 
 from __future__ import annotations
@@ -74,5 +74,5 @@ if __name__ == "__main__":
     main(
         sys.argv[1]
         if len(sys.argv) > 1
-        else Path(__file__).with_name("identify_camera_measured.csv")
+        else Path(__file__).parents[2] / "identify_camera_measured.csv"
     )

@@ -17,7 +17,7 @@ from nipper_pin import load, transition_table
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
 
-HERE = Path(__file__).parent
+STUDIES = Path(__file__).parents[2]
 MACHINES = """
 format = 1
 quantities = ["duration_s", "rebound_amplitude_1"]
@@ -70,7 +70,7 @@ def main() -> None:
     """Print the table."""
     pays()
     for name in ("sweep_spring", "sweep_billion"):
-        seconds, size, rows = cost(read_plan(str(HERE / f"{name}.toml")), 4)
+        seconds, size, rows = cost(read_plan(str(STUDIES / f"{name}.toml")), 4)
         print(
             f"{name}: {1e6 * seconds / rows:.3g} us a scenario, {seconds:.3g} s a chunk of {rows}, "
             f"{size:.3g} bytes a row"

@@ -1,12 +1,13 @@
 """How many random errors does no test notice?
 
-    python scripts/mutate.py record --map map.jsonl
-    python scripts/mutate.py run --map map.jsonl --out results.jsonl --count 300 --seed 1
+    cd scripts/maintain/mutation
+    python mutate.py record --map map.jsonl
+    python mutate.py run --map map.jsonl --out results.jsonl --count 300 --seed 1
 
 `record` runs the tests once and notes which statements run in each; `run` makes random errors in
 a copy of the package, one at a time, and runs the tests that execute the changed statement until
 one fails. Both go on where they stopped. Survivors with a reason stand in
-scripts/mutation_survivors.toml. Status 1: there are survivors without one.
+mutation_survivors.toml. Status 1: there are survivors without one.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from mutation.choice import ROOMS, Choice, drawn, recorded
-from mutation.processes import collected, copied, load_libraries, run_tests
-from mutation.recording import ByTest, instrument
-from mutation.sites import Mutation, compiles
+from random_errors.choice import ROOMS, Choice, drawn, recorded
+from random_errors.processes import collected, copied, load_libraries, run_tests
+from random_errors.recording import ByTest, instrument
+from random_errors.sites import Mutation, compiles
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[3]
 REASONS = Path(__file__).with_name("mutation_survivors.toml")
 # Other rooms' tests come last: they are long and seldom needed.
 ORDER = ("tests/view", "tests/test_", "tests/mechanism", "tests/study", "tests/reduced", "tests")

@@ -5,7 +5,7 @@ The engine never sees them. The script writes one binary STL a solid into ``mesh
 folder and the ``<visual>`` elements of the URDF, whose materials it expects there; it changes
 nothing else.
 
-Run: python scripts/make_e62_meshes.py [MODEL FOLDER ...]
+Run: python scripts/maintain/figures/make_e62_meshes.py [MODEL FOLDER ...]
      without folders: those of the models e62 and e62_offset_guide
 """
 
@@ -376,7 +376,7 @@ def make(home: Path) -> None:
 
 def main(*folders: str) -> None:
     """Make the solids of the models named, or of all that come with the package."""
-    models = Path(__file__).resolve().parents[1] / "models"
+    models = Path(__file__).resolve().parents[3] / "models"
     for home in map(Path, folders) if folders else (models / name for name in OWN):
         make(home)
 
