@@ -1,7 +1,9 @@
 # make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/
 # make test    the tests, without the longer ones
-# make test-slow   the longer ones: pages in a browser, clusters, campaigns
+# make test-all    these and the longer ones: pages in a browser, clusters, campaigns
+# make test-slow   the longer ones alone
 # make check   lint, types and all tests
+# make figures the pictures of the documents, drawn anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
@@ -16,7 +18,10 @@ SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
 # a second environment of unlocked packages to build in.
 PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test test-slow lint types check clean
+IMAGES := docs/images
+FIGURES := $(BIN)/python scripts/maintain/figures
+
+.PHONY: demo test test-slow test-all lint types check figures clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -33,13 +38,28 @@ test: $(DEV)
 test-slow: $(DEV)
 	$(BIN)/python -m pytest -m slow $(PYTEST_ARGS)
 
+test-all: test test-slow
+
 lint: $(DEV)
 	$(BIN)/ruff check .
 
 types: $(DEV)
 	$(BIN)/mypy
 
-check: lint types test test-slow
+check: lint types test-all
+
+# work_precision.png is a measurement of one machine: `nipper-pin benchmark` draws it.
+figures: $(DEV)
+	rm -rf out/figures
+	$(FIGURES)/draw_gallery.py docs
+	$(FIGURES)/draw_side_view.py e62 $(IMAGES)/side_view.png
+	$(SIMULATE) --window cycle --out out/figures/cycle
+	cp out/figures/cycle/motion.png $(IMAGES)/cycle_650.png
+	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
+	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
+	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/figures/front
+	cp out/figures/front/front.png $(IMAGES)/front_e62.png
+	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 
 $(BASE): pyproject.toml constraints.txt
 	@command -v "$(PYTHON)" >/dev/null || { \

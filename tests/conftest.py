@@ -33,7 +33,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterat
     result = yield
     found = not_tested.lines(terminalreporter.stats.get("skipped", ()))
     if terminalreporter.config.option.markexpr == "not slow":
-        found.append("the longer tests: `make test-slow` (pages in a browser, clusters, campaigns)")
+        found.append("the longer tests: `make test-all` (pages in a browser, clusters, campaigns)")
     if found:
         terminalreporter.section("not tested on this machine", sep="-", yellow=True)
     for line in found:

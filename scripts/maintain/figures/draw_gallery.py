@@ -71,7 +71,7 @@ write_drawing(press, "press")
 ```
 
 `nipper_pin/mechanism/gallery/` has those below, a page of code each, and
-`python scripts/maintain/figures/draw_gallery.py` writes this page.
+`make figures` writes this page.
 """
 
 
