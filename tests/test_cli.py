@@ -283,14 +283,6 @@ def test_check_tells_timing_and_clearances(capsys: pytest.CaptureFixture[str]) -
     assert "closes at index 34.04" in text
 
 
-def test_scripts_run_headless() -> None:
-    """The example prints what the library says."""
-    script = Path(__file__).parents[1] / "scripts" / "simulate_e62.py"
-    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
-    duration = simulate(load("e62"), Case(speed_rpm=650.0)).transitions[0].duration
-    assert f"at rest after {1e3 * duration:.6f} ms" in done.stdout
-
-
 def test_a_headless_run_imports_no_viewer() -> None:
     """A simulation to JSON pays for no plot, table or mesh library."""
     program = (

@@ -1,6 +1,6 @@
 """Simulate the E62-class nipper through the Python API: one transition, one cycle, three questions.
 
-Run: python scripts/simulate_e62.py
+Run: python scripts/simulate_a_run.py
 """
 
 from __future__ import annotations
