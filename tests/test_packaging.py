@@ -159,3 +159,14 @@ def test_installed_wheel_knows_its_models_in_any_directory(wheel, tmp_path):
     said = run(home / "bin" / "nipper-pin", "check", "e62", cwd=elsewhere, **plain)
     assert "jaw" in said
     assert list(elsewhere.iterdir()) == []
+
+
+def test_citation_and_changelog_are_of_this_version():
+    """One version in the package, in what people cite and on top of the list of changes."""
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [nipper_pin.__version__]
+    released = re.findall(
+        r"^## \[(\d.*?)\] - (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE
+    )
+    assert released[0][0] == nipper_pin.__version__
+    assert f"date-released: {released[0][1]}\n" in citation
