@@ -244,3 +244,17 @@ def test_the_notebook_runs_cell_by_cell(monkeypatch: pytest.MonkeyPatch) -> None
         assert duration == pytest.approx(float(CERTIFIED[speed]["rest_time_s"]), rel=1e-9)
     amplitude = math.degrees(float(CERTIFIED["650"]["collisions"][0]["rebound_amplitude"]))
     assert max(angle) == pytest.approx(amplitude, rel=1e-4)  # drawn at 400 times
+
+
+def test_every_program_that_a_page_names_is_there() -> None:
+    """Pages, comments of models and of studies, and the programs themselves."""
+    root = SCRIPTS.parent
+    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), root / "Makefile"]
+    pages += [*SCRIPTS.rglob("*.py"), *SCRIPTS.glob("*.toml"), *root.glob("models/*/*.toml")]
+    named = {
+        path
+        for page in pages
+        for path in re.findall(r"scripts/[a-z0-9_/]+\.[a-z]+", page.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 20
+    assert [path for path in sorted(named) if not (root / path).is_file()] == []
