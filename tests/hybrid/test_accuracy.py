@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,7 +12,11 @@ import pytest
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
 from nipper_pin.study.transitions import transition_table
 
-SCRIPT = Path(__file__).parents[2] / "scripts/maintain/measure/measure_stated_errors.py"
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/measure"))
+
+from stated_errors.ratios import judged
+from stated_errors.truth import Trial, solved, trial
+
 extended_only = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="numpy.longdouble has no 80 bits on this machine"
 )
@@ -23,18 +25,6 @@ REFERENCE = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text()
 )["cases"]
 OVERRIDES = {"e": "stops.jaw.restitution", "k": "springs.steeve.stiffness_N_per_m"}
-
-
-@pytest.fixture(scope="module")
-def measurement() -> ModuleType:
-    """The script that measures true over stated errors against the 80-bit solution."""
-    spec = importlib.util.spec_from_file_location(SCRIPT.stem, SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[SCRIPT.stem] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 def ratios(name: str, tolerance: float) -> tuple[list[float], list[float]]:
@@ -101,13 +91,13 @@ _WITHIN = 2.5
 
 
 @pytest.fixture(scope="module")
-def measured(measurement: ModuleType) -> dict[tuple[str, str, str], list[float]]:
+def measured() -> dict[tuple[str, str, str], list[float]]:
     """True over stated errors of 20 random machines, all tolerances together."""
     found: dict[tuple[str, str, str], list[float]] = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measurement, "TOLERANCES", (1e-4, 1e-7, 1e-10))
+        patch.setattr("stated_errors.ratios.TOLERANCES", (1e-4, 1e-7, 1e-10))
         for number in range(20):
-            rows = measurement.judged(measurement.solved(measurement.trial(7, number)))["rows"]
+            rows = judged(solved(trial(7, number)))["rows"]
             for engine, window, what, _, ratio in rows:
                 found.setdefault((engine, window, what), []).append(ratio)
     return found
@@ -128,15 +118,15 @@ def test_of_random_machines_too_and_not_because_the_statement_is_idle(
 @extended_only
 @pytest.mark.parametrize(("number", "tolerance"), [(782, 1e-8), (932, 1e-4), (1844, 1e-8)])
 def test_a_stop_that_is_hardly_pressed_shut_rests_when_it_is_stated_to(
-    measurement: ModuleType, monkeypatch: pytest.MonkeyPatch, number: int, tolerance: float
+    monkeypatch: pytest.MonkeyPatch, number: int, tolerance: float
 ) -> None:
     """Three machines whose steeve slows down three times less at its rest than when it lands.
 
     Polynomials of time in the rebound rate agree with one another there, and not with the limit:
     1.04, 2.3 and 3.3 times what was stated. The bound is that of all stated errors.
     """
-    monkeypatch.setattr(measurement, "TOLERANCES", (tolerance,))
-    rows = measurement.judged(measurement.solved(measurement.trial(19, number)))["rows"]
+    monkeypatch.setattr("stated_errors.ratios.TOLERANCES", (tolerance,))
+    rows = judged(solved(trial(19, number)))["rows"]
     rests = [row[-1] for row in rows if row[2] == "time of a rest"]
     assert rests
     assert max(rests) <= 1.0
@@ -198,15 +188,13 @@ def test_copies_of_a_turn_are_as_wrong_as_what_they_are_copies_of() -> None:
 
 @extended_only
 @pytest.mark.parametrize("degrees", [pytest.param(115.582, marks=pytest.mark.slow), 115.6, 117.0])
-def test_a_jaw_that_touches_slowly_has_the_round_off_of_fast_drives(
-    measurement: ModuleType, degrees: float
-) -> None:
+def test_a_jaw_that_touches_slowly_has_the_round_off_of_fast_drives(degrees: float) -> None:
     """Near the extreme of the pendulum all rates pass through zero, and their round-off does not.
 
     A round-off that is taken relative to the rate alone is 80 to 20,000 times too small here.
     """
-    one = measurement.Trial(0, False, 650.0, 0.2, 0.2, 9000.0, 11.0, degrees)
-    rows = measurement.judged(measurement.solved(one))["rows"]
+    one = Trial(0, False, 650.0, 0.2, 0.2, 9000.0, 11.0, degrees)
+    rows = judged(solved(one))["rows"]
     assert {row[0] for row in rows} == {"direct", "reduced"}
     assert max(row[-1] for row in rows) <= 1.0
     rates = [row[-1] for row in rows if row[2] == "approach rate"]

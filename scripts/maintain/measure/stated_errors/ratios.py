@@ -1,0 +1,171 @@
+"""True over stated errors of one machine: whole turns, and transitions by both engines."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from .truth import Trial
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+# The reduced engine writes no more collisions of a series, and a run asks for no more.
+_MOST_COLLISIONS = 250
+
+
+def judged(solution: dict[str, Any]) -> dict[str, Any]:
+    """Ratios of one case, in this process with its BLAS kernel."""
+    from nipper_pin.errors import NipperError
+
+    one, found = Trial(**solution["trial"]), Ratios()
+    if "refused" not in solution:
+        events = solution["events"]
+        try:
+            if one.turn:
+                of_turn(one, events, found)
+            else:
+                lever = np.sqrt(np.longdouble("81.8") ** 2 + np.longdouble("36.4") ** 2) / 1000
+                for engine in ("direct", "reduced"):
+                    of_transition(one, events, lever, engine, found)
+        except NipperError as error:
+            found.notes.append(str(error))
+    return {"number": one.number, "rows": found.rows, "notes": found.notes}
+
+
+class Ratios:
+    """True over stated errors of one case, by engine, window, quantity and tolerance."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.rows: list[tuple[str, str, str, float, float]] = []
+        self.notes: list[str] = []
+
+    def add(self, where: tuple[str, str, float], what: str, true: Any, error: float) -> None:
+        """One ratio; where nothing is wrong and nothing stated there is none."""
+        engine, window, tolerance = where
+        true = float(abs(true))
+        if true == 0.0 and error == 0.0:
+            return
+        self.rows.append(
+            (engine, window, what, tolerance, true / error if error > 0.0 else math.inf)
+        )
+
+
+def of_turn(one: Trial, events: list[dict[str, Any]], found: Ratios) -> None:
+    """Whole turns: all events that both solutions have, in their order."""
+    from nipper_pin import Case, EventKind, Resolution, Window, simulate
+    from nipper_pin.errors import NipperError
+
+    mechanism = _mechanism(one)
+    for tolerance in TOLERANCES:
+        where = ("direct", "turn", tolerance)
+        case = Case(
+            speed_rpm=one.speed_rpm,
+            window=Window.CYCLE,
+            resolution=Resolution(tolerance=tolerance),
+        )
+        try:
+            solution = simulate(mechanism, case)
+            errors = solution.errors
+        except NipperError as refusal:
+            found.notes.append(f"{tolerance:g}: {refusal}")
+            continue
+        place = 0
+        for event, error in zip(solution.events, errors, strict=True):
+            place = _next(events, place, event.kind.value, event.stops[0])
+            if place < 0 or error.impulse >= 1.0:
+                found.notes.append(f"{tolerance:g}: other events from {event.t:.6g} s on")
+                break
+            true = events[place]
+            place += 1
+            name = {EventKind.COLLISION: "time of a collision"}.get(
+                event.kind, f"time of a {event.kind.value}"
+            )
+            found.add(where, name, event.t - np.longdouble(true["time"]), error.time)
+            if event.kind is not EventKind.COLLISION:
+                continue
+            stop = mechanism.stop(event.stops[0])
+            for what, value, exact in (
+                ("approach rate", event.v_before[stop.index], true["approach"]),
+                ("separation rate", event.v_after[stop.index], true["separation"]),
+                ("impulse", event.P_N[stop.name], true["impulse"]),
+            ):
+                found.add(where, what, value / np.longdouble(exact) - 1, error.impulse)
+
+
+def _next(events: list[dict[str, Any]], place: int, kind: str, stop: str) -> int:
+    """Place of the event that is meant; collisions before a rest that a run leaves out are passed.
+
+    A series has infinitely many collisions: both solutions leave out the last ones.
+    """
+    while place < len(events):
+        if (events[place]["kind"], events[place]["stop"]) == (kind, stop):
+            return place
+        if kind != "rest" or events[place]["kind"] != "collision":
+            return -1
+        place += 1
+    return -1
+
+
+def of_transition(
+    one: Trial, events: list[dict[str, Any]], lever: Any, engine: str, found: Ratios
+) -> None:
+    """Transitions as tables state them: collisions of the jaw, their rebounds, the duration."""
+    from nipper_pin.reduced import layout as rows
+    from nipper_pin.study.transitions import transition_table
+
+    hits = [event for event in events if (event["kind"], event["stop"]) == ("collision", "jaw")]
+    # The tables of a reduced model hold for all springs and restitutions of its jaw.
+    mechanism = _touching(one.touch_deg) if engine == "reduced" else _mechanism(one)
+    for tolerance in TOLERANCES:
+        where = (engine, "transition", tolerance)
+        table = transition_table(
+            mechanism,
+            speed_rpm=one.speed_rpm,
+            restitution=one.jaw,
+            stiffness_N_per_m=one.stiffness_N_per_m,
+            preload_length_mm=one.preload_mm,
+            tolerance=tolerance,
+            engine=engine,  # type: ignore[arg-type]
+            max_collisions=_MOST_COLLISIONS,
+        )
+        if table.outcome[0] != "at_rest":
+            found.notes.append(f"{engine} {tolerance:g}: {table.outcome[0]} {table.message[0]}")
+            continue
+        for true, block in zip(hits, table.table[0].T, strict=False):
+            for what, key, value, error, scale in (
+                ("time of a collision", "time", rows.TIME, rows.TIME_ERROR, 1),
+                ("approach rate", "approach", rows.APPROACH, rows.RATE_ERROR, 1),
+                ("impulse", "impulse", rows.IMPULSE, rows.IMPULSE_ERROR, lever),
+                ("amplitude", "amplitude", rows.AMPLITUDE, rows.AMPLITUDE_ERROR, 1),
+                ("time of a rebound", "rebound", rows.REBOUND, rows.REBOUND_ERROR, 1),
+            ):
+                if true[key] is not None and np.isfinite(block[value]):
+                    wrong = block[value] - np.longdouble(true[key]) / scale
+                    found.add(where, what, wrong, float(block[error]))
+        wrong = table.duration[0] - np.longdouble(events[-1]["time"])
+        found.add(where, "time of a rest", wrong, float(table.duration_error[0]))
+
+
+def _mechanism(one: Trial) -> Any:
+    """The machine of a case."""
+    from nipper_pin import load
+
+    values: dict[str, Any] = {
+        "stops.jaw.restitution": one.jaw,
+        "stops.steeve.restitution": one.steeve,
+        "springs.steeve.stiffness_N_per_m": one.stiffness_N_per_m,
+        "springs.steeve.preload_length_mm": one.preload_mm,
+        "cylinder.angle_at_touch_deg": one.touch_deg,
+    }
+    return load("e62", values)
+
+
+@lru_cache(maxsize=8)
+def _touching(degrees: float) -> Any:
+    """The machine of the file with its usual touch angle, or another one."""
+    from nipper_pin import load
+
+    return load("e62", {"cylinder.angle_at_touch_deg": degrees})
