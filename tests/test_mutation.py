@@ -11,6 +11,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "scripts/maintain/mutation"))
 
 import mutate  # noqa: E402
+from engine_errors import MUTATIONS  # noqa: E402
 from random_errors.choice import ROOMS, Choice, Recorded, drawn  # noqa: E402
 from random_errors.processes import collected, run_tests  # noqa: E402
 from random_errors.recording import instrument  # noqa: E402
@@ -148,3 +149,14 @@ def test_survivors_without_a_reason_are_a_failure(
     assert mutate.report([row]) == 0
     assert "the same" in capsys.readouterr().out
     assert mutate.report([{**row, "caught": True}]) == 0
+
+
+def test_the_engine_still_has_what_planted_errors_change() -> None:
+    """Each text stands once in its file: an error that cannot be planted tells nothing."""
+    package = ROOT / "nipper_pin"
+    found = {
+        item.name: (package / item.file).read_text(encoding="utf-8").count(item.right)
+        for item in MUTATIONS
+    }
+    assert len(found) == len(MUTATIONS) > 25
+    assert {name: count for name, count in found.items() if count != 1} == {}

@@ -47,10 +47,10 @@ RANGES = {
 SPEEDS_RPM = (350.0, 700.0)
 QUANTITIES = ("rebound_amplitude_1", "rebound_time_s_1", "rebound_amplitude_2", "rebound_time_s_2")
 RELATIVE_SIGMA = 0.005
-# What a whole turn may differ by from what the fit says, by its value: the tolerance of the fit's
-# transitions, amplified by bounces in a row.
+# Largest relative difference between a fit and a whole turn: the tolerance of the fit's
+# transitions, amplified by the bounces that follow one another.
 CONFIRMED = 1e-6
-# Deviations outside of what chance leaves in all but this part of such campaigns are wrong.
+# Level of significance at which errors or misfits count as distributed otherwise than stated.
 CHANCE = 1e-3
 
 
@@ -99,7 +99,7 @@ def turn(machine: nip.Mechanism, speed_rpm: float) -> dict[str, float]:
 def draw(rng: np.random.Generator) -> tuple[Problem, dict[str, float]] | None:
     """A random machine and its measurements; None if it has not got two rebounds at all speeds."""
     paths = sorted(rng.choice(list(RANGES), size=int(rng.integers(2, 4)), replace=False).tolist())
-    # Inside the ranges: at a bound deviations are cut short.
+    # Away from the bounds, which would cut the distribution of the errors short.
     truth = {
         path: float(low + (high - low) * rng.uniform(0.2, 0.8))
         for path, (low, high) in ((path, RANGES[path]) for path in paths)

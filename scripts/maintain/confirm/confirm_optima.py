@@ -55,7 +55,7 @@ def drawn(rng: np.random.Generator, folder: Path) -> Problem:
         others = [name for name in LIMITED if name != aim]
         limited = rng.choice(others, size=int(rng.integers(1, 3)), replace=False)
         sides = [("low", "high")[int(rng.integers(2))] for _ in limited]
-        # Limits that say nothing, to see what a drawn design has.
+        # Limits too wide to bind: they make the point report the quantities of the design.
         asking = "".join(f"{name} = {{ low = -1e9 }}\n" for name in limited)
         point = _point(folder, f"{head}[limits]\n{asking}", rng.random(len(names)))
         if point is None:

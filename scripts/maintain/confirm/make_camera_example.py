@@ -23,8 +23,8 @@ TRUTH = {
     "cylinder.angle_at_touch_deg": 168.0,
 }
 SPEEDS_RPM = (350.0, 450.0, 550.0)
-# 20,000 pictures a second put the begin and the end of a rebound on the middle of a picture:
-# 50 us / sqrt(12) each. 5 um of the gap between the lips, 90 mm from the hinge, for one picture.
+# At 20,000 pictures a second both ends of a rebound are rounded to 50 us: sigma 50 us / sqrt(12)
+# each. The gap between the lips, 90 mm from the hinge, is read to 5 um in one picture.
 CLOSINGS = 12
 TIME_SIGMA_S = 50e-6 * np.sqrt(2.0 / 12.0) / np.sqrt(CLOSINGS)
 ANGLE_SIGMA_RAD = 5e-6 / 0.0895 / np.sqrt(CLOSINGS)

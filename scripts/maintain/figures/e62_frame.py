@@ -27,15 +27,15 @@ def frame(model: Model) -> list[Part]:
     bosses = unary_union([disc(place, radius) for place, radius, _ in bearings])
     bores = unary_union([disc(place, bore + PLAY) for place, _, bore in bearings])
     wall = unary_union([bosses, *(bar(disc(a, 0.012), disc(b, 0.012)) for a, b in webs)])
-    # The guide bar sweeps through where journals of the rollers would run to the wall, so that the
-    # rollers have stands of their own, outside the circle of the crank.
+    # Journals that ran to the wall would collide with the guide bar: the rollers have stands of
+    # their own, outside the circle of the crank.
     foot = (0.095, 0.03)
     stand = unary_union([
         bar(disc(lower, 0.016), disc(upper, 0.016), disc(foot, 0.010)),
         bar(disc(foot, 0.010), disc((foot[0], floor), 0.010)),
     ])  # fmt: skip
     journals = unary_union([disc(lower, 0.006), disc(upper, 0.006)])
-    # An open base: where a processor draws, a closed one was a third of a picture.
+    # An open base: drawn without a graphics card, a closed one took a third of the time.
     left, right, depth = shaft[0] - 0.04, 0.11, floor - 0.008
     base = box(left, depth, right, floor)
     ends = unary_union(

@@ -16,7 +16,7 @@ def pendulum_arm(model: Model) -> list[Part]:
     """Arms on the pendulum shaft, and the slotted guide bar in which the crank pin slides."""
     pivot, width = model.joint["nipper_pivot"], both(model.width("pendulum_arm_left"))
     arms = bar(disc((0.0, 0.0), 0.021), disc(pivot, 0.0125))
-    # Pins stand where the joints are, which their collision shapes may miss a little.
+    # Pins are placed at the joints; their collision shapes may lie a little beside them.
     radius = model.radius("nipper_pivot_pin")
     hole = disc(pivot, radius + PLAY)
     low, high = model.width("guide_bar")

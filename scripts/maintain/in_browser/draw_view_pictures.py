@@ -51,7 +51,7 @@ def moments(shown: Film) -> dict[str, float]:
 def save(page: Page, path: Path) -> None:
     """What a page shows, as a small PNG file."""
     image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    # Colours by their place among all, not by how many pixels have them: springs are few.
+    # An octree palette keeps colours that few pixels have, as those of the springs.
     small = image.quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
     small.save(path, optimize=True)
     print(f"wrote {path} ({path.stat().st_size / 1e3:.0f} kB)")
@@ -83,7 +83,7 @@ def live_picture(browser: Browser, path: Path) -> None:
         page.set_default_timeout(120_000)
         page.goto(address)
         page.wait_for_selector("#setting")
-        # A browser that draws with the processor is told so in a corner of the picture.
+        # Closes the notice that there is no graphics card.
         notice = page.locator(".mantine-Notification-closeButton")
         page.wait_for_timeout(2000)
         if notice.count():

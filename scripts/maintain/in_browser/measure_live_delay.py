@@ -32,8 +32,8 @@ from nipper_pin.view.live.settings import SPEED, knobs
 
 STEP = 10  # r/min, of the slider
 LOW, HIGH = 180, 900  # r/min, its ends
-# Moves, and milliseconds between them; the film rests a moment after a move, and is to play before
-# the next one.
+# Number of moves, and milliseconds between them. After a move the film pauses for a moment; single
+# moves are far enough apart for it to play again.
 ALONE, DRAGGED = (25, 1200), (40, 60)
 # The page's socket lives in a worker; what passes between the two is timed from here.
 WATCH = """() => {
@@ -180,7 +180,7 @@ def dragged(page: Page, moves: int, pause: int, sense: int) -> list[dict[str, fl
     for _ in range(moves):
         value, at = value + sense * STEP, at + sense * STEP * track["width"] / (HIGH - LOW)
         page.evaluate("next => { window.next = next; }", {"wanted": value, "sense": sense})
-        # Whole pixels are what the page is told; half of one is less than half a step.
+        # The mouse moves by whole pixels; half a pixel is less than half a step.
         page.mouse.move(round(at), height)
         page.wait_for_timeout(pause)
     page.wait_for_function("marks.every(item => item.seen)")

@@ -68,7 +68,7 @@ MUTATIONS = (
     ),
     Mutation(
         "lost-damping", "elastic drive trains without damping of the shaft's own rate",
-        "dynamics/system.py", "tau -= rows.damping * v", "tau -= 0.0 * rows.damping * v",
+        "dynamics/system.py", "tau -= phase.damping * v", "tau -= 0.0 * phase.damping * v",
     ),
     Mutation(
         "lost-feedforward", "elastic drive trains without the inertia of the law",
@@ -128,8 +128,8 @@ MUTATIONS = (
     ),
     Mutation(
         "no-release", "closed stops never let go",
-        "hybrid/event_location/guards.py", "for column, stop in enumerate(rows.shut):",
-        "for column, stop in enumerate(rows.shut[:0]):",
+        "hybrid/event_location/guards.py", "for column, stop in enumerate(phase.shut):",
+        "for column, stop in enumerate(phase.shut[:0]):",
     ),
     Mutation(
         "lever-inverse", "the lip's impulse multiplied by the lever instead of divided",
@@ -138,7 +138,7 @@ MUTATIONS = (
     ),
     Mutation(
         "copied-turn", "all copies of a repeating turn lie on the second one",
-        "hybrid/simulate.py", "delay = turn * period", "delay = period",
+        "hybrid/run/phase_manager.py", "delay, moved = turn * period", "delay, moved = period",
     ),
     Mutation(
         "lost-impulse-work", "the energy balance without the work of the held drives' impulses",

@@ -65,7 +65,7 @@ def first_failure(home: Path) -> str:
         return ""
     if not found:
         return f"pytest ended with status {done.returncode}"
-    # An error is one outside the test: a run that it needs cannot be simulated any more.
+    # pytest says ERROR where a fixture fails: the run that the test needs cannot be simulated.
     return f"`{found[2]}`" + (", whose runs cannot be simulated" if found[1] == "ERROR" else "")
 
 

@@ -14,16 +14,16 @@ from pathlib import Path
 from .sites import Mutation, mutations_of
 from .statements import scope_key, statements_of
 
-# Shares of the mutations: most where people read.
+# Shares of the mutations by room: most in rooms whose output people read.
 ROOMS = {"view": 0.3, "study": 0.3, "mechanism": 0.16, "cli": 0.12, "reduced": 0.12}
 _KINDS = {
     "unit": 3.0, "arithmetic": 3.0, "comparison": 2.5, "number": 2.5, "name": 2.5, "text": 2.0,
     "drop": 2.0, "negate": 2.0, "sign": 2.0, "boolean": 2.0, "swap": 2.0, "keyword": 1.5,
     "guard": 1.5,
 }  # fmt: skip
-# Bridges to simulators that need not be installed; what only looks; drawings, whose dimensions are
-# choices as those of the models are.
-_LEFT_OUT = ("study/peers/", "view/style.py", "view/scene/colours.py", "mechanism/gallery/")
+# Bridges to simulators that may not be installed, colours, dimensions of the gallery's machines:
+# no test can tell a right value of these from a wrong one.
+_LEFT_OUT = ("bench/peers/", "view/style.py", "view/scene/colours.py", "mechanism/gallery/")
 
 
 @dataclass(frozen=True)
@@ -142,13 +142,13 @@ class Choice:
 
     def limits(self, names: list[str]) -> dict[str, float]:
         """Seconds after which each of the tests counts as endless, on a busy machine."""
-        # The first of reduced/ waits for its compiler.
+        # The first test in reduced/ waits until numba has compiled.
         least = 600.0 if any("/reduced/" in name for name in names) else 90.0
         return {name: least + 15.0 * self._tests[name].seconds for name in names}
 
     def _executing(self, mutation: Mutation) -> set[str]:
         if mutation.names:
-            # Outside of functions: tests of what uses the name, else of anything in the file.
+            # A value of a module: tests of the functions that use it, else of anything in the file.
             prefix = scope_key(mutation.file, f".{mutation.names[0]}")[:-2]
             keys = set(self._users[mutation.names[-1]]) | set(self._users[mutation.names[0]])
             own = {key for key in self._by_key if key.startswith(prefix)}
@@ -161,9 +161,9 @@ class Choice:
             return self._by_key[mutation.key]
         scope = scope_key(mutation.file, mutation.scope)
         if scope in self._compiled:
-            # What runs in machine code is not recorded: any test of the room may execute it.
+            # Compiled functions are not recorded: any test of the room may execute them.
             return self._by_key.get(mutation.file.split("/")[0], set())
-        # A test of an older record may execute a statement that is newer: the nearest ones are run.
+        # The statement is newer than the record: tests of its function, else of its file.
         return self._by_key.get(scope) or self._by_key.get(mutation.file, set())
 
 

@@ -24,7 +24,7 @@ _LIBRARIES = (
 )  # fmt: skip
 
 
-# All tests passed, or some failed.
+# Exit codes of pytest: all tests passed, or some failed.
 _ENDS = ("0", "1")
 
 
@@ -143,7 +143,7 @@ def run_tests(
             if word == "end":
                 current = ""
                 if test not in _ENDS and not plugins:
-                    # What all tests share cannot be imported.
+                    # conftest.py or a module that all tests share cannot be imported.
                     failed, why = tests[0], "fails"
                     break
             elif word == "start":

@@ -15,7 +15,7 @@ import pytest
 from .statements import blocks, is_docstring, statements_of
 
 _MODULE = "statements_that_ran"
-# In a file that processes share, so that the ones that a test starts are noted, too.
+# A shared file, so that statements in processes that a test starts are recorded, too.
 _RECORDER = """
 import mmap, os
 _file = os.environ.get("STATEMENTS_THAT_RAN")
