@@ -1,4 +1,4 @@
-"""What all studies that compute in several processes share."""
+"""Worker processes of all studies: their start, their results and their end."""
 
 from __future__ import annotations
 
@@ -6,19 +6,31 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
-from typing import TypeVar
+from contextlib import ExitStack, contextmanager
+from multiprocessing import active_children, get_context, parent_process
+from types import TracebackType
+from typing import Self, TypeVar
 
 from ..errors import SimulationError
 
 _T = TypeVar("_T")
 _R = TypeVar("_R")
+_K = TypeVar("_K")
+
+# Tasks that wait for each worker beside the one that it computes.
+_AHEAD = 1
+_FEWER = ": use fewer processes"
+KEPT = "; what is finished is kept in the folder: run the same command again, with fewer --workers"
+"""What to do about a worker that died where results are kept as they come."""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _AT_START = {name: os.environ.get(name) for name in _THREADS}
+
+
+class WorkerError(SimulationError):
+    """A worker process died, or could not be started. Evidence: ``workers``."""
 
 
 @contextmanager
@@ -53,15 +65,26 @@ def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[Process
         workers: Number of processes.
         first: Nothing to do, from the module that their work comes from: what it imports is
             imported while this process goes on.
+
+    Raises:
+        WorkerError: A process cannot be started.
     """
+    before = set(active_children())
     # Fresh processes: a fork of one that has threads may never end.
     with (
         one_thread_each(),
         ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,
     ):
-        with _interrupts_held_back():
-            for _ in range(workers):
-                pool.submit(first)
+        try:
+            with _interrupts_held_back():
+                for _ in range(workers):
+                    pool.submit(first)
+        except OSError as error:
+            # The pool does not end those that did start, and Python would wait for them at its end.
+            for process in set(active_children()) - before:
+                process.terminate()
+            message = f"{workers} worker processes cannot be started ({error}): use fewer processes"
+            raise WorkerError(message, workers=workers) from error
         yield pool
 
 
@@ -92,6 +115,112 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
+class Workers:
+    """Processes that do tasks; they start with the first one.
+
+    Args:
+        count: Number of processes; 1: one, which is this one if its BLAS computes in one thread.
+        first: Nothing to do, from the module that their work comes from.
+        advice: What to do if a process dies, the end of a sentence.
+        apart: Even one worker is a process of its own.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        first: Callable[[], None] | None = None,
+        *,
+        advice: str = _FEWER,
+        apart: bool = False,
+    ) -> None:
+        """Prepare; nothing starts yet."""
+        self._count = count
+        self._first = first or _nothing
+        self._advice = advice
+        self._apart = apart
+        self._stack = ExitStack()
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> Self:
+        """Nothing starts yet."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        _error: BaseException | None,
+        _trace: TracebackType | None,
+    ) -> None:
+        """End the processes; after a failure or an interrupt without the tasks that wait."""
+        if self._pool is not None and kind is not None:
+            self._pool.shutdown(wait=False, cancel_futures=True)
+        self._stack.close()
+
+    def in_order(
+        self, function: Callable[[_T], _R], items: Iterable[_T], chunk: int = 1
+    ) -> Iterator[_R]:
+        """Results of a function in the order of its arguments.
+
+        Args:
+            function: A function that another process can find, or a partial of one.
+            items: What it is called with.
+            chunk: Calls that a process is sent at once.
+
+        Raises:
+            WorkerError: A process died.
+        """
+        pool = self._started()
+        if pool is None:
+            yield from map(function, items)
+            return
+        with self._named():
+            yield from pool.map(function, items, chunksize=chunk)
+
+    def as_completed(self, tasks: Iterable[tuple[_K, Callable[[], _R]]]) -> Iterator[tuple[_K, _R]]:
+        """Results of tasks as they come; tasks are drawn as processes need them.
+
+        Args:
+            tasks: What to do, each with what tells its result from the others.
+
+        Raises:
+            WorkerError: A process died.
+        """
+        pool = self._started()
+        if pool is None:
+            for key, task in tasks:
+                yield key, task()
+            return
+        running: dict[Future[_R], _K] = {}
+        try:
+            with self._named():
+                for key, task in tasks:
+                    if len(running) >= self._count * (1 + _AHEAD):
+                        yield from _finished(running)
+                    running[pool.submit(task)] = key
+                while running:
+                    yield from _finished(running)
+        finally:
+            for future in running:
+                future.cancel()
+
+    def _started(self) -> ProcessPoolExecutor | None:
+        here = self._count == 1 and not self._apart and in_one_thread()
+        if self._pool is None and not here:
+            self._pool = self._stack.enter_context(fresh_processes(self._count, self._first))
+        return self._pool
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenProcessPool as error:
+            message = (
+                f"a worker process died, perhaps for want of memory{self._advice} (a script of "
+                "your own has to call this below `if __name__ == '__main__':`)"
+            )
+            raise WorkerError(message, workers=self._count) from error
+
+
 def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Iterator[_R]:
     """Results of a task for some items, in their order.
 
@@ -101,21 +230,17 @@ def mapped(task: Callable[[_T], _R], items: Iterable[_T], workers: int) -> Itera
         workers: Processes; 1: one, which is this one if its BLAS computes in one thread.
 
     Raises:
-        SimulationError: A process died.
+        WorkerError: A process died.
     """
-    if workers == 1 and in_one_thread():
-        yield from map(task, items)
-        return
-    with fresh_processes(workers, _nothing) as pool:
-        try:
-            yield from pool.map(task, items)
-        except BrokenProcessPool as error:
-            message = (
-                "a worker process died, perhaps for want of memory: use fewer processes (a script "
-                "of your own has to call this below `if __name__ == '__main__':`)"
-            )
-            raise SimulationError(message, workers=workers) from error
+    with Workers(workers) as own:
+        yield from own.in_order(task, items)
+
+
+def _finished(running: dict[Future[_R], _K]) -> Iterator[tuple[_K, _R]]:
+    """Wait for at least one task, and take out all that are done."""
+    for future in wait(running, return_when=FIRST_COMPLETED).done:
+        yield running.pop(future), future.result()
 
 
 def _nothing() -> None:
-    """What the processes of :func:`mapped` begin with."""
+    """What processes begin with whose work comes from modules that are loaded soon enough."""

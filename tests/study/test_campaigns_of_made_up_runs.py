@@ -6,7 +6,6 @@ import hashlib
 import json
 from collections.abc import Callable
 from concurrent.futures import Future
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -23,6 +22,8 @@ from nipper_pin.bench.stress.judging import TIME_LIMIT_S, Verdict
 from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import InputError, SimulationError, UnknownNameError
 from nipper_pin.hybrid.event import EventKind
+from nipper_pin.study import processes
+from nipper_pin.study.processes import WorkerError
 
 
 def verdict(number: int, word: str = "right") -> Verdict:
@@ -106,7 +107,7 @@ def test_interrupts_and_dead_workers(tmp_path: Path, monkeypatch: pytest.MonkeyP
     def progress(item: Verdict) -> None:
         seen.append(item.number)
 
-    for error in (KeyboardInterrupt(), BrokenProcessPool()):
+    for error in (KeyboardInterrupt(), WorkerError("a worker process died")):
 
         def one(jobs: list[Any], _: int, error: BaseException = error) -> Any:
             yield verdict(jobs[0][1])
@@ -142,21 +143,27 @@ def test_an_interrupt_that_nobody_listens_to(
 def test_work_of_the_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each job is handed on; what is not done when nobody listens any more is taken back."""
     asked: list[Any] = []
+    handed: list[Any] = []
     cancelled: list[int] = []
+    ends: list[Any] = []
 
     class Pool:
-        def submit(self, function: Callable[..., Any], job: Any) -> Any:
+        def submit(self, task: Callable[[], Any]) -> Any:
             future: Any = Future()
-            future.cancel = lambda: cancelled.append(job[1])
-            future.set_result(function(job))
+            handed.append(future)
+            future.cancel = lambda: cancelled.append(handed.index(future))
+            future.set_result(task())
             return future
 
+        def shutdown(self, **words: bool) -> None:
+            ends.append(words)
+
     @contextmanager
-    def processes(workers: int, first: Any) -> Any:
+    def fresh(workers: int, first: Any) -> Any:
         asked.append((workers, first()))
         yield Pool()
 
-    monkeypatch.setattr(campaign, "fresh_processes", processes)
+    monkeypatch.setattr(processes, "fresh_processes", fresh)
     monkeypatch.setattr(campaign, "trial", lambda *given: given)
     monkeypatch.setattr(campaign, "judge", lambda item, limit: (item, limit))
     jobs: Any = [(5, n, 9.0, ("spring",)) for n in range(3)]
@@ -165,11 +172,13 @@ def test_work_of_the_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     found: list[Any] = list(campaign._judged(jobs, 3))
     assert sorted(found) == [((5, n, ("spring",)), 9.0) for n in range(3)]
     assert asked == [(3, None)]
-    assert cancelled == [0, 1, 2]
+    assert (cancelled, ends) == ([], [])
     listening = campaign._judged(jobs, 3)
     next(listening)
     listening.close()  # type: ignore[attr-defined]
-    assert cancelled == [0, 1, 2, 0, 1, 2]
+    assert ends == [{"wait": False, "cancel_futures": True}]
+    assert len(cancelled) == 2
+    assert set(cancelled) < {3, 4, 5}
 
 
 def test_folders_of_campaigns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,7 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import InputError
+from nipper_pin.study import processes
 from nipper_pin.study.identify import problem
 from nipper_pin.study.optimise import problem_file
 from nipper_pin.study.sweep import estimate, run, study_file
@@ -162,15 +163,15 @@ def test_time_of_a_sweep(monkeypatch: pytest.MonkeyPatch, workers: int | None, c
         def __exit__(self, *_: object) -> None:
             """Nothing is left."""
 
-        def submit(self, *words: Any) -> Any:
-            asked.append(words)
-            return SimpleNamespace(result=lambda: TIMED)
+        def map(self, task: Any, items: Any, **_: Any) -> Any:
+            asked.append((task.func, *task.args, *items))
+            return iter([TIMED])
 
     sizes = (10, 20, 40, 30)
     chunks = [SimpleNamespace(start=100, stop=100 + size) for size in sizes]
     monkeypatch.setattr(estimate.os, "cpu_count", lambda: 3)
     monkeypatch.setattr(estimate, "chosen", lambda chunks, which: (chunks, which)[0])
-    monkeypatch.setattr(estimate, "fresh_processes", lambda *words: asked.append(words) or Pool())
+    monkeypatch.setattr(processes, "fresh_processes", lambda *words: asked.append(words) or Pool())
     plan: Any = SimpleNamespace(scenarios=400, chunks=lambda: chunks)
     found = estimate.estimate(plan, workers=workers, chunks=(0, 3))
     assert asked[0][0] == 1

@@ -224,11 +224,15 @@ class Pool:
     def __exit__(self, *_: object) -> None:
         """Nothing is left."""
 
+    def shutdown(self, **_: bool) -> None:
+        """What waits is left out."""
+
     def submit(self, first: Callable[[], None]) -> None:
         held_back = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, set())
         self.submitted.append((first, held_back))
 
-    def map(self, task: Callable[[Any], Any], items: Any) -> Iterator[Any]:
+    def map(self, task: Callable[[Any], Any], items: Any, chunksize: int) -> Iterator[Any]:
+        assert chunksize == 1
         for item in items:
             if self.broken:
                 raise BrokenProcessPool

@@ -24,7 +24,7 @@ from nipper_pin import Mechanism
 from nipper_pin.bench.run_time import certified, cost
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.solution import Outcome
-from nipper_pin.study import cases
+from nipper_pin.study import cases, processes
 from nipper_pin.study.folders import make_folder
 from nipper_pin.study.identify import problem, profiles, suspects, targets, working, write
 from nipper_pin.study.identify.targets import Condition, Target
@@ -535,7 +535,7 @@ def made_up_work() -> tuple[Any, list[tuple[int, int]], Any]:
     pool = Pool()
     store: Any = Store(old=11)
     work: Any = Work(store, 3, lambda done, known: told.append((done, known)))
-    work._pool = pool
+    work._workers._pool = pool
     return work, told, pool
 
 
@@ -600,8 +600,13 @@ def test_sweeps_of_too_many_scenarios(tmp_path: Path) -> None:
 def test_sweeps_whose_process_dies(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is finished comes first; a chunk with a defect is given as such."""
     defect = DefectError("odd")
-    outcomes: list[Any] = [b"one", defect, BrokenProcessPool()]
-    left: list[Future[Any]] = []
+    outcomes: list[Any] = [b"one", defect]
+
+    def computed(*_: Any) -> Any:
+        what = outcomes.pop(0)
+        if isinstance(what, Exception):
+            raise what
+        return what
 
     class Pool:
         def __enter__(self) -> Pool:
@@ -610,16 +615,23 @@ def test_sweeps_whose_process_dies(monkeypatch: pytest.MonkeyPatch) -> None:
         def __exit__(self, *_: object) -> None:
             """Nothing is left."""
 
-        def submit(self, *_: Any) -> Future[Any]:
+        def shutdown(self, **_: bool) -> None:
+            """What waits is left out."""
+
+        def submit(self, task: Callable[[], Any]) -> Future[Any]:
             future: Future[Any] = Future()
-            what = outcomes.pop(0)
-            future.set_exception(what) if isinstance(what, Exception) else future.set_result(what)
-            left.append(future)
+            if outcomes:
+                future.set_result(task())
+            else:
+                future.set_exception(BrokenProcessPool())
             return future
 
     asked: list[Any] = []
+    monkeypatch.setattr(local, "run_chunk", computed)
     monkeypatch.setattr(
-        local, "fresh_processes", lambda workers, first: asked.append((workers, first)) or Pool()
+        processes,
+        "fresh_processes",
+        lambda workers, first: asked.append((workers, first)) or Pool(),
     )
     chunks = [SimpleNamespace(start=k) for k in range(3)]
     tasks: Any = [(chunk, np.zeros(1)) for chunk in chunks]

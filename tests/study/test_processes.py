@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from concurrent.futures import wait
+from functools import partial
+from multiprocessing import active_children, get_context
 
 import pytest
 
-from nipper_pin.study.processes import fresh_processes
+from nipper_pin.study import processes
+from nipper_pin.study.processes import WorkerError, Workers, fresh_processes
 
 # What OpenMP, OpenBLAS and MKL read when they are loaded.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -23,3 +28,93 @@ def test_every_process_computes_in_one_thread(monkeypatch: pytest.MonkeyPatch) -
     with fresh_processes(1, nothing) as pool:
         assert list(pool.map(os.getenv, THREADS)) == ["1", "1", "1"]
     assert [os.environ[name] for name in THREADS] == ["3", "2", "4"]
+
+
+def test_results_in_order_and_as_they_come() -> None:
+    """Of the same processes, which compute elsewhere."""
+    with Workers(2, nothing) as pool:
+        assert list(pool.in_order(divmod_by_three, range(7), chunk=2)) == [
+            divmod(k, 3) for k in range(7)
+        ]
+        tasks = ((k, partial(divmod, k, 3)) for k in range(7))
+        assert dict(pool.as_completed(tasks)) == {k: divmod(k, 3) for k in range(7)}
+        (elsewhere,) = pool.in_order(process_of, [0])
+        assert elsewhere != os.getpid()
+
+
+def divmod_by_three(number: int) -> tuple[int, int]:
+    """A function that another process can find."""
+    return divmod(number, 3)
+
+
+def process_of(_: int) -> int:
+    """Number of the process that computes."""
+    return os.getpid()
+
+
+def test_tasks_are_drawn_as_processes_need_them() -> None:
+    """Samples of a long sweep are not all made before the first result."""
+    drawn: list[int] = []
+
+    def tasks() -> Iterator[tuple[int, partial[int]]]:
+        for k in range(50):
+            drawn.append(k)
+            yield k, partial(abs, k)
+
+    with Workers(1, nothing, apart=True) as pool:
+        assert next(pool.as_completed(tasks())) == (0, 0)
+        assert len(drawn) <= 3
+
+
+def test_a_worker_that_dies_is_an_error() -> None:
+    """With what to do about it, whether results are asked for in order or as they come."""
+    for ask in (
+        lambda pool: list(pool.in_order(os._exit, [3])),
+        lambda pool: list(pool.as_completed([(0, partial(os._exit, 3))])),
+    ):
+        with (
+            pytest.raises(WorkerError, match=r"a worker process died, .* memory, alas") as caught,
+            Workers(1, nothing, advice=", alas", apart=True) as pool,
+        ):
+            ask(pool)
+        assert caught.value.evidence == {"workers": 1}
+
+
+def test_a_worker_that_cannot_start_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that did start are ended."""
+    kind = get_context("spawn").Process
+    start, before, started = kind.start, set(active_children()), []
+
+    def second_fails(process: object) -> None:
+        if started:
+            raise BlockingIOError(11, "Resource temporarily unavailable")
+        start(process)
+        started.append(process)
+
+    monkeypatch.setattr(kind, "start", second_fails)
+    with (
+        pytest.raises(WorkerError, match=r"2 worker processes cannot be started .*fewer") as caught,
+        Workers(2, nothing) as pool,
+    ):
+        list(pool.in_order(abs, [1]))
+    assert caught.value.evidence == {"workers": 2}
+    (first,) = started
+    first.join(30.0)
+    assert first.exitcode is not None
+    assert set(active_children()) <= before
+
+
+def test_an_interrupt_ends_what_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What runs ends, what waits does not begin."""
+    futures = []
+
+    def look(running: object) -> Iterator[object]:
+        futures.extend(running)  # type: ignore[call-overload]
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(processes, "_finished", look)
+    with pytest.raises(KeyboardInterrupt), Workers(1, nothing, apart=True) as pool:
+        list(pool.as_completed((k, partial(abs, k)) for k in range(9)))
+    assert len(futures) == 2
+    assert not wait(futures, 30.0).not_done

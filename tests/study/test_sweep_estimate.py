@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from sweep_studies import GEOMETRY, TABLE, plan, study
 
 from nipper_pin.cli import main
+from nipper_pin.study import processes
 from nipper_pin.study.sweep import estimate as module
 from nipper_pin.study.sweep.estimate import Estimate, timed
 
@@ -92,7 +94,7 @@ def test_a_dry_run_of_some_chunks_is_about_those(
 ) -> None:
     """15 mechanisms at 2 speeds in 8 chunks: six of the last two chunks, all but the start."""
     costs = module.Timed(blocks=15, block_s=40.0, scenario_s=1.0, engines={"direct": 6})
-    monkeypatch.setattr(module, "fresh_processes", lambda *_: Pool(costs))
+    monkeypatch.setattr(processes, "fresh_processes", lambda *_: Pool(costs))
     arguments = ["sweep", study(tmp_path, GEOMETRY), "--dry-run", "--workers", "1"]
     found = {}
     for words in ((), ("--chunks", "6-7")):
@@ -124,17 +126,14 @@ class Pool:
 
     def __exit__(self, *_: object) -> None: ...
 
-    def submit(self, *_: object) -> Pool:
-        return self
-
-    def result(self) -> module.Timed:
-        return self.costs
+    def map(self, *_: object, **__: object) -> Iterator[module.Timed]:
+        return iter([self.costs])
 
 
 def test_the_estimate_adds_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Work divided among the processes, after their start."""
     costs = module.Timed(blocks=15, block_s=0.04, scenario_s=1e-3, engines={})
-    monkeypatch.setattr(module, "fresh_processes", lambda *_: Pool(costs))
+    monkeypatch.setattr(processes, "fresh_processes", lambda *_: Pool(costs))
     found = module.estimate(plan(tmp_path, SPEEDS), 4)
     chunks = len(plan(tmp_path, SPEEDS).chunks())
     workers = min(4, chunks)

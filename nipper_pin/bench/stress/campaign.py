@@ -7,19 +7,19 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
-from ...study.processes import fresh_processes
+from ...study.processes import WorkerError, Workers
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .refusals import excesses
 from .space import trial
 from .store import Store
 
+_FEWER = ": run fewer --workers"
 _Job = tuple[int, int, float, tuple[str, ...]]
 
 
@@ -122,11 +122,8 @@ def run_campaign(
                 if kept.number < cases:
                     progress(kept)
         raise
-    except BrokenProcessPool as error:
-        message = (
-            f"a worker process died; {len(verdicts)} of {cases} trials are judged; run fewer "
-            "--workers if memory is short"
-        )
+    except WorkerError as error:
+        message = f"{error.message}; {len(verdicts)} of {cases} trials are judged"
         raise SimulationError(message, workers=count, judged=len(verdicts)) from error
     ordered = tuple(verdicts[number] for number in range(cases))
     return Campaign(seed, ordered, before + time.perf_counter() - began)
@@ -136,14 +133,9 @@ def _judged(jobs: list[_Job], workers: int) -> Iterator[Verdict]:
     """Verdicts as they come."""
     if not jobs:
         return
-    with fresh_processes(workers, _wake) as pool:
-        waiting = [pool.submit(_judge, job) for job in jobs]
-        try:
-            for done in as_completed(waiting):
-                yield done.result()
-        finally:
-            for future in waiting:
-                future.cancel()
+    with Workers(workers, _wake, advice=_FEWER, apart=True) as pool:
+        for _, verdict in pool.as_completed((job, partial(_judge, job)) for job in jobs):
+            yield verdict
 
 
 def _judge(job: _Job) -> Verdict:

@@ -6,14 +6,11 @@ SciPy's SLSQP takes another way, from the last bits on, where its BLAS has sever
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Self, TypeVar
 
-from ...errors import SimulationError
-from ..processes import fresh_processes, in_one_thread
+from ..processes import KEPT, Workers
 from .store import Store
 
 Progress = Callable[[int, int], None]
@@ -35,10 +32,8 @@ class Work:
     def __init__(self, store: Store, workers: int, progress: Progress | None) -> None:
         """Prepare; processes start with the first part that is missing."""
         self._store = store
-        self._workers = workers
+        self._workers = Workers(workers, _wake, advice=KEPT)
         self._progress = progress
-        self._stack = ExitStack()
-        self._pool: ProcessPoolExecutor | None = None
         self._done: set[str] = set()
         self._known = 0
 
@@ -49,13 +44,11 @@ class Work:
     def __exit__(
         self,
         kind: type[BaseException] | None,
-        _error: BaseException | None,
-        _trace: TracebackType | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         """End the processes; after a failure without what waits in them."""
-        if self._pool is not None and kind is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
-        self._stack.close()
+        self._workers.__exit__(kind, error, trace)
 
     def all(self, kind: type[PartT], tasks: Mapping[str, Callable[[], PartT]]) -> list[PartT]:
         """Results of tasks in their order.
@@ -65,14 +58,14 @@ class Work:
             tasks: What to do, by the name under which it is kept.
 
         Raises:
-            SimulationError: A process died.
+            WorkerError: A process died.
         """
         found = {name: self._store.get(name, kind) for name in tasks}
         missing = {name: task for name, task in tasks.items() if found[name] is None}
         self._known += len(tasks)
         self._advance(*(name for name in tasks if name not in missing))
         with self._counted(kind, missing):
-            for name, part in self._results(missing):
+            for name, part in self._workers.as_completed(missing.items()) if missing else ():
                 self._store.put(name, part)
                 found[name] = part
                 self._advance(name)
@@ -101,37 +94,11 @@ class Work:
         Args:
             function: What to map; it can be sent to other processes.
             places: Its arguments.
+
+        Raises:
+            WorkerError: A process died.
         """
-        pool = self._processes()
-        if pool is None:
-            return [function(place) for place in places]
-        return self._guarded(lambda: list(pool.map(function, places, chunksize=4)))
-
-    def _results(self, tasks: Mapping[str, Callable[[], PartT]]) -> Iterable[tuple[str, PartT]]:
-        pool = self._processes() if tasks else None
-        if pool is None:
-            for name, task in tasks.items():
-                yield name, task()
-            return
-        running: dict[Future[Any], str] = {pool.submit(task): name for name, task in tasks.items()}
-        for future in as_completed(running):
-            yield running[future], self._guarded(future.result)
-
-    def _processes(self) -> ProcessPoolExecutor | None:
-        if self._pool is None and not (self._workers == 1 and in_one_thread()):
-            self._pool = self._stack.enter_context(fresh_processes(self._workers, _wake))
-        return self._pool
-
-    def _guarded(self, take: Callable[[], PartT]) -> PartT:
-        try:
-            return take()
-        except BrokenProcessPool as error:
-            message = (
-                "a worker process died, perhaps for want of memory; parts that are finished are "
-                "kept in the folder: run the same command again, with fewer --workers (a script "
-                "of your own has to call this below `if __name__ == '__main__':`)"
-            )
-            raise SimulationError(message, workers=self._workers) from error
+        return list(self._workers.in_order(function, places, chunk=4))
 
     @contextmanager
     def _counted(self, kind: type[PartT], names: Iterable[str]) -> Iterator[None]:

@@ -6,13 +6,14 @@ import math
 import os
 import time
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ..processes import fresh_processes
+from ..processes import Workers
 from ..transitions import REDUCED, REDUCED_PAYS_FROM
 from .chunks import run_chunk
 from .local import check_workers, wake
@@ -82,13 +83,14 @@ def estimate(
     Raises:
         InputError: A package is missing, or an argument cannot be used.
         DefectError: A scenario meets a fault of the program.
+        WorkerError: The process died.
     """
     check_workers(workers)
     need_pyarrow()
     sizes = [chunk.stop - chunk.start for chunk in chosen(plan.chunks(), chunks)]
     count = min(workers or os.cpu_count() or 1, len(sizes))
-    with fresh_processes(1, wake) as pool:
-        found = pool.submit(timed, plan, max(sizes)).result()
+    with Workers(1, wake, apart=True) as pool:
+        (found,) = pool.in_order(partial(timed, plan), [max(sizes)])
     share = sum(sizes) / plan.scenarios
     work = share * (found.blocks * found.block_s + plan.scenarios * found.scenario_s)
     return Estimate(

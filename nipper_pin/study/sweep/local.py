@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Generator, Iterable
+from functools import partial
 
 from ...arrays import FloatArray
-from ...errors import InputError, SimulationError
-from ..processes import fresh_processes
+from ...errors import InputError
+from ..processes import KEPT, Workers
 from .chunks import DefectError, run_chunk
 from .plan import Chunk
-
-# Chunks that wait for each worker beside the one that it computes.
-_AHEAD = 1
 
 
 def check_workers(workers: int | None) -> None:
@@ -44,37 +40,21 @@ def on_this_machine(
         workers: Number of processes.
 
     Raises:
-        SimulationError: A process died.
+        WorkerError: A process died.
     """
     # They start while the first samples are drawn.
-    with fresh_processes(workers, wake) as pool:
-        running: dict[Future[bytes], Chunk] = {}
-        try:
-            for chunk, rows in tasks:
-                if len(running) >= workers * (1 + _AHEAD):
-                    yield from _finished(running)
-                running[pool.submit(run_chunk, job_text, chunk.start, rows)] = chunk
-            while running:
-                yield from _finished(running)
-        except BrokenProcessPool as error:
-            message = (
-                "a worker process died, perhaps for want of memory; what is finished is kept: run "
-                "the same command again, with fewer --workers"
-            )
-            raise SimulationError(message, workers=workers) from error
-        finally:
-            for future in running:
-                future.cancel()
+    with Workers(workers, wake, advice=KEPT, apart=True) as pool:
+        yield from pool.as_completed(
+            (chunk, partial(_content, job_text, chunk.start, rows)) for chunk, rows in tasks
+        )
 
 
-def _finished(running: dict[Future[bytes], Chunk]) -> Iterator[tuple[Chunk, bytes | DefectError]]:
-    """Wait for at least one chunk, and take out all that are done."""
-    for future in wait(running, return_when=FIRST_COMPLETED).done:
-        chunk = running.pop(future)
-        try:
-            yield chunk, future.result()
-        except DefectError as defect:
-            yield chunk, defect
+def _content(job_text: bytes, start: int, rows: FloatArray) -> bytes | DefectError:
+    """What a chunk computes; a defect is a result, too, since other chunks go on."""
+    try:
+        return run_chunk(job_text, start, rows)
+    except DefectError as defect:
+        return defect
 
 
 def wake() -> None:
