@@ -12,6 +12,7 @@ import msgspec
 
 from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
+from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
@@ -63,22 +64,25 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
     try:
         return msgspec.convert(document, kind)
     except msgspec.ValidationError as error:
-        text, _, place = str(error).partition(" - at `$")
-        key = place.strip("`.") or "document"
-        message = f"{file.name}: {key} cannot be used: {text}{_instead(text, place)}"
+        refusal = first_refusal(document, kind) or Refusal((), document, kind, text=str(error))
+        key = refusal.key or "document"
+        message = f"{file.name}: {key} cannot be used: {_reason(refusal)}"
         raise InputError(message, file=str(file), key=key) from error
 
 
-def _instead(text: str, place: str) -> str:
-    """What to write for an earlier word or form."""
-    word = text.removeprefix("Object contains unknown field `").rstrip("`")
-    known = _EARLIER if place else {**_EARLIER, **_EARLIER_AT_TOP}
-    if word in known:
-        return f"; write {known[word]}"
-    if text.startswith("Expected `object") and text.endswith("got `array`"):
-        whole = place.strip("`.") == "parameters"
-        return f"; write {'[parameters.NAME] with' if whole else 'a table with'} low and high"
-    return ""
+def _reason(refusal: Refusal) -> str:
+    """What is wrong, and what to write for an earlier word or form."""
+    word = refusal.unknown
+    if word is not None:
+        known = _EARLIER if refusal.path else {**_EARLIER, **_EARLIER_AT_TOP}
+        return f"unknown key `{word}`" + (f"; write {known[word]}" if word in known else "")
+    if refusal.missing is not None:
+        return f"the key `{refusal.missing}` is missing"
+    if isinstance(refusal.value, list) and may_be_table(refusal.kind):
+        whole = refusal.path == ("parameters",)
+        form = "[parameters.NAME] with" if whole else "a table with"
+        return f"{refusal.text}; write {form} low and high"
+    return refusal.text
 
 
 def base_mechanism(

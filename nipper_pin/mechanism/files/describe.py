@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
-import types
 import typing
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
@@ -22,6 +20,7 @@ from .description import (
     SpringDescription,
     StopDescription,
 )
+from .refusal import Refusal, first_refusal, is_table, member_of
 
 _SECTIONS: dict[str, Any] = {
     "drives": DriveDescription,
@@ -31,8 +30,6 @@ _SECTIONS: dict[str, Any] = {
     "closures": ClosureDescription,
     "initial": InitialDescription,
 }
-_MESSAGE = re.compile(r"^(?P<text>.*?)(?: - at `(?P<key>key in )?\$(?P<path>.*)`)?$", re.DOTALL)
-_FIELD = re.compile(r"field `(?P<name>[^`]+)`")
 _NOUNS: dict[Any, str] = {
     float: "a number",
     int: "a whole number",
@@ -57,7 +54,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
         entries = data.get(section, {})
         if not isinstance(entries, Mapping):
             raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
-        # One entry at a time: the converter does not say under which name of a table it failed.
+        # What is wrong with an element is told before what is wrong with the whole.
         for name, entry in entries.items():
             _convert(entry, kind, f"{section}.{name}", file)
     return _convert(data, Description, "", file)
@@ -73,8 +70,8 @@ def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, flo
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """
-    kind = _choose(_SECTIONS[section], entry)
-    if not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+    kind = member_of(_SECTIONS[section], entry)
+    if not is_table(kind):
         return {}
     hints = typing.get_type_hints(kind)
     return {
@@ -106,85 +103,41 @@ def _convert(value: object, kind: type[_T] | Any, prefix: str, file: str) -> _T:
     try:
         converted: _T = msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        raise _explain(error, value, kind, prefix, file) from None
+        refusal = first_refusal(value, kind)
+        if refusal is None:
+            raise ModelError(
+                file=file, key=prefix or "the file", value=value, allowed=str(error)
+            ) from error
+        raise _explain(refusal, prefix, file) from None
     return converted
 
 
-def _explain(
-    error: msgspec.ValidationError, value: object, kind: Any, prefix: str, file: str
-) -> ModelError:
+def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
     """Build the error for a refused value."""
-    match = _MESSAGE.match(str(error))
-    text = match["text"] if match else str(error)
-    path = (match["path"] or "") if match else ""
-    found, inner = _descend(value, kind, path)
-    key = (prefix + path).lstrip(".")
-    field = _FIELD.search(text)
-    known = ", ".join(_keys(inner, found))
-    if field and "unknown" in text:
-        name = field["name"]
-        missing = found.get(name) if isinstance(found, Mapping) else None
-        allowed = f"unknown key; known here: {known}"
-        return ModelError(
-            file=file, key=f"{key}.{name}".lstrip("."), value=missing, allowed=allowed
-        )
-    if field:
-        key = f"{key}.{field['name']}".lstrip(".")
-        law = field["name"] == "law" and known == "law"
-        choice = f"one of {', '.join(sorted(_laws()))}" if law else f"known here: {known}"
+    found = refusal.value
+    key = ".".join(part for part in (prefix, refusal.key) if part)
+    known = ", ".join(_keys(refusal.kind))
+    if refusal.unknown is not None:
+        value = found[refusal.unknown] if isinstance(found, Mapping) else None
+        key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
+    elif refusal.missing is not None:
+        law = refusal.missing == "law" and known == "law"
+        choice = f"one of {', '.join(_laws())}" if law else f"known here: {known}"
+        key, value = f"{key}.{refusal.missing}", None
         allowed = f"a required key is missing; {choice}"
-        return ModelError(file=file, key=key, value=None, allowed=allowed)
-    if path.endswith(".law") or path == ".law":
-        text = f"one of {', '.join(sorted(_laws()))}"
+    elif refusal.path[-1:] == ("law",):
+        value, allowed = found, f"one of {', '.join(_laws())}"
     else:
-        text = _allowed(inner) or text[:1].lower() + text[1:]
-    return ModelError(file=file, key=key or "the file", value=found, allowed=text)
+        text = refusal.text
+        value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]
+    return ModelError(
+        file=file, key=key.removeprefix(".") or "the file", value=value, allowed=allowed
+    )
 
 
-def _descend(value: object, kind: Any, path: str) -> tuple[object, Any]:
-    """Follow a path like ``.phases[0].name`` into a value and its type."""
-    for name, place in re.findall(r"\.([^.\[\]]+)|\[(\d+)\]", path):
-        kind = _member(kind, name, value)
-        if name:
-            value = value.get(name) if isinstance(value, Mapping) else None
-        else:
-            value = value[int(place)] if isinstance(value, list | tuple) else None
-    return value, kind
-
-
-def _choose(kind: Any, value: object) -> Any:
-    """Pick the struct type that a value of a union type belongs to, or the type itself."""
-    if typing.get_origin(kind) is Annotated:
-        kind = typing.get_args(kind)[0]
-    if typing.get_origin(kind) not in (typing.Union, types.UnionType):
-        return kind
-    structs = [
-        item
-        for item in typing.get_args(kind)
-        if isinstance(item, type) and issubclass(item, msgspec.Struct)
-    ]
-    law = value.get("law") if isinstance(value, Mapping) else None
-    for item in structs:
-        if len(structs) == 1 or item.__struct_config__.tag == law:
-            return item
-    return kind
-
-
-def _member(kind: Any, name: str, value: object) -> Any:
-    """Type of a field, or of the items of a sequence if the name is empty."""
-    kind = _choose(kind, value)
-    if not name:
-        arguments = typing.get_args(kind)
-        return arguments[0] if arguments else None
-    if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-        return typing.get_type_hints(kind, include_extras=True).get(name)
-    return None
-
-
-def _keys(kind: Any, value: object) -> list[str]:
+def _keys(kind: Any) -> list[str]:
     """Keys that a table of this type may have."""
-    kind = _choose(kind, value)
-    if not (isinstance(kind, type) and issubclass(kind, msgspec.Struct)):
+    if not is_table(kind):
         return ["law"]
     tag = kind.__struct_config__.tag_field
     return sorted([field.name for field in msgspec.structs.fields(kind)] + ([tag] if tag else []))
@@ -213,5 +166,5 @@ def _allowed(kind: Any) -> str:
 
 
 def _laws() -> list[str]:
-    """Names of the drive laws."""
-    return [str(item.__struct_config__.tag) for item in typing.get_args(DriveDescription)]
+    """Names of the drive laws, sorted."""
+    return sorted(str(item.__struct_config__.tag) for item in typing.get_args(DriveDescription))
