@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
+from ..units import MM_PER_M
 from .multibody import Multibody
 
 _MAX_ITERATIONS = 25
@@ -189,7 +190,7 @@ def close_positions(
         best = min(best, residual)
         q[:, dependent] -= _solve(jacobian[:, :, dependent], g[:, :, None])
     message = (
-        f"the loops do not close: {best * 1e3:.3g} mm remain after {_MAX_ITERATIONS} Newton "
+        f"the loops do not close: {best * MM_PER_M:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"
     )
     evidence = {"residual": best, "tolerance": tolerance, "iterations": _MAX_ITERATIONS}

@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ElementError
 from ..mechanism import COINCIDENT_M, Mechanism
+from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 
 # A root of a gap at the end of a table may lie, by round-off, beyond it: in parts of its length.
@@ -127,7 +128,7 @@ class Elements:
                 row = int(outside[0])
                 joint = self._joints[table.index]
                 factor, unit = (
-                    (1e3, "mm") if joint.kind == "prismatic" else (np.degrees(1.0), "deg")
+                    (MM_PER_M, "mm") if joint.kind == "prismatic" else (DEG_PER_RAD, "deg")
                 )
                 message = (
                     f"spring {table.name}: at t = {t[row]:.6g} s joint {joint.name} stands at "

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ..units import S_PER_MIN
+
 INDEX_PER_TURN = 40.0
 
 
 def rad_s_from_rpm(speed_rpm: float) -> float:
     """Convert a speed from r/min to rad/s."""
-    return speed_rpm * math.tau / 60.0
+    return speed_rpm * math.tau / S_PER_MIN
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import InputError
+from ..units import MM_PER_M
 
 Evaluation = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -67,15 +68,16 @@ class OscillatingGuide:
         distance = math.hypot(dx, dz)
         if not 0.0 < self.crank_radius_m < distance:
             message = (
-                f"a crank of {1e3 * self.crank_radius_m:g} mm, {1e3 * distance:g} mm from the "
-                "guide axis, does not make the guide oscillate: the radius must be the smaller one"
+                f"a crank of {MM_PER_M * self.crank_radius_m:g} mm, {MM_PER_M * distance:g} mm "
+                "from the guide axis, does not make the guide oscillate: the radius must be the "
+                "smaller one"
             )
             raise InputError(message, crank_radius_m=self.crank_radius_m, distance_m=distance)
         if not abs(self.guide_offset_m) < distance - self.crank_radius_m:
             message = (
-                f"a guide offset of {1e3 * self.guide_offset_m:g} mm jams the guide: it must be "
-                f"smaller than {1e3 * (distance - self.crank_radius_m):g} mm, the least distance "
-                "of the pin from the guide axis"
+                f"a guide offset of {MM_PER_M * self.guide_offset_m:g} mm jams the guide: it must "
+                f"be smaller than {MM_PER_M * (distance - self.crank_radius_m):g} mm, the least "
+                "distance of the pin from the guide axis"
             )
             raise InputError(message, guide_offset_m=self.guide_offset_m, distance_m=distance)
         object.__setattr__(self, "_distance", distance)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
+from ..units import S_PER_MIN
 from .inputs import check_run, column, number, one_row, spring_rows
 from .layout import HOLDS, UNKNOWN
 from .model import ReducedModel
@@ -64,7 +65,7 @@ def transition(
         model.tables,
         model.arrival.tables,
         model.arrival.turn,
-        number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / 60.0),
+        number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN),
         number("restitution", e_N, 0.0, 1.0),
         one_row("stiffness", stiffness, model.stiffness, 0.0),
         one_row("preload", preload, model.preload, -math.inf),
@@ -149,7 +150,7 @@ def transitions(
         model.tables,
         model.arrival.tables,
         model.arrival.turn,
-        _full(speed * (math.tau / 60.0), (n,)),
+        _full(speed * (math.tau / S_PER_MIN), (n,)),
         _full(e_N, (n,)),
         _full(rates, (n, springs)),
         _full(lengths, (n, springs)),

@@ -14,15 +14,16 @@ from ..errors import InputError
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
 from ..reduced.inputs import column, spring_rows
+from ..units import M_PER_MM, RAD_PER_DEG
 
 # A linear spring that is wound further, or is stiffer, has its number in another unit.
 _MOST_TURNS = 10
 _STIFFEST = 1e10
 SPRING_KEYS = {
     "stiffness_N_per_m": ("m", "stiffness", 1.0, "N/m"),
-    "preload_length_mm": ("m", "preload", 1e-3, "mm"),
+    "preload_length_mm": ("m", "preload", M_PER_MM, "mm"),
     "stiffness_N_m_per_rad": ("rad", "stiffness", 1.0, "N m/rad"),
-    "preload_deg": ("rad", "preload", math.pi / 180.0, "deg"),
+    "preload_deg": ("rad", "preload", RAD_PER_DEG, "deg"),
 }
 """Keys of a spring: unit of its coordinate, name of the row, factor to SI, unit in sentences."""
 

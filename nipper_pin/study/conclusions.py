@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..units import MRAD_PER_RAD, MS_PER_S
 from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
 
 _WORDS = {
@@ -56,8 +57,8 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
         Sentences made from the numbers; they hold for small changes of one number at a time.
     """
     bounce, lasts, clamp = (
-        1e3 * found.amplitude_rad,
-        1e3 * found.transition_time_s,
+        MRAD_PER_RAD * found.amplitude_rad,
+        MS_PER_S * found.transition_time_s,
         found.clamping_force_N,
     )
     text = [

@@ -11,6 +11,7 @@ from ..hybrid.result.quantities import force_unit
 from ..hybrid.result.solution import Solution
 from ..hybrid.result.tables import Collision, PhaseInterval, Transition
 from ..mechanism import Mechanism, Stop, Strut
+from ..units import DEG_PER_RAD, MM_PER_M, UM_PER_M
 
 TURNS_SHOWN = 2
 
@@ -38,10 +39,9 @@ class Units:
     rate_factor: float
 
 
-_DEGREES = math.degrees(1.0)
 _BY_KIND = {
-    "revolute": Units("angle", "deg", _DEGREES, "deg", _DEGREES, "rad/s", 1.0),
-    "prismatic": Units("stroke", "mm", 1e3, "um", 1e6, "mm/s", 1e3),
+    "revolute": Units("angle", "deg", DEG_PER_RAD, "deg", DEG_PER_RAD, "rad/s", 1.0),
+    "prismatic": Units("stroke", "mm", MM_PER_M, "um", UM_PER_M, "mm/s", MM_PER_M),
 }
 
 
@@ -76,8 +76,8 @@ def spring_text(mechanism: Mechanism) -> str:
             stiffness = f"{spring.stiffness:g} N m/rad"
             preload = f"{math.degrees(spring.preload):g} deg ({force} N m)"
         else:
-            stiffness = f"{spring.stiffness / 1e3:g} N/mm"
-            preload = f"{spring.preload * 1e3:g} mm ({force} N)"
+            stiffness = f"{spring.stiffness / MM_PER_M:g} N/mm"
+            preload = f"{spring.preload * MM_PER_M:g} mm ({force} N)"
         parts.append(f"{spring.name} {stiffness}, preload {preload}")
     for table in mechanism.tabulated_springs:
         units, rows = units_of(mechanism, table.index), table.characteristic
@@ -87,8 +87,8 @@ def spring_text(mechanism: Mechanism) -> str:
         parts.append(f"{table.name} table from {low} to {high} {units.coordinate}, {forces} {unit}")
     for strut in _struts(mechanism, "spring"):
         parts.append(
-            f"{strut.name} {strut.stiffness / 1e3:g} N/mm from {strut.frame_a} to {strut.frame_b}, "
-            f"free length {1e3 * strut.free_length:g} mm"
+            f"{strut.name} {strut.stiffness / MM_PER_M:g} N/mm from {strut.frame_a} to "
+            f"{strut.frame_b}, free length {MM_PER_M * strut.free_length:g} mm"
         )
     return "; ".join(parts) or "none"
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from ..arrays import FloatArray
 from ..hybrid.result.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
+from ..units import MS_PER_S, S_PER_MS
 from .reading import (
     case_text,
     index_at,
@@ -111,18 +112,22 @@ def shade_phases(solution: Solution, axes: Axes, *, numbered: bool) -> None:
     """Shade the phases along a time axis in ms and number those that are wide enough."""
     mechanism, until = solution.mechanism, shown_until(solution)
     for item in shown_phases(solution):
-        begin, end = 1e3 * item.t_start, 1e3 * min(item.t_end, until)
+        begin, end = MS_PER_S * item.t_start, MS_PER_S * min(item.t_end, until)
         axes.axvspan(begin, end, facecolor=tint(mechanism, item.closed), linewidth=0, zorder=0)
-        if numbered and item.number is not None and end - begin > _NARROWEST_LABEL * 1e3 * until:
+        if (
+            numbered
+            and item.number is not None
+            and end - begin > _NARROWEST_LABEL * MS_PER_S * until
+        ):
             axes.text(0.5 * (begin + end), 0.97, str(item.number), fontsize=SMALL, color="0.25",
                       transform=axes.get_xaxis_transform(), ha="center", va="top")  # fmt: skip
-    axes.set_xlim(0.0, 1e3 * until)
+    axes.set_xlim(0.0, MS_PER_S * until)
 
 
 def index_scale(solution: Solution, axes: Axes) -> None:
     """Add the comber's index above a time axis in ms."""
     start = index_at(solution, 0.0)
-    per_ms = 1e-3 * INDEX_PER_TURN / solution.shaft.period
+    per_ms = S_PER_MS * INDEX_PER_TURN / solution.shaft.period
 
     def index(t: ArrayLike) -> FloatArray:
         return start + per_ms * np.asarray(t, dtype=float)

@@ -19,6 +19,7 @@ from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
+from ...units import US_PER_MS
 from .certified import certified_cycle
 from .phase_cost import phase_cost, transition_parts
 from .scenes import bouncing_mass, bouncing_mass_rest, bouncing_mass_times, four_bar_chain
@@ -153,7 +154,7 @@ def link_cost(counts: tuple[int, ...], repeats: int, budget_s: float) -> Rows:
                 row[f"{drive.value}_ms"] = timing.median_ms
                 row[f"{drive.value}_evaluations"] = solution.evaluations
                 row[f"{drive.value}_energy_balance"] = solution.checks.energy_balance
-            row["evaluation_us"] = 1e3 * _evaluation_ms(mechanism)
+            row["evaluation_us"] = US_PER_MS * _evaluation_ms(mechanism)
             rows.append(row)
     return rows
 

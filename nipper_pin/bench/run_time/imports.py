@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...units import MS_PER_S, MS_PER_US
 from .cost import run_python
 
 # Never needed by a run that draws nothing; the last three are not even dependencies.
@@ -51,7 +52,9 @@ def left_out(runs: int) -> list[tuple[str, float, float]]:
         answers = [run_python(code).split() for _ in range(runs)]
         if answers[0] == [_MISSING]:
             continue
-        own, both = (1e3 * min(float(answer[column]) for answer in answers) for column in (0, 1))
+        own, both = (
+            MS_PER_S * min(float(answer[column]) for answer in answers) for column in (0, 1)
+        )
         found.append((library.partition(".")[0], own, both))
     return found
 
@@ -69,14 +72,14 @@ def import_cost(runs: int = 3) -> ImportCost:
 
 def cumulative_ms(log: str, module: str) -> float:
     """Cumulative time of a module in a log of import times: ``... self | cumulative | name``."""
-    return 1e-3 * next(total for _, total, name in _import_times(log) if name == module)
+    return MS_PER_US * next(total for _, total, name in _import_times(log) if name == module)
 
 
 def following_ms(log: str, module: str) -> float:
     """Time of all imports that a log of import times shows after that of a module."""
     times = _import_times(log)
     last = max(place for place, (_, _, name) in enumerate(times) if name == module)
-    return 1e-3 * sum(own for own, _, _ in times[last + 1 :])
+    return MS_PER_US * sum(own for own, _, _ in times[last + 1 :])
 
 
 def _import_times(log: str) -> list[tuple[float, float, str]]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...units import MS_PER_S
 from .certified import Certified
 from .timing import Timing, timed
 from .work_precision import Observed, Row, graded
@@ -82,7 +83,7 @@ def reduced_work(
     count = _QUICK_BATCH if quick else _BATCH
     sweep = np.linspace((1.0 - _SPAN) * speed, (1.0 + _SPAN) * speed, count)
     timing = timed(lambda: transitions(model, speed_rpm=sweep), repeats, budget)
-    summary |= {"batch": count, "transitions_per_s": 1e3 * count / timing.median_ms}
+    summary |= {"batch": count, "transitions_per_s": MS_PER_S * count / timing.median_ms}
     return [*singles, *batches], summary
 
 

@@ -16,6 +16,7 @@ import math
 from pathlib import Path
 
 from ...mechanism import Mechanism, load
+from ...units import MM_PER_M
 
 TABLE_SPEED_M_S = 0.06
 _GRAVITY = 9.81
@@ -48,7 +49,7 @@ initial_phase = 1
 [drives.table]
 joint = "lift"
 law = "screw"
-lead_mm_per_turn = {1e3 * TABLE_SPEED_M_S}
+lead_mm_per_turn = {MM_PER_M * TABLE_SPEED_M_S}
 reflected_mass_kg = 10.0
 shaft_frequency_hz = 10.0
 shaft_damping_ratio = 0.7

@@ -14,6 +14,8 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+from ...units import MS_PER_S
+
 _PACKAGES = (
     "nipper-pin", "pin", "coal", "numpy", "scipy", "numba", "msgspec", "rich", "matplotlib",
 )  # fmt: skip
@@ -59,7 +61,7 @@ def timed(function: Callable[[], object], repeats: int, budget_s: float = inf) -
         if enough or (len(times) > 1 and elapsed > budget_s):
             break
         function()
-        times.append(1e3 * (time.perf_counter() - start))
+        times.append(MS_PER_S * (time.perf_counter() - start))
     first, *others = times
     spread = 0.0
     if len(others) >= 4:

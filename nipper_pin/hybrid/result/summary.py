@@ -8,6 +8,7 @@ import numpy as np
 
 from ...frames import Column
 from ...notebook import html
+from ...units import MS_PER_S
 from ..event import EventKind
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def page(solution: Solution) -> str:
     """
     facts = {"case": _case(solution), "outcome": solution.outcome.value}
     if solution.transitions:
-        facts["transition"] = f"{1e3 * solution.transitions[0].duration:.6g} ms"
+        facts["transition"] = f"{MS_PER_S * solution.transitions[0].duration:.6g} ms"
     table = columns(solution)
     shown = {name: table[name] for name in _SHOWN if name in table}
     rows = list(zip(*shown.values(), strict=True))

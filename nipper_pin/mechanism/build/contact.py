@@ -10,6 +10,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
+from ...units import MM_PER_M
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
 from ..files.description import ContactDescription
@@ -232,7 +233,7 @@ def _check_touch(
     """Refuse bodies that do not touch where the stop is closed."""
     if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
         return
-    value = f"{pair}, {1e3 * start.distance:.6g} mm apart at {joint.name} = {_place(at, joint)}"
+    value = f"{pair}, {MM_PER_M * start.distance:.6g} mm apart at {joint.name} = {_place(at, joint)}"
     if not math.isfinite(closing):
         allowed = (
             f"a {'growing' if sense > 0.0 else 'falling'} coordinate of {joint.name} must move the "
@@ -240,7 +241,7 @@ def _check_touch(
         )
     else:
         allowed = (
-            f"the bodies must touch within {1e3 * TOUCH_TOLERANCE_M:g} mm where the coordinate is "
+            f"the bodies must touch within {MM_PER_M * TOUCH_TOLERANCE_M:g} mm where the coordinate is "
             f"{_place(at, joint)}; their shapes in the URDF touch at {joint.name} = "
             f"{_place(closing, joint)}"
         )
@@ -251,4 +252,4 @@ def _place(coordinate: float, joint: UrdfJoint) -> str:
     """A coordinate as people read it."""
     if joint.kind == "revolute":
         return f"{math.degrees(coordinate):.6g} deg"
-    return f"{1e3 * coordinate:.6g} mm"
+    return f"{MM_PER_M * coordinate:.6g} mm"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -10,6 +9,7 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import InputError, ModelError, UnknownNameError
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
@@ -33,13 +33,13 @@ _OF_JOINT = {
         ("stiffness_N_per_m", "preload_length_mm"),
         ("coordinate_mm", "force_N"),
         "damping_N_s_per_m",
-        1e-3,
+        M_PER_MM,
     ),
     "revolute": _Keys(
         ("stiffness_N_m_per_rad", "preload_deg"),
         ("coordinate_deg", "torque_N_m"),
         "damping_N_m_s_per_rad",
-        math.pi / 180.0,
+        RAD_PER_DEG,
     ),
 }
 DYNAMICS = "<dynamics> of "
@@ -92,7 +92,7 @@ def build_elements(
             values = {
                 # The check leaves neither of them None.
                 "stiffness": spring.stiffness_N_per_m or 0.0,
-                "free_length": 1e-3 * (spring.free_length_mm or 0.0),
+                "free_length": M_PER_MM * (spring.free_length_mm or 0.0),
             }
             struts.append(_strut("spring", name, spring, values, urdf.links, model, file))
             continue

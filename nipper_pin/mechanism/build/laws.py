@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...units import M_PER_MM
 from ...errors import InputError, ModelError, UnknownNameError
 from ..cylinder import Cylinder
 from ..files.description import (
@@ -79,19 +80,19 @@ def _basic(drive: DriveDescription) -> DriveLaw:
     """Build a law that stands on its own."""
     if isinstance(drive, OscillatingGuideDrive):
         return OscillatingGuide(
-            crank_radius_m=1e-3 * drive.crank_radius_mm,
-            crank_axis=(1e-3 * drive.crank_axis_mm[0], 1e-3 * drive.crank_axis_mm[1]),
-            guide_axis=(1e-3 * drive.guide_axis_mm[0], 1e-3 * drive.guide_axis_mm[1]),
-            guide_offset_m=1e-3 * drive.guide_offset_mm,
+            crank_radius_m=M_PER_MM * drive.crank_radius_mm,
+            crank_axis=(M_PER_MM * drive.crank_axis_mm[0], M_PER_MM * drive.crank_axis_mm[1]),
+            guide_axis=(M_PER_MM * drive.guide_axis_mm[0], M_PER_MM * drive.guide_axis_mm[1]),
+            guide_offset_m=M_PER_MM * drive.guide_offset_mm,
         )
     if isinstance(drive, ConstantSpeedDrive):
         return ConstantSpeed(ratio=drive.ratio)
     if isinstance(drive, ScrewDrive):
-        return ConstantSpeed(ratio=1e-3 * drive.lead_mm_per_turn / math.tau)
+        return ConstantSpeed(ratio=M_PER_MM * drive.lead_mm_per_turn / math.tau)
     if isinstance(drive, FourierDrive):
         # The keys of one unit are empty: those of the other kind of joint.
         return Fourier(
-            mean=drive.mean_rad + 1e-3 * drive.mean_mm,
+            mean=drive.mean_rad + M_PER_MM * drive.mean_mm,
             cosine=drive.cosine_rad or _metres(drive.cosine_mm),
             sine=drive.sine_rad or _metres(drive.sine_mm),
         )
@@ -105,7 +106,7 @@ def _basic(drive: DriveDescription) -> DriveLaw:
 
         return Cam(
             motion=drive.motion,
-            lift=math.radians(drive.lift_deg or 0.0) + 1e-3 * (drive.lift_mm or 0.0),
+            lift=math.radians(drive.lift_deg or 0.0) + M_PER_MM * (drive.lift_mm or 0.0),
             start_rad=math.radians(drive.start_deg),
             rise_rad=math.radians(drive.rise_deg),
             dwell_rad=math.radians(drive.dwell_deg),
@@ -117,7 +118,7 @@ def _basic(drive: DriveDescription) -> DriveLaw:
 
 def _metres(values: tuple[float, ...]) -> tuple[float, ...]:
     """Millimetres in metres."""
-    return tuple(1e-3 * value for value in values)
+    return tuple(M_PER_MM * value for value in values)
 
 
 def _culprit(drive: DriveDescription) -> tuple[str, object]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -10,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
+from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import ModelError, UnknownNameError
 from .touch_checks import check_assembly
 from .elements import build_elements
@@ -25,7 +25,7 @@ from .starts import build_starts
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 
-_STOP_PLACES = {"prismatic": ("at_mm", 1e-3), "revolute": ("at_deg", math.pi / 180.0)}
+_STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
 _ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
 

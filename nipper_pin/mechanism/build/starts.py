@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
+from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import ModelError, UnknownNameError
 from ..files.description import InitialDescription
 from ..mechanism import Drive, Joint, Start, Stop
 
 _KEYS = {
-    "prismatic": (("at_mm", 1e-3), ("rate_mm_per_s", 1e-3)),
-    "revolute": (("at_deg", math.pi / 180.0), ("rate_rad_per_s", 1.0)),
+    "prismatic": (("at_mm", M_PER_MM), ("rate_mm_per_s", M_PER_MM)),
+    "revolute": (("at_deg", RAD_PER_DEG), ("rate_rad_per_s", 1.0)),
 }
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
+from ...units import MM_PER_M
 from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError
 from ..drives import OscillatingGuide
@@ -150,7 +151,7 @@ def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> Non
     """Refuse a closure whose frames do not meet."""
     for closure, gap in zip(closures, gaps, strict=True):
         if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:
-            x, z = 1e3 * gap
+            x, z = MM_PER_M * gap
             first, meet = closure.frame_a, "the frames meet"
             if closure.slot_frame is not None:
                 first = f"the slot along {closure.slot_axis} of {closure.slot_frame}"
@@ -160,7 +161,7 @@ def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> Non
                 key=f"closures.{closure.name}",
                 value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first} to "
                 f"{closure.frame_b}",
-                allowed=f"{meet} within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
+                allowed=f"{meet} within {MM_PER_M * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
                 "configuration, where all joint coordinates are zero",
             )
 
@@ -215,14 +216,14 @@ def _check_guides(
         stands = placements[model.getJointId(joint.name)].translation[list(_PLANE)]
         apart = float(np.hypot(*(np.array(drive.law.guide_axis) - stands)))
         if apart > ASSEMBLY_TOLERANCE_M:
-            x, z = 1e3 * stands
+            x, z = MM_PER_M * stands
             raise ModelError(
                 file=file,
                 key=f"drives.{drive.name}.guide_axis_mm",
-                value=[round(1e3 * place, 9) for place in drive.law.guide_axis],
+                value=[round(MM_PER_M * place, 9) for place in drive.law.guide_axis],
                 allowed=f"the place of the joint {joint.name} that the guide turns, "
-                f"[{x:.9g}, {z:.9g}], within {1e3 * ASSEMBLY_TOLERANCE_M:g} mm; it stands "
-                f"{1e3 * apart:.6g} mm away; points.{joint.name}.x_mm and z_mm move both",
+                f"[{x:.9g}, {z:.9g}], within {MM_PER_M * ASSEMBLY_TOLERANCE_M:g} mm; it stands "
+                f"{MM_PER_M * apart:.6g} mm away; points.{joint.name}.x_mm and z_mm move both",
             )
 
 

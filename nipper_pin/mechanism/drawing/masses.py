@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from ...errors import InputError
+from ...units import M_PER_MM
 from .parts import Body, Place
 from .places import distance, place
 
@@ -48,7 +49,7 @@ def mass_of(body: Body, points: Mapping[str, Place]) -> Mass:
         (distance(a, b), (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))) for a, b in pairwise(places)
     ]
     length = sum(size for size, _ in rods)
-    mass = 1e-3 * body.density_kg_m * length if body.mass_kg is None else body.mass_kg
+    mass = M_PER_MM * body.density_kg_m * length if body.mass_kg is None else body.mass_kg
     centre = (
         sum(size * middle[0] for size, middle in rods) / length,
         sum(size * middle[1] for size, middle in rods) / length,

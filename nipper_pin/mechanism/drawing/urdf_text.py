@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2
 from xml.sax.saxutils import escape
 
+from ...units import M_PER_MM
 from .masses import mass_of
 from .parts import FRAME, Body, Pin, Place, Slide, Slot, Tie
 from .places import place, vector
@@ -103,4 +104,4 @@ def _frame(tree: Tree, name: str, link: str, point: str, turned: float = 0.0) ->
 
 def _offset(tree: Tree, link: str, at: Place) -> str:
     x, z = tree.origins[link]
-    return f"{1e-3 * (at[0] - x)!r} 0 {1e-3 * (at[1] - z)!r}"
+    return f"{M_PER_MM * (at[0] - x)!r} 0 {M_PER_MM * (at[1] - z)!r}"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import radians
 
+from ...units import M_PER_MM
 from .parts import FRAME, Body, Pin, Place, Slide
 from .places import direction, distance, place, vector
 from .tree import Tree
@@ -91,14 +92,14 @@ def _box(
     colour: tuple[float, float, float] | None = None,
 ) -> str:
     lean = -radians(angle_deg)
-    size = " ".join(f"{1e-3 * edge:.6g}" for edge in edges)
+    size = " ".join(f"{M_PER_MM * edge:.6g}" for edge in edges)
     return _shape(tree, link, name, at, aside, f"0 {lean:.9g} 0", f'<box size="{size}"/>', colour)
 
 
 def _disc(
     tree: Tree, link: str, name: str, at: Place, radius: float, thick: float, aside: float
 ) -> str:
-    solid = f'<cylinder radius="{1e-3 * radius:.6g}" length="{1e-3 * thick:.6g}"/>'
+    solid = f'<cylinder radius="{M_PER_MM * radius:.6g}" length="{M_PER_MM * thick:.6g}"/>'
     return _shape(tree, link, name, at, aside, "1.57079632679 0 0", solid, None)
 
 
@@ -113,7 +114,7 @@ def _shape(
     colour: tuple[float, float, float] | None,
 ) -> str:
     x, z = at[0] - tree.origins[link][0], at[1] - tree.origins[link][1]
-    xyz = f"{1e-3 * x:.6g} {1e-3 * aside:.6g} {1e-3 * z:.6g}"
+    xyz = f"{M_PER_MM * x:.6g} {M_PER_MM * aside:.6g} {M_PER_MM * z:.6g}"
     paint = ""
     if colour is not None:
         rgba = " ".join(f"{part:g}" for part in (*colour, 1.0))

@@ -20,6 +20,7 @@ from collections.abc import Mapping, Sequence
 from xml.etree import ElementTree
 
 from ...errors import ModelError, UnknownNameError
+from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin
 from .layout import Layout, read_layout
 from .points import move_points, write_origin
@@ -106,10 +107,10 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
     if key in _COM:
         xyz, _ = origin(inertial, path, file)
         world = found.place[name] + found.turn[name] @ xyz
-        return float(1e3 * world[_COM[key]])
+        return float(MM_PER_M * world[_COM[key]])
     if key == _GYRATION:
         mass, inertia = (_number(inertial, item, path, file) for item in _MASS)
-        return 1e3 * math.sqrt(inertia / mass)
+        return MM_PER_M * math.sqrt(inertia / mass)
     return _number(inertial, key, path, file)
 
 
@@ -176,7 +177,7 @@ def _change_link(found: Layout, link: str, new: Mapping[str, float], file: str) 
         xyz, _ = origin(inertial, f"link {link} inertial", file)
         world = found.place[link] + found.turn[link] @ xyz
         for key, axis in _COM.items():
-            world[axis] = 1e-3 * new[key] if key in new else world[axis]
+            world[axis] = M_PER_MM * new[key] if key in new else world[axis]
         write_origin(inertial, found.turn[link].T @ (world - found.place[link]), None)
     for key in _MASS:
         if key in new:
@@ -184,7 +185,7 @@ def _change_link(found: Layout, link: str, new: Mapping[str, float], file: str) 
     if _GYRATION in new:
         path = f"links.{link}.{_GYRATION}"
         mass = _number(inertial, "mass_kg", path, file)
-        inertia = mass * (1e-3 * new[_GYRATION]) ** 2
+        inertia = mass * (M_PER_MM * new[_GYRATION]) ** 2
         _write_number(inertial, "inertia_kg_m2", inertia, path, file)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
+from ...units import MM_PER_M
 from ..files.urdf_values import origin, rotation_from_rpy
 
 
@@ -46,7 +47,7 @@ class Layout:
         """
         if name not in self.points:
             raise UnknownNameError(kind="point", name=name, known=self.points)
-        x, _, z = 1e3 * self.place[self.points[name]]
+        x, _, z = MM_PER_M * self.place[self.points[name]]
         return float(x), float(z)
 
     def carried_by(self, name: str) -> str | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from ...errors import ModelError, UnknownNameError
+from ...units import DEG_PER_TURN
 from ..files.csv_tables import inline_tables
 from ..files.describe import describe
 from ..files.urdf import parse_xml
@@ -17,7 +18,6 @@ from .urdf_paths import steps_of
 
 # Squares and products of what is larger leave the range of a float before anything can be checked.
 _LARGEST = 1e12
-_TURN_DEG = 360.0
 
 
 def by_path(
@@ -140,7 +140,7 @@ def _close_turns(document: dict[str, object], written: Iterable[str], file: str)
         other = f"[{rows - 1}]" if sign > 0.0 else "[0]"
         if ("drives", drive, column, other) in ends:
             continue
-        apart = sign * _TURN_DEG if column == "cylinder_angle_deg" else 0.0
+        apart = sign * DEG_PER_TURN if column == "cylinder_angle_deg" else 0.0
         value = number_at(document, path, file) + apart
         replace_value(document, f"drives.{drive}.{column}{other}", value, file)
 

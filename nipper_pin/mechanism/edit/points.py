@@ -27,6 +27,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError
+from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from .layout import Layout, element_name, end
 
@@ -99,7 +100,7 @@ def _shifts(
     shifts: dict[str, FloatArray] = {}
     for point, (x, z) in places_mm.items():
         old_x, old_z = found.point_mm(point)
-        shift = 1e-3 * np.array([x - old_x, 0.0, z - old_z])
+        shift = M_PER_MM * np.array([x - old_x, 0.0, z - old_z])
         for other in found.meeting[point]:
             link = found.points[other]
             if np.abs(shifts.get(link, shift) - shift).max() > _SAME_M:
@@ -203,9 +204,9 @@ def _with_guides(
             if key not in drive:
                 continue
             for link in found.points.values():
-                x, _, z = 1e3 * found.place[link]
-                if math.hypot(drive[key][0] - x, drive[key][1] - z) < 1e3 * _SAME_M:
-                    new_x, _, new_z = 1e3 * place[link]
+                x, _, z = MM_PER_M * found.place[link]
+                if math.hypot(drive[key][0] - x, drive[key][1] - z) < MM_PER_M * _SAME_M:
+                    new_x, _, new_z = MM_PER_M * place[link]
                     drive[key] = [float(new_x), float(new_z)]
                     break
     return dict(changed)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import NipperError
 from ...mechanism import Mechanism
+from ...units import DEG_PER_RAD, MM_PER_M, MRAD_PER_RAD, MS_PER_S, US_PER_S
 from .fit import Fit
 
 _FAR = 5.0
@@ -16,7 +17,6 @@ _FAR = 5.0
 _MET = 2.0
 # A model that is right to this factor tells degrees from millimetres at the lips of a comber.
 _NEAR = 1.25
-_DEGREE = math.degrees(1.0)
 
 
 def suspected_units(fit: Fit) -> tuple[str, ...]:
@@ -80,10 +80,10 @@ def _units(name: str, mechanism: Mechanism) -> dict[str, float]:
         kinds = {joint.index: joint.kind for joint in mechanism.joints}
         per = " a second" if "rate" in name else ""
         if kinds[stop.index] != "revolute":
-            return {f"millimetres{per}": 1e3}
-        units = {f"degrees{per}": _DEGREE, f"milliradians{per}": 1e3}
+            return {f"millimetres{per}": MM_PER_M}
+        units = {f"degrees{per}": DEG_PER_RAD, f"milliradians{per}": MRAD_PER_RAD}
         if stop.contact is not None:
             units[f"metres at the contact point{per}"] = stop.lever
-            units[f"millimetres at the contact point{per}"] = 1e3 * stop.lever
+            units[f"millimetres at the contact point{per}"] = MM_PER_M * stop.lever
         return units
-    return {"milliseconds": 1e3, "microseconds": 1e6}
+    return {"milliseconds": MS_PER_S, "microseconds": US_PER_S}

@@ -17,6 +17,7 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...hybrid.result.quantities import coordinate_unit, of_transition
 from ...mechanism import INDEX_PER_TURN, Mechanism
+from ...units import MM_PER_M
 from ..identify.working import Phase, WorkingCycle, unfit
 
 Source = Literal["setting", "transition", "cycle"]
@@ -131,7 +132,7 @@ def cycle_values(cycle: WorkingCycle) -> dict[str, float]:
         "stop_force_N": float(lowest(waiting.index, waiting.force).min()),
         "closing_index": cycle.closing_index,
         "opening_index": cycle.opening_index,
-        "stroke_mm": -1e3 * float(lowest(clamping.index, -clamping.gap).min()),
+        "stroke_mm": -MM_PER_M * float(lowest(clamping.index, -clamping.gap).min()),
         "jaw_opening_deg": float(np.degrees(-lowest(waiting.index, -waiting.gap).min())),
     }
 

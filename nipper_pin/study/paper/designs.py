@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import INDEX_PER_TURN, Mechanism
+from ...units import S_PER_MIN
 from ..cases import cases_of
 from ..transitions import table_of
 from .published import Published
@@ -40,7 +41,7 @@ class DesignMap:
     @property
     def index_units(self) -> FloatArray:
         """The same in units of the comber's index, 40 to a turn, shape (n, m, l)."""
-        return self.durations * self.speeds_rpm / 60.0 * INDEX_PER_TURN
+        return self.durations * self.speeds_rpm / S_PER_MIN * INDEX_PER_TURN
 
     def record(self) -> dict[str, Any]:
         """Return a thinned map as plain data."""

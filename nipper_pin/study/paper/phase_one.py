@@ -18,6 +18,7 @@ from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
 from ...mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
+from ...units import S_PER_MIN
 from .branches import branch, touch_index
 
 _PLACES = 1440
@@ -83,7 +84,7 @@ class PhaseOne:
         if not pull.any():
             return np.inf
         omega2 = max(float((held / -self.per_speed2[pull]).min()), 0.0)
-        return float(np.sqrt(omega2) * 60.0 / (2.0 * np.pi))
+        return float(np.sqrt(omega2) * S_PER_MIN / (2.0 * np.pi))
 
     def smallest_forces(self) -> FloatArray:
         """Smallest force over the map [N], shape (preloads, speeds)."""

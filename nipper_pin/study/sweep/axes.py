@@ -11,12 +11,13 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism
+from ...units import M_PER_MM, RAD_PER_DEG
 
 SPEED = "speed_rpm"
 # Number of a coordinate's unit in SI units, and the keys of a spring on it.
 _SPRING_KEYS = {
-    "prismatic": ("stiffness_N_per_m", "preload_length_mm", 1e-3),
-    "revolute": ("stiffness_N_m_per_rad", "preload_deg", math.pi / 180.0),
+    "prismatic": ("stiffness_N_per_m", "preload_length_mm", M_PER_MM),
+    "revolute": ("stiffness_N_m_per_rad", "preload_deg", RAD_PER_DEG),
 }
 
 Kind = Literal["speed", "restitution", "stiffness", "preload", "model"]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...units import MS_PER_S, S_PER_H, S_PER_MIN
 from ..processes import Workers
 from ..transitions import REDUCED, REDUCED_PAYS_FROM
 from .chunks import run_chunk
@@ -57,14 +58,14 @@ class Estimate:
         parts = [f"{count:,} by the engine {name}" for name, count in self.engines.items()]
         return (
             f"about {_words(self.seconds)} on {self.workers} processors here: "
-            f"{1e3 * self.mechanism_s:.3g} ms a mechanism, {1e3 * self.scenario_s:.3g} ms a "
-            f"scenario (timed: {', '.join(parts)})"
+            f"{MS_PER_S * self.mechanism_s:.3g} ms a mechanism, "
+            f"{MS_PER_S * self.scenario_s:.3g} ms a scenario (timed: {', '.join(parts)})"
         )
 
 
 def _words(seconds: float) -> str:
     """A time in the unit that suits it; it is no more than an estimate."""
-    for unit, length in (("h", 3600.0), ("min", 60.0)):
+    for unit, length in (("h", S_PER_H), ("min", S_PER_MIN)):
         if seconds > 3.0 * length:
             return f"{seconds / length:,.0f} {unit}"
     return f"{seconds:,.0f} s"

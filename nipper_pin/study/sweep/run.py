@@ -10,6 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from ...errors import InputError, SimulationError
+from ...units import S_PER_MIN
 from .chunks import DefectError
 from .local import check_workers, on_this_machine
 from .plan import Chunk, Plan, chosen
@@ -158,8 +159,9 @@ class _Run:
             changed = now if len(self._left) < before else changed
             if now - changed > _PATIENCE_S:
                 message = (
-                    f"other processes have had {len(self._left)} chunks for {_PATIENCE_S / 60:.0f} "
-                    "minutes and finished none; end them, and run the same command again"
+                    f"other processes have had {len(self._left)} chunks for "
+                    f"{_PATIENCE_S / S_PER_MIN:.0f} minutes and finished none; end "
+                    "them, and run the same command again"
                 )
                 raise SimulationError(message, chunks=list(self._left))
             self._tell()

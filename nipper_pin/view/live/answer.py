@@ -17,6 +17,7 @@ from ...hybrid.result.tables import Collision
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
+from ...units import MS_PER_S
 from ..reading import digits, units_of
 from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed
@@ -88,14 +89,14 @@ def _numbers(setting: str, solution: Solution) -> Answer:
         t, q = sample_coordinates(solution, 0.0, solution.segments[-1].t_end)
         # Both limits at a collision have one abscissa, and a line needs only one of them.
         t, places = np.unique(t, return_index=True)
-        time, gap = 1e3 * (t - origin), units.coordinate_factor * stop.gaps(q[places])
+        time, gap = MS_PER_S * (t - origin), units.coordinate_factor * stop.gaps(q[places])
     struck = [item for item in hits if item.impulse > 0.0]
     return Answer(
         setting=setting,
         rows=tuple(_rows(solution, hits, others)),
         time=time,
         gap=gap,
-        hit_time=np.array([1e3 * (item.t - origin) for item in struck]),
+        hit_time=np.array([MS_PER_S * (item.t - origin) for item in struck]),
         impulse=np.array([item.impulse for item in struck]),
         solution=solution if solution.segments else None,
     )
@@ -111,8 +112,8 @@ def _rows(
     rows = [
         ("amplitude", f"first rebound amplitude [{units.amplitude}]",
          digits(_scaled(first.rebound_amplitude, units.amplitude_factor))),
-        ("rebound", "first rebound time [ms]", digits(_scaled(first.rebound_time, 1e3))),
-        ("duration", "transition time [ms]", digits(1e3 * transition.duration)),
+        ("rebound", "first rebound time [ms]", digits(_scaled(first.rebound_time, MS_PER_S))),
+        ("duration", "transition time [ms]", digits(MS_PER_S * transition.duration)),
         ("collisions", "collisions computed up to the limit", str(transition.collisions)),
         ("share", "share of the first two rebounds", digits(share)),
         ("approach", f"rate of the first collision [{units.rate}]",
@@ -125,7 +126,7 @@ def _rows(
     if solution.premise_holds is False:
         # Numbers of a motion that no turn has must not stand alone.
         rows.insert(0, ("premise", "no turn has this transition", solution.premise.why))
-    rows.append(("engine", "engine", f"direct, {1e3 * solution.wall_s:.1f} ms"))
+    rows.append(("engine", "engine", f"direct, {MS_PER_S * solution.wall_s:.1f} ms"))
     return rows
 
 
@@ -134,7 +135,7 @@ def _also(solution: Solution, others: Sequence[Collision]) -> str:
     if not others:
         return ""
     first = others[0]
-    after = 1e3 * (first.t - solution.collisions[0].t)
+    after = MS_PER_S * (first.t - solution.collisions[0].t)
     number = "once" if len(others) == 1 else f"{len(others)} times"
     names = " and ".join(sorted({item.stop for item in others}))
     return f" On the way the {names} struck its stop {number}, first after {after:.3g} ms."

@@ -6,6 +6,7 @@ import math
 
 from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
+from ...units import MS_PER_S
 from ..reading import digits, index_at, units_of
 from ..scene.arrows import FADE, HELD, drawn_collisions
 
@@ -51,7 +52,7 @@ def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
         t: Time [s].
         q: Configuration, shape (nv,) [rad or m].
     """
-    parts = [f"{1e3 * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
+    parts = [f"{MS_PER_S * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
     for stop in solution.mechanism.stops:
         units = units_of(solution.mechanism, stop.index)
         value = digits(units.coordinate_factor * stop.gap(q))

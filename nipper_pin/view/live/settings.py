@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from ...errors import InputError
 from ...mechanism import Mechanism, Spring
+from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
 from ..reading import units_of
 
 SPEED = "speed"
@@ -110,7 +111,7 @@ def _spring_knobs(mechanism: Mechanism, spring: Spring) -> list[Knob]:
     turns = units_of(mechanism, spring.index).noun == "angle"
     of = "" if len(mechanism.springs) == 1 else f" of spring {spring.name}"
     rate, length = ("N m/rad", "deg") if turns else ("N/mm", "mm")
-    rate_factor, length_factor = (1.0, math.radians(1.0)) if turns else (1e3, 1e-3)
+    rate_factor, length_factor = (1.0, RAD_PER_DEG) if turns else (MM_PER_M, M_PER_MM)
     found = []
     if spring.stiffness > 0.0:
         found.append(

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import FloatArray
 from ...mechanism import INDEX_PER_TURN, OscillatingGuide
 from ...study.paper import PaperStudy
+from ...units import DEG_PER_RAD
 from ..style import LINES, SMALL, TEXT, TINTS, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import Terms, terms
 
-DEGREES = math.degrees(1.0)
 _DASHES = ("-", "--", ":", "-.")
 
 
@@ -31,7 +29,7 @@ def _guide(study: PaperStudy) -> Plate:
     order, index = _order(study)
     drive = study.mechanism.drives[0].name
     for i, guide in enumerate(turn.guides):
-        rows = (DEGREES * guide.angle, guide.rate, guide.acceleration)
+        rows = (DEG_PER_RAD * guide.angle, guide.rate, guide.acceleration)
         for axes, values in zip(panels, rows, strict=True):
             axes.plot(index, values[order, 0], color=LINES[i], linestyle=_DASHES[i], linewidth=1.3,
                       label=f"{guide.speed_rpm:g} r/min")  # fmt: skip
@@ -43,7 +41,7 @@ def _guide(study: PaperStudy) -> Plate:
         tidy(axes, "", f"{drive}\n{name}")
     panels[1].legend(fontsize=SMALL, frameon=False, ncols=3)
     tidy(panels[-1], "index of the comb cycle (40 to a turn)", f"{drive}\n{names[-1]}")
-    swing = DEGREES * float(np.ptp(turn.guides[0].angle[:, 0]))
+    swing = DEG_PER_RAD * float(np.ptp(turn.guides[0].angle[:, 0]))
     peak = float(np.abs(turn.guides[-1].acceleration[:, 0]).max())
     return plate(
         "guide",
@@ -61,7 +59,7 @@ def _links(study: PaperStudy) -> Plate:
     figure = new_figure(6.8, terms(study).mark)
     panels = figure.subplots(3, 1, sharex=True)
     order, index = _order(study)
-    rows = (DEGREES * turn.link_angles, turn.link_rates, turn.link_accelerations)
+    rows = (DEG_PER_RAD * turn.link_angles, turn.link_rates, turn.link_accelerations)
     names = ("rotation [deg]", "angular rate\n[rad/s]", "angular acceleration\n[rad/s$^2$]")
     for number, (axes, values, name) in enumerate(zip(panels, rows, names, strict=True)):
         for i, link in enumerate(study.mechanism.links):
@@ -94,7 +92,7 @@ def _stops(study: PaperStudy) -> Plate:
     panels = figure.subplots(3, 2, sharex=True)
     order, index = _order(study)
     words = terms(study)
-    columns = (("jaw angle", "deg", "rad/s", "rad/s$^2$", DEGREES, 1.0, turn.stop_jaw),
+    columns = (("jaw angle", "deg", "rad/s", "rad/s$^2$", DEG_PER_RAD, 1.0, turn.stop_jaw),
                (*_other_stop(words), turn.stop_steeve))  # fmt: skip
     for column, (name, unit, rate, acceleration, factor, other, place) in enumerate(columns):
         rows = (("q", unit, factor), ("v", rate, other), ("a", acceleration, other))
@@ -116,8 +114,8 @@ def _stops(study: PaperStudy) -> Plate:
         f"Jaw and {words.stop} over a turn",
         f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "
         f"closes at index {turn.closing_index:.2f} and would open at {turn.opening_index:.2f}; it "
-        f"opens to {DEGREES * turn.largest_jaw_angle:.1f} degrees, and the {words.stop} moves by "
-        f"{words.stroke.coordinate_factor * turn.largest_stroke:.2f} {words.stroke.coordinate} "
+        f"opens to {DEG_PER_RAD * turn.largest_jaw_angle:.1f} degrees, and the {words.stop} moves "
+        f"by {words.stroke.coordinate_factor * turn.largest_stroke:.2f} {words.stroke.coordinate} "
         "from its stop. At the change of phase the rates jump: that jump is the impact.",
         figure,
     )

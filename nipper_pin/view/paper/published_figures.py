@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -13,12 +11,12 @@ from ...hybrid.result.quantities import force_unit
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
+from ...units import DEG_PER_RAD, MDEG_PER_DEG, MS_PER_S
 from ..run.sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import terms
 
-DEGREES = math.degrees(1.0)
 # Thresholds at which collisions are counted in figures and tables [rad/s].
 THRESHOLDS = (0.001, 0.02, 0.06)
 
@@ -32,14 +30,14 @@ def _angle(study: PaperStudy) -> Plate:
     figure = new_figure(5.4, terms(study).mark)
     panels = figure.subplots(len(study.motions), 1, sharex=True, sharey=True)
     jaw = study.mechanism.stop(study.mechanism.transition_stop)
-    durations = 1e3 * study.studies.speed.durations
+    durations = MS_PER_S * study.studies.speed.durations
     for number, (axes, solution) in enumerate(zip(panels, study.motions, strict=True)):
         t, q = sample_coordinates(solution, *solution.trajectory.span)
-        axes.plot(1e3 * t, DEGREES * q[:, jaw.index], color=LINES[0], linewidth=1.3)
-        at = [1e3 * item.t for item in solution.collisions]
+        axes.plot(MS_PER_S * t, DEG_PER_RAD * q[:, jaw.index], color=LINES[0], linewidth=1.3)
+        at = [MS_PER_S * item.t for item in solution.collisions]
         axes.plot(at, np.zeros(len(at)), "|", color="black", markersize=8.0)
         axes.plot(durations[number], 0.0, "s", color="black", markersize=3.5)
-        _close_up(axes, 1e3 * t, 1e3 * DEGREES * q[:, jaw.index], at)
+        _close_up(axes, MS_PER_S * t, MDEG_PER_DEG * DEG_PER_RAD * q[:, jaw.index], at)
         letter(axes, f"({'abc'[number]})  {solution.case.speed_rpm:g} r/min")
         grid(axes)
         tidy(axes, "", "jaw angle [deg]")
@@ -114,12 +112,12 @@ def _restitution(study: PaperStudy) -> Plate:
     data = study.studies.restitution
     figure = new_figure(3.2, terms(study).mark)
     time, number = figure.subplots(1, 2)
-    time.plot(data.values, 1e3 * data.durations, color=LINES[0], marker="o", markersize=4.0,
+    time.plot(data.values, MS_PER_S * data.durations, color=LINES[0], marker="o", markersize=4.0,
               linewidth=1.2, label="ours")  # fmt: skip
     cross = ""
     if study.compared:
         published = 1.0 + study.published.ratios["restitution.transition_time_increase"]
-        time.plot(data.values[-1], 1e3 * data.durations[0] * published, "x", color="black",
+        time.plot(data.values[-1], MS_PER_S * data.durations[0] * published, "x", color="black",
                   label="published ratio")  # fmt: skip
         cross = (
             "Cross: the published ratio applied to our value at the smallest restitution. The "
@@ -156,11 +154,11 @@ def _stiffness(study: PaperStudy) -> Plate:
         ("second rebound", data.times[:, 1], "stiffness.second_rebound_time_change"),
     )
     for i, (label, values, ratio) in enumerate(series):
-        time.plot(rates, 1e3 * values, color=LINES[i], marker=MARKERS[i], markersize=4.0,
+        time.plot(rates, MS_PER_S * values, color=LINES[i], marker=MARKERS[i], markersize=4.0,
                   linewidth=1.2, label=label)  # fmt: skip
         if ratio is not None and study.compared:
             change = 1.0 + study.published.ratios[ratio]
-            time.plot(rates[-1], 1e3 * values[0] * change, "x", color="black", zorder=5,
+            time.plot(rates[-1], MS_PER_S * values[0] * change, "x", color="black", zorder=5,
                       label="published ratio" if i == 1 else None)  # fmt: skip
     time.set_ylim(0.0, 1.25e3 * float(data.durations.max()))
     time.legend(fontsize=SMALL, frameon=False, ncols=2)

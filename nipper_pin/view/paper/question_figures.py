@@ -13,6 +13,7 @@ from ...study.paper import PaperStudy
 from ...study.paper.designs import RESTITUTIONS
 from ...study.paper.drives import FACTORS
 from ...study.paper.fixed_step import FixedStep
+from ...units import MS_PER_S
 from ..style import LINES, MARKERS, SMALL, TEXT, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import terms
@@ -213,10 +214,10 @@ def _designs(study: PaperStudy) -> Plate:
     places = speeds[0] + np.array(_LABELLED) * (speeds[-1] - speeds[0])
     figure = new_figure(3.8, terms(study).mark)
     panels = figure.subplots(1, len(data.stiffnesses), sharex=True, sharey=True)
-    most = float(np.nanmax(data.durations)) * 1e3
+    most = float(np.nanmax(data.durations)) * MS_PER_S
     levels = np.arange(0.0, most + 1.0)
     for number, axes in enumerate(panels):
-        times = 1e3 * data.durations[number]
+        times = MS_PER_S * data.durations[number]
         filled = axes.contourf(speeds, RESTITUTIONS, times, levels=levels, cmap="YlOrBr",
                                alpha=0.75)  # fmt: skip
         lines = axes.contour(speeds, RESTITUTIONS, times, levels=levels, colors="black",

@@ -15,6 +15,7 @@ from ...study.paper import PaperStudy
 from ...study.paper.counts import HIGHEST, LOWEST
 from ...study.paper.ratios import within
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
+from ...units import MM_PER_M, MS_PER_S
 from ..reading import digits, spring_text
 from .canvas import Plate
 from .identification import identification_plate, identification_tables
@@ -174,10 +175,10 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
         "identified_near": within(study.identified, NEAR),
         "identified_far": within(study.identified, FAR),
         "thresholds": f"{LOWEST:g} to {HIGHEST:g}",
-        "duration_ms": 1e3 * float(studies.speed.durations[common]),
+        "duration_ms": MS_PER_S * float(studies.speed.durations[common]),
         "share": float(studies.speed.shares[common]),
         "limit_increase": math.log(low) / math.log(high) - 1.0,
-        "lever_mm": 1e3 * study.mechanism.stop(study.mechanism.transition_stop).lever,
+        "lever_mm": MM_PER_M * study.mechanism.stop(study.mechanism.transition_stop).lever,
         "drive_amplitude": max(abs(item.first_amplitude) for item in own),
         "drive_time": max(abs(item.transition_time) for item in own),
         "drive_ratio": max(
@@ -192,8 +193,8 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
         "last_errors": {rule.name: float(abs(rule.errors[-1, -1])) for rule in rules},
         "rules": rules,
         "time_range_ms": [
-            1e3 * float(np.nanmin(study.designs.durations)),
-            1e3 * float(np.nanmax(study.designs.durations)),
+            MS_PER_S * float(np.nanmin(study.designs.durations)),
+            MS_PER_S * float(np.nanmax(study.designs.durations)),
         ],
     }
 

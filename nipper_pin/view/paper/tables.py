@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,10 +15,10 @@ from ...study.paper.counts import counted
 from ...study.paper.fixed_step import FixedStep
 from ...study.paper.published import published
 from ...study.paper.studies import Study
+from ...units import DEG_PER_RAD, M_PER_MM, MS_PER_S, US_PER_S
 from ..reading import digits
 from .terms import terms
 
-DEGREES = math.degrees(1.0)
 COUNTED_AT = (1e-4, 1e-3, 0.005, 0.02, 0.05, 0.06, 0.08, 0.1, 0.3, 0.9)
 SHOWN_FACTORS = (0.1, 1.0, 10.0)
 
@@ -92,13 +91,13 @@ def _general(value: float) -> str:
 
 
 _AMPLITUDES = (
-    Column("rebound_amplitude_1", "A<sub>1</sub> [deg]", _scaled(DEGREES)),
-    Column("rebound_amplitude_2", "A<sub>2</sub> [deg]", _scaled(DEGREES)),
+    Column("rebound_amplitude_1", "A<sub>1</sub> [deg]", _scaled(DEG_PER_RAD)),
+    Column("rebound_amplitude_2", "A<sub>2</sub> [deg]", _scaled(DEG_PER_RAD)),
 )
 _TIMES = (
-    Column("rebound_time_s_1", "T<sub>1</sub> [ms]", _scaled(1e3)),
-    Column("rebound_time_s_2", "T<sub>2</sub> [ms]", _scaled(1e3)),
-    Column("duration_s", "transition [ms]", _scaled(1e3)),
+    Column("rebound_time_s_1", "T<sub>1</sub> [ms]", _scaled(MS_PER_S)),
+    Column("rebound_time_s_2", "T<sub>2</sub> [ms]", _scaled(MS_PER_S)),
+    Column("duration_s", "transition [ms]", _scaled(MS_PER_S)),
 )
 
 
@@ -115,7 +114,7 @@ def ratio_words(name: str) -> str:
     values, unit = {
         "speed": (given.speeds_rpm, "{:g} to {:g} r/min"),
         "restitution": (given.restitutions, "e = {:g} to {:g}"),
-        "stiffness": ([1e-3 * rate for rate in given.stiffnesses], "{:g} to {:g} N/mm"),
+        "stiffness": ([M_PER_MM * rate for rate in given.stiffnesses], "{:g} to {:g} N/mm"),
     }[study]
     what = quantity.rpartition("_")[0].replace("_", " ")
     return f"{what}, {unit.format(values[0], values[-1])}"
@@ -216,8 +215,8 @@ def rest_table(study: PaperStudy) -> Table:
         (
             Column("threshold_rad_s", "threshold [rad/s]", _general),
             Column("collisions", "collisions"),
-            Column("time_s", "time [ms]", _scaled(1e3)),
-            Column("missing_s", "missing to the limit [µs]", _scaled(1e6)),
+            Column("time_s", "time [ms]", _scaled(MS_PER_S)),
+            Column("missing_s", "missing to the limit [µs]", _scaled(US_PER_S)),
             Column("missing_share", "of the limit", lambda v: f"{100.0 * v:.2g} %"),
         ),
         tuple(rows),
@@ -259,7 +258,7 @@ def stop_table(study: PaperStudy) -> Table:
                    lambda v: "stays closed" if v is None else f"{v:.3f}"),
             Column(f"lift_{words.stroke_si}", f"lift [{stroke.amplitude.replace('um', 'µm')}]",
                    lambda v: "-" if v == 0.0 else digits(stroke.amplitude_factor * v)),
-            Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(1e3 * v)),
+            Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(MS_PER_S * v)),
         ),
         tuple((i.speed_rpm, float(stop.force(stop.preload, i.speed_rpm).min()), i.index,
                i.lift, i.duration_s) for i in stop.releases),
@@ -274,7 +273,7 @@ def step_table(data: FixedStep) -> Table:
         "Relative errors of fixed steps",
         (
             Column("rule", "rule"),
-            Column("step_s", "step [µs]", _scaled(1e6)),
+            Column("step_s", "step [µs]", _scaled(US_PER_S)),
             Column("first_time_error", "T<sub>1</sub>", error),
             Column("second_time_error", "T<sub>2</sub>", error),
             Column("rebound_amplitude_1_error", "A<sub>1</sub>", error),

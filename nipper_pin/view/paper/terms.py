@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from ...study.paper import PaperStudy
+from ...units import DEG_PER_RAD, M_PER_MM, MM_PER_M
 from ..reading import Units, units_of
 
 _E62 = "estimate of the E62 class identified from the published ratios; not the maker's data"
@@ -53,9 +53,9 @@ def terms(study: PaperStudy) -> Terms:
     stop = mechanism.stop(study.phase_one.stop)
     units = units_of(mechanism, stop.index)
     if units_of(mechanism, mechanism.springs[0].index).noun == "angle":
-        spring = ("N_m_per_rad", 1.0, "N m/rad", "angle", math.degrees(1.0), "deg")
+        spring = ("N_m_per_rad", 1.0, "N m/rad", "angle", DEG_PER_RAD, "deg")
     else:
-        spring = ("N_per_m", 1e-3, "N/mm", "length", 1e3, "mm")
+        spring = ("N_per_m", M_PER_MM, "N/mm", "length", MM_PER_M, "mm")
     mark = _E62 if study.compared else _OTHER
     stroke_si = "rad" if units.noun == "angle" else "m"
     return Terms(study.compared, mark, stop.name, units, stroke_si, *spring)

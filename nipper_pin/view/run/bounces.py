@@ -12,6 +12,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Transition
+from ...units import MS_PER_S
 from ..reading import gap_noun, shown_collisions, units_of
 from ..style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 from .sampling import sample_coordinates
@@ -43,17 +44,19 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     label = f"{stop.name} {gap_noun(mechanism, stop)} [{units.coordinate}]"
 
     linear.axhline(0.0, color="0.6", linewidth=0.8)
-    linear.plot(1e3 * (t - transition.t_start), gap, color=colour, linewidth=1.4)
-    at = 1e3 * np.array([item.t - transition.t_start for item in collisions])
+    linear.plot(MS_PER_S * (t - transition.t_start), gap, color=colour, linewidth=1.4)
+    at = MS_PER_S * np.array([item.t - transition.t_start for item in collisions])
     linear.plot(at, np.zeros_like(at), "|", color="black", markersize=10.0, label="collision")
-    linear.plot(1e3 * transition.duration, 0.0, "s", color="black", markersize=4.0, label="rest")
+    linear.plot(
+        MS_PER_S * transition.duration, 0.0, "s", color="black", markersize=4.0, label="rest"
+    )
     linear.legend(fontsize=SMALL, frameon=False, loc="upper right")
     tidy(linear, "time from the first collision [ms]", label)
 
-    left = 1e3 * (transition.t_start + transition.duration - t)
+    left = MS_PER_S * (transition.t_start + transition.duration - t)
     log.loglog(left, _visible(t, gap, [item.t for item in collisions]), color=colour, linewidth=1.4)
     for item in collisions:
-        until_rest = 1e3 * (transition.t_start + transition.duration - item.t)
+        until_rest = MS_PER_S * (transition.t_start + transition.duration - item.t)
         log.axvline(until_rest, color="0.7", linewidth=0.8, zorder=0)
         log.annotate(str(item.number), (until_rest, 0.97), (3.0, 0.0), fontsize=SMALL, va="top",
                      xycoords=log.get_xaxis_transform(), textcoords="offset points",

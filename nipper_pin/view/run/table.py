@@ -14,6 +14,7 @@ from ...hybrid.event import Event, EventKind
 from ...hybrid.result.quantities import COLLISION, Quantity
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
+from ...units import MJ_PER_J, MS_PER_S
 from ..reading import (
     Units,
     case_text,
@@ -120,8 +121,8 @@ def _collisions(solution: Solution, console: Console) -> None:
 def _shown(item: Quantity[Collision], units: Units) -> tuple[str, float]:
     """Unit of a column, and what turns the SI value into it."""
     by_unit = {
-        "s": ("ms", 1e3),
-        "J": ("mJ", 1e3),
+        "s": ("ms", MS_PER_S),
+        "J": ("mJ", MJ_PER_J),
         "{gap}": (units.amplitude, units.amplitude_factor),
         "{gap}/s": (units.rate, units.rate_factor),
     }
@@ -163,7 +164,7 @@ def _phases(solution: Solution, console: Console) -> None:
             Text(", ".join(sorted(item.closed)) or "none"),
             fixed(index_at(solution, item.t_start), 4),
             fixed(index_at(solution, item.t_end), 4),
-            fixed(1e3 * (item.t_end - item.t_start), 5),
+            fixed(MS_PER_S * (item.t_end - item.t_start), 5),
         )
     console.print(table)
     _more(console, len(solution.phases) - min(len(shown), _MOST_ROWS), "phase")
@@ -182,7 +183,9 @@ def _transitions(solution: Solution, console: Console) -> None:
             else f"; the first two rebounds take {100.0 * item.first_two_share:.2f} % of it"
         )  # fmt: skip
         noun = "collision" if item.collisions == 1 else "collisions"
-        text = f"{1e3 * item.duration:.5f} ms from the first collision to rest, {item.collisions}"
+        text = (
+            f"{MS_PER_S * item.duration:.5f} ms from the first collision to rest, {item.collisions}"
+        )
         _say(console, f"{text} {noun} computed{share}.")
     _say(console, _how_ended(solution))
     _more(console, len(solution.transitions) - len(shown), "transition")
@@ -235,7 +238,7 @@ def _release_text(solution: Solution, event: Event) -> str:
     lifted = lift(solution, event) if len(event.stops) == 1 else None
     if lifted is not None:
         units = units_of(mechanism, mechanism.stop(event.stops[0]).index)
-        gap, duration = digits(units.amplitude_factor * lifted[0]), f"{1e3 * lifted[1]:.3f}"
+        gap, duration = digits(units.amplitude_factor * lifted[0]), f"{MS_PER_S * lifted[1]:.3f}"
         text += f", opens by up to {gap} {units.amplitude} and collides {duration} ms later"
     waits = mechanism.transition_stop not in event.closed_before
     if phase is None or phase.number != mechanism.initial_phase or not waits:
@@ -303,7 +306,7 @@ def _checks(solution: Solution, console: Console) -> None:
     )
     _say(
         console,
-        f"{solution.evaluations} evaluations of the dynamics, {1e3 * solution.wall_s:.1f} ms",
+        f"{solution.evaluations} evaluations of the dynamics, {MS_PER_S * solution.wall_s:.1f} ms",
     )
 
 

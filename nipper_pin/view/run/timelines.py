@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Stop
+from ...units import MS_PER_S
 from ..reading import (
     force_name,
     gap_noun,
@@ -61,7 +62,7 @@ def motion_figure(solution: Solution) -> Figure:
     for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
         units = units_of(mechanism, stop.index)
         y = units.coordinate_factor * stop.gaps(q)
-        axes.plot(1e3 * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
+        axes.plot(MS_PER_S * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
         noun = gap_noun(mechanism, stop)
         tidy(axes, "", f"{stop.name} {noun} [{units.coordinate}]")
         low, high = min(0.0, float(y.min())), float(y.max())
@@ -83,7 +84,7 @@ def force_figure(solution: Solution) -> Figure:
     )  # fmt: skip
     for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
         t, force = sample_forces(solution, stop.name, 0.0, shown_until(solution))
-        axes.plot(1e3 * t, force, color=line_colour(mechanism, stop.name), linewidth=1.4)
+        axes.plot(MS_PER_S * t, force, color=line_colour(mechanism, stop.name), linewidth=1.4)
         tidy(axes, "", f"{stop.name}:\n{force_name(mechanism, stop.name)}")
         axes.set_ylim(0.0, 1.2 * float(np.nanmax(force, initial=0.0)) or 1.0)
         shade_phases(solution, axes, numbered=True)
@@ -145,7 +146,7 @@ def _mark_events(solution: Solution, axes: Axes, stop: Stop) -> None:
         if not events:
             continue
         # A rest may lie just past the last state that was computed.
-        t = [1e3 * min(item.t, until) for item in events]
+        t = [MS_PER_S * min(item.t, until) for item in events]
         axes.plot(t, [0.0] * len(t), linestyle="none", marker=shape, markersize=size,
                   markerfacecolor=face, markeredgecolor="black", markeredgewidth=0.9,
                   clip_on=False, zorder=4)  # fmt: skip

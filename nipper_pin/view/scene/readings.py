@@ -10,6 +10,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
+from ...units import MM_PER_M, MS_PER_S
 from ..reading import case_text, digits, force_name, gap_noun, phase_name, units_of
 from .colours import phase_colour
 from .film import Film, drawn_limit
@@ -67,7 +68,7 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
     """Label, unit and values of the numbers that follow the film."""
     mechanism, pace = film.solution.mechanism, film.pace
     yield "index", "", film.index
-    yield "time", "ms", 1e3 * pace.machine
+    yield "time", "ms", MS_PER_S * pace.machine
     yield "slow motion 1 :", "", pace.stretch
     for stop in mechanism.stops:
         units = units_of(mechanism, stop.index)
@@ -78,7 +79,7 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
             units.coordinate_factor * gap,
         )
         if stop.contact is not None:
-            yield f"{stop.name} gap at the contact", "mm", 1e3 * stop.lever * gap
+            yield f"{stop.name} gap at the contact", "mm", MM_PER_M * stop.lever * gap
         yield _force(film, stop), force_unit(mechanism, stop), film.force[stop.name]
 
 

@@ -9,6 +9,7 @@ from rich.table import Table
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Stop
 from ...study.check import ModelReport
+from ...units import MM_PER_M
 from ..console import add_row, say
 from ..reading import damper_text, spring_text, stop_place
 
@@ -74,10 +75,10 @@ def _stops(report: ModelReport, console: Console) -> None:
         contact = stop.contact
         where = stop_place(report.mechanism, stop)
         if contact is not None:
-            x, _, z = 1e3 * contact.point
+            x, _, z = MM_PER_M * contact.point
             where += (
                 f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
-                f"{contact.normal[2]:.3f}), lever {1e3 * contact.lever_m:.2f} mm"
+                f"{contact.normal[2]:.3f}), lever {MM_PER_M * contact.lever_m:.2f} mm"
             )
         say(
             console,
@@ -119,7 +120,7 @@ def _clearances(report: ModelReport, console: Console) -> None:
         say(
             console,
             f"{verdict}: {item.link_a} ({item.shape_a}) and {item.link_b} ({item.shape_b}), "
-            f"{1e3 * item.distance_m:.3f} mm at index {item.index:.2f}",
+            f"{MM_PER_M * item.distance_m:.3f} mm at index {item.index:.2f}",
         )
     if not report.clearances:
         say(console, "none: no two links that should not touch come so near")

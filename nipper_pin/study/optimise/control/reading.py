@@ -15,6 +15,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....hybrid.event import EventKind
 from ....mechanism import INDEX_PER_TURN
+from ....units import MM_PER_M, S_PER_MIN
 from .turn import ControlTurn
 
 # Places of a stretch at which a peak is looked for, and how often closer around the best one.
@@ -137,13 +138,13 @@ def _jaw_opening(turn: ControlTurn) -> Read:
 def _stroke(turn: ControlTurn) -> Read:
     """Largest coordinate of the initial phase's stop between rest and opening."""
     index = turn.mechanism.stop(turn.waiting).index
-    most = 1e3 * _peak(turn, index, turn.rest.t, turn.opening.t)
+    most = MM_PER_M * _peak(turn, index, turn.rest.t, turn.opening.t)
     return Read(most, _ROUND * most)
 
 
 def _speed(turn: ControlTurn) -> Read:
     """Cylinder speed."""
-    speed = 60.0 / turn.solution.shaft.period
+    speed = S_PER_MIN / turn.solution.shaft.period
     return Read(speed, _ROUND * speed)
 
 

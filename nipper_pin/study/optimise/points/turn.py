@@ -15,6 +15,7 @@ from ....errors import SimulationError
 from ....hybrid.event import Event
 from ....hybrid.result.solution import Solution
 from ....mechanism import INDEX_PER_TURN
+from ....units import MM_PER_M, S_PER_MIN
 from ...identify.working import WorkingCycle, middle_half
 from ...true_transition import TrueTransition
 from ..quantities import lowest
@@ -41,7 +42,7 @@ def differs(cycle: WorkingCycle, duration: float, asked: frozenset[str]) -> str:
     if "jaw_opening_deg" in asked and cycle.stop_force < 0.0:
         return "The stop of the initial phase lets go while the other is open."
     begin, end = cycle.clamping.index[0], cycle.clamping.index[-1]
-    rest = begin + duration * INDEX_PER_TURN * cycle.speed_rpm / 60.0
+    rest = begin + duration * INDEX_PER_TURN * cycle.speed_rpm / S_PER_MIN
     if "clamping_force_N" in asked and rest > begin + 0.25 * (end - begin):
         return "Bounces last into the middle half of the closed phase."
     widest = cycle.clamping.index[max(int(np.argmax(cycle.clamping.gap)) - 1, 0)]
@@ -77,7 +78,7 @@ def turn_values(found: TrueTransition, *, thin: bool = False) -> dict[str, float
         "closing_index": first.index,
         "opening_index": mechanism.cylinder.index_from_angle(angle),
         "clamping_force_N": _mean_force(solution, stop, (first.t, rest, opening.t)),
-        "stroke_mm": 1e3 * _widest(solution, waiting, (rest, opening.t), count),
+        "stroke_mm": MM_PER_M * _widest(solution, waiting, (rest, opening.t), count),
         "jaw_opening_deg": math.degrees(
             _widest(solution, stop, (opening.t - period, first.t), count)
         ),
