@@ -49,6 +49,13 @@ def cells(name: str) -> list[str]:
     return ["".join(cell["source"]) for cell in document["cells"] if cell["cell_type"] == "code"]
 
 
+def test_every_program_is_short_and_has_a_test() -> None:
+    text = Path(__file__).read_text(encoding="utf-8")
+    for file in SCRIPTS.glob("*.py"):
+        assert f'"{file.name}"' in text
+        assert len(file.read_text(encoding="utf-8").splitlines()) <= 60
+
+
 def test_a_run_has_the_certified_collisions(tmp_path: Path) -> None:
     """As many digits as are printed, of the solution in 60-digit arithmetic."""
     text = printed("simulate_a_run.py", tmp_path)

@@ -1,6 +1,6 @@
 """Is this version slower than another checkout, and does it give the same bits?
 
-    python scripts/compare_versions.py OTHER [--rounds 30] [--speed 650]
+    python scripts/maintain/measure/compare_versions.py OTHER [--rounds 30] [--speed 650]
 
 OTHER is the folder of another checkout (`git worktree add ../before COMMIT`). Both run here and now
 with the libraries of this environment, in turns: a transition and a turn of e62 in a process that
@@ -16,13 +16,14 @@ import argparse
 import json
 import os
 import resource
-import statistics
 import subprocess
 import sys
 from pathlib import Path
 from typing import IO, Any
 
-HERE = Path(__file__).resolve().parents[1]
+import numpy as np
+
+HERE = Path(__file__).resolve().parents[3]
 WINDOWS = ("transition", "cycle")
 COMMAND = "import sys; from nipper_pin.cli import main; sys.exit(main())"
 # Runs a window on request and answers with the seconds it took; "events" lists the numbers of both.
@@ -108,7 +109,7 @@ def main() -> int:
             order = (this, other) if number % 2 else (other, this)
             seconds = {v: v.command() if name == "process" else v.ask(name) for v in order}
             pairs.append((seconds[this], seconds[other]))
-        low, middle, high = statistics.quantiles([a / b for a, b in pairs], n=4)
+        low, middle, high = np.quantile([a / b for a, b in pairs], (0.25, 0.5, 0.75))
         ours, theirs = (min(column) for column in zip(*pairs, strict=True))
         print(
             f"{name:10}  this {1e3 * ours:8.2f} ms, other {1e3 * theirs:8.2f} ms, "
