@@ -103,7 +103,7 @@ MUTATIONS = (
     ),
     Mutation(
         "preload-unit", "preload lengths in centimetres",
-        "mechanism/build/elements.py", "        1e-3,\n", "        1e-2,\n",
+        "mechanism/build/elements.py", "        M_PER_MM,\n", "        10.0 * M_PER_MM,\n",
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",
