@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ..units import MRAD_PER_RAD, MS_PER_S
@@ -56,29 +58,7 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
     Returns:
         Sentences made from the numbers; they hold for small changes of one number at a time.
     """
-    bounce, lasts, clamp = (
-        MRAD_PER_RAD * found.amplitude_rad,
-        MS_PER_S * found.transition_time_s,
-        found.clamping_force_N,
-    )
-    text = [
-        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
-        f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
-        f"{clamp:.3g} N."
-    ]
-    if found.premise_holds is False:
-        text.append(
-            "The machine does not arrive at the touch as a transition assumes: bounce and time are "
-            "those of the turn."
-        )
-    by_path = {row.path: row for row in found.rows}
-    if SPEED in by_path and not by_path[SPEED].doubtful:
-        faster = by_path[SPEED].per
-        text.append(
-            f"1 % more speed makes the first bounce {_more(faster[0], 'higher', 'lower')}, the "
-            f"transition {_more(faster[1], 'longer', 'shorter')} and the clamping force "
-            f"{_more(faster[2], 'larger', 'smaller')}."
-        )
+    text = [*_behaviour(found), *_of_speed(found)]
     units = {"mm": "1 mm", "deg": "1 degree", "%": "1 %"}
     # Numbers that are zero have amounts of their own for units.
     units.update((row.unit, row.unit) for row in found.rows if row.unit not in units)
@@ -92,22 +72,56 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
             + "; ".join(_dose(row) for row in sorted(gain, key=_worth)[:_FEW])
             + "."
         )
-    doubtful = [label(row.path) for row in found.rows if row.doubtful]
-    if doubtful:
-        text.append(
+    return (*text, *_doubtful(found), *_without_effect(found))
+
+
+def _behaviour(found: Sensitivities) -> Iterator[str]:
+    """What the machine does as it is."""
+    bounce, lasts, clamp = (
+        MRAD_PER_RAD * found.amplitude_rad,
+        MS_PER_S * found.transition_time_s,
+        found.clamping_force_N,
+    )
+    yield (
+        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
+        f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
+        f"{clamp:.3g} N."
+    )
+    if found.premise_holds is False:
+        yield (
+            "The machine does not arrive at the touch as a transition assumes: bounce and time are "
+            "those of the turn."
+        )
+
+
+def _of_speed(found: Sensitivities) -> Iterator[str]:
+    by_path = {row.path: row for row in found.rows}
+    if SPEED in by_path and not by_path[SPEED].doubtful:
+        faster = by_path[SPEED].per
+        yield (
+            f"1 % more speed makes the first bounce {_more(faster[0], 'higher', 'lower')}, the "
+            f"transition {_more(faster[1], 'longer', 'shorter')} and the clamping force "
+            f"{_more(faster[2], 'larger', 'smaller')}."
+        )
+
+
+def _doubtful(found: Sensitivities) -> Iterator[str]:
+    names = [label(row.path) for row in found.rows if row.doubtful]
+    if names:
+        yield (
             "The two ways to find them disagree, so that nothing is said of: "
-            + ", ".join(doubtful)
+            + ", ".join(names)
             + "."
         )
+
+
+def _without_effect(found: Sensitivities) -> Iterator[str]:
     still = [row.path for row in found.rows if np.abs(row.per).max() < _NOTHING]
     if still:
         links = sorted({path.split(".")[1] for path in still if path.startswith("links.")})
         others = [label(path) for path in still if not path.startswith("links.")]
         named = [*others, *(f"mass and inertia of {link.replace('_', ' ')}" for link in links)]
-        text.append(
-            "Without any effect while the shafts hold their speed: " + ", ".join(named) + "."
-        )
-    return tuple(text)
+        yield "Without any effect while the shafts hold their speed: " + ", ".join(named) + "."
 
 
 def _strongest(

@@ -13,7 +13,7 @@ from ...cli.arguments import check_outputs, refuse_beside, write_json
 from ...errors import InputError, SimulationError
 
 if TYPE_CHECKING:
-    from ..stress import Verdict
+    from ..stress import Campaign, Verdict
 
 _CASES = 1000
 _SEED = 1
@@ -59,16 +59,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     from rich.console import Console
 
-    from ..stress import (
-        WRONG,
-        Campaign,
-        excesses,
-        judge,
-        load_trial,
-        run_campaign,
-    )
     from ..views.stress_report import print_campaign, print_verdict
 
+    _check(options)
+    result = _campaign(options) if options.rerun is None else _again(options)
+    if options.json is not None:
+        write_json(result.record(), options.json)
+    if options.json != "-":
+        if options.rerun is not None:
+            print_verdict(result.verdicts[0], Console())
+        else:
+            print_campaign(result, Console())
+    _refuse_failures(result, one=options.rerun is not None)
+
+
+def _check(options: argparse.Namespace) -> None:
     for name in ("cases", "workers", "time_limit"):
         value = getattr(options, name)
         if value is not None and value <= 0:
@@ -78,41 +83,50 @@ def _run(options: argparse.Namespace) -> None:
         message = f"--seed {options.seed}: at least 0"
         raise InputError(message, argument=options.seed)
     check_outputs(options.out, options.json)
-    if options.rerun is not None:
-        names = {name: f"--{name}" for name in ("cases", "seed", "family", "workers", "out")}
-        refuse_beside(options, "--rerun, which judges one case here", names)
-        trial = load_trial(options.rerun)
-        verdict = judge(trial, options.time_limit)
-        result = Campaign(trial.seed, (verdict,), verdict.wall_s)
-    else:
-        cases = _CASES if options.cases is None else options.cases
-        seed = _SEED if options.seed is None else options.seed
-        with _progress(cases, options.out) as advance:
-            result = run_campaign(
-                cases,
-                seed,
-                options.workers,
-                advance,
-                options.time_limit,
-                options.out,
-                families=tuple(options.family or ()),
-            )
-        if options.out is not None:
-            write_json(result.record(), str(Path(options.out) / "stress.json"))
+
+
+def _again(options: argparse.Namespace) -> Campaign:
+    """The one case of a file, judged again."""
+    from ..stress import Campaign, judge, load_trial
+
+    names = {name: f"--{name}" for name in ("cases", "seed", "family", "workers", "out")}
+    refuse_beside(options, "--rerun, which judges one case here", names)
+    trial = load_trial(options.rerun)
+    verdict = judge(trial, options.time_limit)
+    return Campaign(trial.seed, (verdict,), verdict.wall_s)
+
+
+def _campaign(options: argparse.Namespace) -> Campaign:
+    from ..stress import run_campaign
+
+    cases = _CASES if options.cases is None else options.cases
+    seed = _SEED if options.seed is None else options.seed
+    with _progress(cases, options.out) as advance:
+        result = run_campaign(
+            cases,
+            seed,
+            options.workers,
+            advance,
+            options.time_limit,
+            options.out,
+            families=tuple(options.family or ()),
+        )
+    if options.out is not None:
+        write_json(result.record(), str(Path(options.out) / "stress.json"))
+    return result
+
+
+def _refuse_failures(result: Campaign, *, one: bool) -> None:
+    """Raise if a case is wrong or, of a campaign, a family is refused too often."""
+    from ..stress import WRONG, excesses
+
     wrong = [item for item in result.verdicts if item.word == WRONG]
-    if options.json is not None:
-        write_json(result.record(), options.json)
-    if options.json != "-":
-        if options.rerun is not None:
-            print_verdict(result.verdicts[0], Console())
-        else:
-            print_campaign(result, Console())
     if wrong:
         count = f"{len(wrong)} of {len(result.verdicts)} cases are wrong"
         message = f"{count}, the first one number {wrong[0].number}: {wrong[0].detail[:300]}"
         raise SimulationError(message, numbers=[item.number for item in wrong])
     # One case that is judged again says nothing about shares.
-    if options.rerun is None and (found := excesses(result.verdicts)):
+    if not one and (found := excesses(result.verdicts)):
         worst = found[0]
         message = (
             f"{worst.refused} of {worst.cases} cases of the family {worst.family!r} are refused, "

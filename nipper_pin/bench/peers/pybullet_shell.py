@@ -61,7 +61,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
     here = {"physicsClientId": world}
     pybullet.setGravity(0.0, 0.0, -mechanism.gravity_m_s2, **here)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mechanism.files.urdf"
+        path = Path(folder) / "mechanism.urdf"
         path.write_text(bare_urdf(mechanism.urdf), encoding="utf-8")
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         body = pybullet.loadURDF(str(path), useFixedBase=True, flags=flags, **here)

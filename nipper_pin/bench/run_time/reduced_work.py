@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from ...units import MS_PER_S
 from .certified import Certified
 from .timing import Timing, timed
 from .work_precision import Observed, Row, graded
+
+if TYPE_CHECKING:
+    from ...reduced import ReducedModel
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 # The tolerance whose figures stand for the engine, its own default.
@@ -42,49 +46,77 @@ def reduced_work(
     """
     if find_spec("numba") is None:
         return [], None
-    from ...reduced import build, transition, transitions
+    from ...reduced import build, transitions
 
     mechanism, speed = reference.mechanism(), reference.speed_rpm
     budget = _QUICK_BUDGET_S if quick else _BUDGET_S
     building = timed(lambda: build(mechanism), repeats, budget)
     model = build(mechanism)
-    singles, batches = [], []
     summary: dict[str, Any] = {"build_ms": building.median_ms, "build_first_ms": building.first_ms}
-    speeds = np.full(_SHORT_BATCH, speed)
-    for tolerance in _TOLERANCES:
-        single = timed(
-            lambda: transition(model, speed_rpm=speed, tolerance=tolerance),  # noqa: B023
-            100 * repeats,
-            budget,
-        )
-        batch = timed(
-            lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance),  # noqa: B023
-            repeats,
-            budget,
-        )
-        found = transition(model, speed_rpm=speed, tolerance=tolerance)
-        observed = Observed(
-            times=found.time,
-            impulses=found.impulse,
-            amplitudes=found.rebound_amplitude,
-            transition_time=found.duration,
-        )
-        name = f"{tolerance:.0e}"
-        singles.append(graded("reduced", name, single, observed, reference))
-        batches.append(graded("reduced, batch", name, _each(batch), observed, reference))
-        if tolerance == _DEFAULT_TOLERANCE:
-            summary |= {
-                "transition_ms": single.median_ms,
-                "transition_in_batch_ms": _each(batch).median_ms,
-                "error": singles[-1].error_worst,
-                "stated_error": found.error_bound,
-            }
-    summary["first_transition_ms"] = singles[0].first_ms
+    rows = [_rows(model, reference, tolerance, repeats, budget) for tolerance in _TOLERANCES]
+    singles = [item.single for item in rows]
+    default = rows[_TOLERANCES.index(_DEFAULT_TOLERANCE)]
+    summary |= {
+        "transition_ms": default.single_time.median_ms,
+        "transition_in_batch_ms": default.batch_time.median_ms,
+        "error": default.single.error_worst,
+        "stated_error": default.error_bound,
+        "first_transition_ms": singles[0].first_ms,
+    }
     count = _QUICK_BATCH if quick else _BATCH
     sweep = np.linspace((1.0 - _SPAN) * speed, (1.0 + _SPAN) * speed, count)
     timing = timed(lambda: transitions(model, speed_rpm=sweep), repeats, budget)
     summary |= {"batch": count, "transitions_per_s": MS_PER_S * count / timing.median_ms}
-    return [*singles, *batches], summary
+    return [*singles, *(item.batch for item in rows)], summary
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Work of one tolerance, called case by case and in a batch.
+
+    Attributes:
+        single: Row of the calls.
+        batch: Row of the batch.
+        single_time: Time of a call.
+        batch_time: Time of a case of the batch.
+        error_bound: What the engine states of its error.
+    """
+
+    single: Row
+    batch: Row
+    single_time: Timing
+    batch_time: Timing
+    error_bound: float
+
+
+def _rows(
+    model: ReducedModel, reference: Certified, tolerance: float, repeats: int, budget: float
+) -> _Rows:
+    from ...reduced import transition, transitions
+
+    speed = reference.speed_rpm
+    speeds = np.full(_SHORT_BATCH, speed)
+    single = timed(
+        lambda: transition(model, speed_rpm=speed, tolerance=tolerance), 100 * repeats, budget
+    )
+    batch = _each(
+        timed(lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance), repeats, budget)
+    )
+    found = transition(model, speed_rpm=speed, tolerance=tolerance)
+    observed = Observed(
+        times=found.time,
+        impulses=found.impulse,
+        amplitudes=found.rebound_amplitude,
+        transition_time=found.duration,
+    )
+    name = f"{tolerance:.0e}"
+    return _Rows(
+        graded("reduced", name, single, observed, reference),
+        graded("reduced, batch", name, batch, observed, reference),
+        single,
+        batch,
+        found.error_bound,
+    )
 
 
 def _each(batch: Timing) -> Timing:

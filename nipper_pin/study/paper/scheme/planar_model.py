@@ -12,6 +12,7 @@ from .planar import Planar, cross, dot, frame
 
 _JOINTS = ("pendulum_shaft", "nipper_pivot", "rocker_pin", "jaw", "rod_pin", "steeve",
            "tension_shaft")  # fmt: skip
+_FRAMES = ("cylinder_axis", "eccentric_pin")
 
 
 def _point(vector: FloatArray) -> complex:
@@ -39,6 +40,36 @@ def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
     return pendulum, gears
 
 
+def _laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared]:
+    laws = e62_laws(mechanism)
+    if laws is None:
+        message = (
+            f"the hand-derived equation is that of the E62; {mechanism.name!r} has other joints, "
+            "drives or springs"
+        )
+        joints = [joint.name for joint in mechanism.joints]
+        raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
+    return laws
+
+
+def _points(mechanism: Mechanism) -> dict[str, complex]:
+    """Points at the touch by joint or frame [m]."""
+    model, placements = mechanism.model, joint_placements(mechanism.model)
+    found = {name: _point(placements[model.getJointId(name)].translation) for name in _JOINTS}
+    for name in _FRAMES:
+        frame = model.frames[model.getFrameId(name)]
+        found[name] = _point((placements[frame.parentJoint] * frame.placement).translation)
+    return found
+
+
+def _body(mechanism: Mechanism, joint: str) -> tuple[float, complex, float]:
+    """Mass [kg], centre of mass [m], inertia about it [kg m^2]."""
+    identity = mechanism.model.getJointId(joint)
+    inertia = mechanism.model.inertias[identity]
+    centre = joint_placements(mechanism.model)[identity].act(inertia.lever)
+    return float(inertia.mass), _point(centre), float(inertia.inertia[1, 1])
+
+
 def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
     """Read the numbers of the equation.
 
@@ -49,35 +80,12 @@ def planar_model(mechanism: Mechanism, speed_rpm: float) -> Planar:
     Raises:
         InputError: The mechanism is not of this kind.
     """
-    model, cylinder = mechanism.model, mechanism.cylinder
-    laws = e62_laws(mechanism)
-    if laws is None:
-        message = (
-            f"the hand-derived equation is that of the E62; {mechanism.name!r} has other joints, "
-            "drives or springs"
-        )
-        joints = [joint.name for joint in mechanism.joints]
-        raise InputError(message, joints=joints, drives=[item.name for item in mechanism.drives])
-    pendulum, gears = laws
-    placements = joint_placements(model)
-    shaft, E, R, J, H, _, S = (
-        _point(placements[model.getJointId(name)].translation) for name in _JOINTS
+    cylinder = mechanism.cylinder
+    pendulum, gears = _laws(mechanism)
+    shaft, E, R, J, H, _, S, rocker_axis, X = _points(mechanism).values()
+    (m4, c4, I4), (m6, c6, I6), (m5, c5, I5) = (
+        _body(mechanism, name) for name in ("jaw", "rod_pin", "steeve")
     )
-    rocker_axis, X = (
-        _point((placements[frame.parentJoint] * frame.placement).translation)
-        for frame in (
-            model.frames[model.getFrameId(name)] for name in ("cylinder_axis", "eccentric_pin")
-        )
-    )
-
-    def body(joint: str) -> tuple[float, complex, float]:
-        """Mass [kg], centre of mass [m], inertia about it [kg m^2]."""
-        identity = model.getJointId(joint)
-        inertia = model.inertias[identity]
-        centre = placements[identity].act(inertia.lever)
-        return float(inertia.mass), _point(centre), float(inertia.inertia[1, 1])
-
-    (m4, c4, I4), (m6, c6, I6), (m5, c5, I5) = (body(name) for name in ("jaw", "rod_pin", "steeve"))
     crank_axis, guide_axis = complex(*pendulum.crank_axis), complex(*pendulum.guide_axis)
     psi = cylinder.angle_at_touch_rad
     pin = crank_axis + pendulum.crank_radius_m * _unit(psi) - guide_axis
