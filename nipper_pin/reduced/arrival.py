@@ -22,8 +22,9 @@ from ..mechanism import Mechanism, Stop
 from . import series2d
 from .functions import Sampler
 from .layout import Tables, Turn
-from .tables import CELL_RAD, Domain, residuals, resolved
+from .tables import CELL_RAD, Domain, resolved
 from .tables import Tables as Series
+from .trimmed import trimmed
 
 # Steps in which the opening is looked for [rad].
 _STEP = math.radians(3.0)
@@ -130,30 +131,19 @@ def arrival(
     domain = Domain(travel, -gap_max / 16.0, gap_max, begin=-travel, count_x=_NODES_Y)
     tables, _ = resolved(waiting, domain, weights, tolerance)
     _check_open(mechanism, tables)
-    count_u, count_x = series2d.needed(tables.equation, weights, 0.1 * tolerance)
-    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
-    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
-    residual, inertia_residual = residuals(waiting, domain, tables, equation, inertia)
-    largest, steep_u, steep_x = series2d.largest(equation)
-    width = travel / equation.shape[1]
+    kept = trimmed(waiting, domain, tables, weights, tolerance)
+    count_x = kept.equation.shape[-1]
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
     touch, touch_errors = _touch(waiting, mechanism, domain)
     clamped, clamped_residual = _clamping(sampler, opening.travel)
     return Arrival(
         tables=Tables(
-            equation=equation,
-            gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
-            inertia=inertia,
-            residual=residual,
-            largest=largest,
-            steepest_x=2.0 / (domain.high - domain.low) * steep_x,
-            steepest_u=2.0 / width * steep_u,
+            **vars(kept),
             travel=travel,
             low=domain.low,
             high=domain.high,
             approach=approach,
             approach_residual=rounded.size(sampler.size + stop.index),
-            inertia_residual=inertia_residual,
             touch_angle=float(mechanism.cylinder.angle_at_touch_rad),
             sense=float(mechanism.cylinder.sense),
             lever=stop.lever,
@@ -163,7 +153,7 @@ def arrival(
             opening=opening.travel,
             restitution=stop.restitution,
             clamping=clamped,
-            waiting=np.ascontiguousarray(equation @ at_zero),
+            waiting=np.ascontiguousarray(kept.equation @ at_zero),
             residual=clamped_residual,
             touch=touch,
             touch_errors=touch_errors,

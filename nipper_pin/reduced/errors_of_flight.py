@@ -1,4 +1,29 @@
-"""Bounds on the errors of flights, compiled; the formula is in :func:`nipper_pin.reduced.build`."""
+"""Bounds on the errors of flights, compiled.
+
+Error of a case, as the kernel propagates it: an error of x'' of at most
+
+    eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg g / g0 + sum_k k (r_k |p| + r_ks) + solver's
+
+(r the residuals) and errors dt, dw of time and rate at the start of a flight of length T that
+ends with rate v and acceleration a change, by Gronwall's lemma with F = Lv T + Lx T^2 / 2,
+K = exp(F), e = eps + Lt dt and rho = a T / v (2 for a ballistic flight),
+
+    |dT|  <= K (dw T + e T^2 / 2) / |v|,
+    |dv|  <= (|1 - rho| + (K - 1) (1 + |rho|)) dw + K e T int_0^1 |1 - rho s| ds,
+
+The solver's part is F times the last change of x'' in the iteration, plus what the grid cannot
+show: the equation of motion is evaluated at three points between the nodes, and a defect d
+there acts like a steady error of less than 12 d / n^2 on n nodes, since polynomials of the
+degrees that are missing nearly cancel when they are integrated. That they do not act alike on
+time and rate is allowed for: this part has 1 in the place of the last integral.
+
+What a late start changes of x'', Lt dt, is nearly the same all along a short flight: in its
+place the last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
+radians of that with it.
+
+Lv, Lx, Lt are Lipschitz constants of x'' by rate, coordinate and time from the largest
+values and derivatives of the tables. Times add up; the restitution scales dv to the next dw.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +67,7 @@ def size(sizes: FloatArray, row: int, rate: float) -> float:
 def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
                    fastest: float, changed: float, left: float, dt: float,
                    dw: float) -> tuple[float, float, float]:  # fmt: skip
-    """Errors at the end of a flight, by the formula in :func:`nipper_pin.reduced.build`.
+    """Errors at the end of a flight, by the formula at the head of this module.
 
     One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
 

@@ -13,9 +13,8 @@ from ..dynamics.system import DriveMode, System
 from ..errors import InputError, NipperError
 from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
-from . import series2d
 from .arrival import NOT_SAMPLED, Arrival, Opening, arrival, found_opening, unknown
 from .functions import Sampler
 from .model import (
@@ -26,7 +25,8 @@ from .model import (
     BY_SPRINGS,
     ReducedModel,
 )
-from .tables import Domain, residuals, resolved
+from .tables import Domain, resolved
+from .trimmed import trimmed
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0
@@ -95,30 +95,6 @@ def build(
     are below the tolerance or show only round-off. The error of a function is bounded by twice the
     largest difference from Pinocchio at random points off the grid, plus round-off.
 
-    Error of a case, as the kernel propagates it: an error of x'' of at most
-
-        eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg g / g0 + sum_k k (r_k |p| + r_ks) + solver's
-
-    (r the residuals) and errors dt, dw of time and rate at the start of a flight of length T that
-    ends with rate v and acceleration a change, by Gronwall's lemma with F = Lv T + Lx T^2 / 2,
-    K = exp(F), e = eps + Lt dt and rho = a T / v (2 for a ballistic flight),
-
-        |dT|  <= K (dw T + e T^2 / 2) / |v|,
-        |dv|  <= (|1 - rho| + (K - 1) (1 + |rho|)) dw + K e T int_0^1 |1 - rho s| ds,
-
-    The solver's part is F times the last change of x'' in the iteration, plus what the grid cannot
-    show: the equation of motion is evaluated at three points between the nodes, and a defect d
-    there acts like a steady error of less than 12 d / n^2 on n nodes, since polynomials of the
-    degrees that are missing nearly cancel when they are integrated. That they do not act alike on
-    time and rate is allowed for: this part has 1 in the place of the last integral.
-
-    What a late start changes of x'', Lt dt, is nearly the same all along a short flight: in its
-    place the last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
-    radians of that with it.
-
-    Lv, Lx, Lt are Lipschitz constants of x'' by rate, coordinate and time from the largest
-    values and derivatives of the tables. Times add up; the restitution scales dv to the next dw.
-
     Args:
         mechanism: The mechanism.
         travel_rad: Travel of the cylinder from the touch configuration that the domain covers; by
@@ -136,15 +112,7 @@ def build(
         InputError: The mechanism or the domain cannot be reduced.
         SimulationError: A point of the domain cannot be reached or is singular.
     """
-    reason = unfit(mechanism, drive)
-    if reason is not None:
-        message = f"{mechanism.name}: {reason}; use the direct engine"
-        raise InputError(message, model=mechanism.name, drive=str(drive))
-    if travel_rad is not None:
-        _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
-    _check(1e-13 <= tolerance <= 1e-3, "tolerance", tolerance, "1e-13 to 1e-3")
-    if gap_max is not None:
-        _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
+    _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive)
     shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
     system = System(mechanism, shaft)
     stop = mechanism.stop(mechanism.transition_stop)
@@ -153,33 +121,17 @@ def build(
     sampler = Sampler(system, split, stop.index, tuple(item.index for item in others))
     closed = mechanism.phase(mechanism.initial_phase).closed
     rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
-    for other, opening in zip(others, sampler.opening_rates(), strict=True):
-        if other.name in closed and opening <= 0.0:
-            message = (
-                f"{mechanism.name}: stop {other.name!r} does not open when {stop.name!r} rebounds; "
-                "use the direct engine"
-            )
-            raise InputError(message, stop=other.name, opening_rate=float(opening))
+    _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
     gap_max = room if gap_max is None else gap_max
-    if not gap_max > 0.0:
-        message = (
-            f"{mechanism.name}: stop {stop.name!r} is not pressed shut after its first collision "
-            f"at {_FAST:g} times the rated speed; give gap_max"
-        )
-        raise InputError(message, stop=stop.name)
+    _check_pressed(mechanism, gap_max)
     (name,) = closed
     opening = found_opening(sampler, mechanism.stop(name)) if turn or travel_rad is None else None
     if travel_rad is None:
         travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
     domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
-    count_u, count_x = series2d.needed(tables.equation, weights, 0.1 * tolerance)
-    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
-    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
-    residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
-    width = travel_rad / equation.shape[1]
-    largest, steep_u, steep_x = series2d.largest(equation)
+    kept = trimmed(sampler, domain, tables, weights, tolerance)
     return ReducedModel(
         name=mechanism.name,
         stop=stop.name,
@@ -190,14 +142,7 @@ def build(
         travel_rad=travel_rad,
         gap_low=domain.low,
         gap_max=gap_max,
-        equation=equation,
-        gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
-        inertia=inertia,
-        residual=residual,
-        inertia_residual=inertia_residual,
-        largest=largest,
-        steepest_x=2.0 / (domain.high - domain.low) * steep_x,
-        steepest_u=2.0 / width * steep_u,
+        **vars(kept),
         approach_rate=rate,
         approach_residual=rounded,
         lever=stop.lever,
@@ -209,6 +154,45 @@ def build(
         samples=samples,
         arrival=_arrival(system, sampler, opening, gap_max, tolerance) if turn else NOT_SAMPLED,
     )
+
+
+def _check_arguments(
+    mechanism: Mechanism,
+    travel_rad: float | None,
+    gap_max: float | None,
+    tolerance: float,
+    drive: DriveMode | str,
+) -> None:
+    reason = unfit(mechanism, drive)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}; use the direct engine"
+        raise InputError(message, model=mechanism.name, drive=str(drive))
+    if travel_rad is not None:
+        _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
+    _check(1e-13 <= tolerance <= 1e-3, "tolerance", tolerance, "1e-13 to 1e-3")
+    if gap_max is not None:
+        _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
+
+
+def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
+    """Refuse a closed stop that the rebound of the transition stop does not open."""
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    for other, opening in zip(others, sampler.opening_rates(), strict=True):
+        if other.name in closed and opening <= 0.0:
+            message = (
+                f"{mechanism.name}: stop {other.name!r} does not open when "
+                f"{mechanism.transition_stop!r} rebounds; use the direct engine"
+            )
+            raise InputError(message, stop=other.name, opening_rate=float(opening))
+
+
+def _check_pressed(mechanism: Mechanism, gap_max: float) -> None:
+    if not gap_max > 0.0:
+        message = (
+            f"{mechanism.name}: stop {mechanism.transition_stop!r} is not pressed shut after its "
+            f"first collision at {_FAST:g} times the rated speed; give gap_max"
+        )
+        raise InputError(message, stop=mechanism.transition_stop)
 
 
 def _arrival(

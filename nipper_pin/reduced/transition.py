@@ -119,29 +119,14 @@ def transitions(
     Raises:
         InputError: A parameter is out of range.
     """
-    springs = len(model.springs)
-    speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True)
-    e_N = column("restitution", model.restitution if restitution is None else restitution,
-                  0.0, 1.0)  # fmt: skip
-    weight = _weight(model, gravity)
-    rates = spring_rows(
-        "stiffness", model.stiffness if stiffness is None else stiffness, springs, 0.0
-    )
-    lengths = spring_rows(
-        "preload", model.preload if preload is None else preload, springs, -math.inf
-    )
+    cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     check_run(rest_rate, tolerance, max_collisions)
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, weight.shape, rates.shape[:1],
-                                   lengths.shape[:1])  # fmt: skip
-    except ValueError as error:
-        message = f"the arrays of a batch need the same number of cases: {error}"
-        raise InputError(message) from error
     # numba is loaded by those who compute, not by those who import.
     from .kernel import run_batch
     from .layout import COLUMNS
     from .machine import grids
 
+    n = len(cases[0])
     table = np.full((n, COLUMNS, max_collisions), np.nan)
     status, counts, premise = np.zeros((3, n), dtype=np.int64)
     rest = np.empty((n, 4))
@@ -150,11 +135,7 @@ def transitions(
         model.tables,
         model.arrival.tables,
         model.arrival.turn,
-        _full(speed * (math.tau / S_PER_MIN), (n,)),
-        _full(e_N, (n,)),
-        _full(rates, (n, springs)),
-        _full(lengths, (n, springs)),
-        _full(weight, (n,)),
+        *cases,
         0.0 if rest_rate is None else float(rest_rate),
         float(tolerance),
         assumed,
@@ -167,6 +148,41 @@ def transitions(
     durations, errors, shares, bounds = rest.T.copy()
     return TransitionBatch(
         model.name, status, counts, durations, errors, shares, premise, bounds, table
+    )
+
+
+def _cases(
+    model: ReducedModel,
+    speed_rpm: ArrayLike,
+    restitution: ArrayLike | None,
+    stiffness: ArrayLike | None,
+    preload: ArrayLike | None,
+    gravity: ArrayLike | None,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Speeds [rad/s], restitutions, spring rates, deflections and gravity of n cases."""
+    springs = len(model.springs)
+    speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True)
+    e_N = column("restitution", model.restitution if restitution is None else restitution,
+                  0.0, 1.0)  # fmt: skip
+    weight = _weight(model, gravity)
+    rates = spring_rows(
+        "stiffness", model.stiffness if stiffness is None else stiffness, springs, 0.0
+    )
+    lengths = spring_rows(
+        "preload", model.preload if preload is None else preload, springs, -math.inf
+    )
+    try:
+        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, weight.shape, rates.shape[:1],
+                                   lengths.shape[:1])  # fmt: skip
+    except ValueError as error:
+        message = f"the arrays of a batch need the same number of cases: {error}"
+        raise InputError(message) from error
+    return (
+        _full(speed * (math.tau / S_PER_MIN), (n,)),
+        _full(e_N, (n,)),
+        _full(rates, (n, springs)),
+        _full(lengths, (n, springs)),
+        _full(weight, (n,)),
     )
 
 

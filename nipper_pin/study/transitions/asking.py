@@ -12,7 +12,7 @@ from ...errors import InputError, NipperError
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
-from ..cases import Cases, cases_of, spring_values
+from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from .run import Run, Settings
 from .table import TransitionTable
 
@@ -67,15 +67,8 @@ def transition_table(
             engine is asked for and cannot represent the mechanism.
     """
     need_mechanism(mechanism, "transition_table")
-    springs = spring_values(
-        mechanism,
-        {
-            "stiffness_N_per_m": stiffness_N_per_m,
-            "preload_length_mm": preload_length_mm,
-            "stiffness_N_m_per_rad": stiffness_N_m_per_rad,
-            "preload_deg": preload_deg,
-        },
-    )
+    given = (stiffness_N_per_m, preload_length_mm, stiffness_N_m_per_rad, preload_deg)
+    springs = spring_values(mechanism, dict(zip(SPRING_KEYS, given, strict=True)))
     return table_of(
         mechanism,
         cases_of(mechanism, speed_rpm, restitution, *springs),
