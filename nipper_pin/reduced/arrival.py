@@ -65,6 +65,22 @@ class Opening(NamedTuple):
     q: FloatArray
 
 
+class Waiting(NamedTuple):
+    """The stop of the initial phase, from its opening on.
+
+    Attributes:
+        stop: The stop.
+        sampler: Functions of (u, y).
+        weights: Weights of the functions in y'', shape (functions,).
+        gap_max: Largest y.
+    """
+
+    stop: Stop
+    sampler: Sampler
+    weights: FloatArray
+    gap_max: float
+
+
 def unknown(why: str, *, asked: bool = True) -> Arrival:
     """An arrival of which nothing is known."""
     none = np.zeros((6, 1, 2))
@@ -96,11 +112,8 @@ NOT_SAMPLED = unknown("the rest of the turn was not sampled")
 def arrival(
     system: System,
     sampler: Sampler,
-    waiting: Sampler,
     opening: Opening,
-    stop: Stop,
-    weights: FloatArray,
-    gap_max: float,
+    waiting: Waiting,
     tolerance: float,
 ) -> Arrival:
     """Sample what a turn does between its opening and the touch.
@@ -108,18 +121,15 @@ def arrival(
     Args:
         system: The held system; its shaft turns at 1 rad/s from the touch configuration.
         sampler: Functions of (u, x).
-        waiting: Functions of (u, y).
         opening: Where y comes back to zero.
-        stop: The waiting stop, closed in the initial phase.
-        weights: Weights of the functions in y'', shape (functions,).
-        gap_max: Largest y.
+        waiting: The stop that waits, and its functions of (u, y).
         tolerance: Relative accuracy of the tables.
 
     Raises:
         SimulationError: The turn is not one of those that the tables describe.
         ConvergenceError: Its functions are not smooth enough.
     """
-    mechanism = system.mechanism
+    mechanism, stop, high = system.mechanism, waiting.stop, waiting.gap_max
     n, m = sampler.rates(np.array([opening.travel]), opening.q)
     throw, approach = float(n[0, stop.index]), float(m[0, stop.index])
     if throw <= 0.0 or approach >= 0.0:
@@ -128,13 +138,13 @@ def arrival(
     clamping = frozenset({mechanism.transition_stop})
     rounded = of_rates(system, clamping, opening.travel, opening.q[0], m[0])
     travel = 2.0 * math.pi - opening.travel
-    domain = Domain(travel, -gap_max / 16.0, gap_max, begin=-travel, count_x=_NODES_Y)
-    tables, _ = resolved(waiting, domain, weights, tolerance)
+    domain = Domain(travel, -high / 16.0, high, begin=-travel, count_x=_NODES_Y)
+    tables, _ = resolved(waiting.sampler, domain, waiting.weights, tolerance)
     _check_open(mechanism, tables)
-    kept = trimmed(waiting, domain, tables, weights, tolerance)
+    kept = trimmed(waiting.sampler, domain, tables, waiting.weights, tolerance)
     count_x = kept.equation.shape[-1]
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
-    touch, touch_errors = _touch(waiting, mechanism, domain)
+    touch, touch_errors = _touch(waiting.sampler, mechanism, domain)
     clamped, clamped_residual = _clamping(sampler, opening.travel)
     return Arrival(
         tables=Tables(

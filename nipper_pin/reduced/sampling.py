@@ -15,7 +15,7 @@ from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
-from .arrival import NOT_SAMPLED, Arrival, Opening, arrival, found_opening, unknown
+from .arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .functions import Sampler
 from .model import (
     BY_GRAVITY,
@@ -113,18 +113,14 @@ def build(
         SimulationError: A point of the domain cannot be reached or is singular.
     """
     _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive)
-    shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
-    system = System(mechanism, shaft)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
-    split = _split(system, stop.index, stop.name)
-    sampler = Sampler(system, split, stop.index, tuple(item.index for item in others))
+    system, sampler = _touching(mechanism, stop, others)
     closed = mechanism.phase(mechanism.initial_phase).closed
     rate, rounded = _approach_rate(system, closed, stop.index, stop.name)
     _check_opening(mechanism, others, sampler)
     weights, room = _nominal(mechanism, sampler, rate)
-    gap_max = room if gap_max is None else gap_max
-    _check_pressed(mechanism, gap_max)
+    gap_max = _pressed(mechanism, room) if gap_max is None else gap_max
     (name,) = closed
     opening = found_opening(sampler, mechanism.stop(name)) if turn or travel_rad is None else None
     if travel_rad is None:
@@ -174,6 +170,14 @@ def _check_arguments(
         _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
 
 
+def _touching(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> tuple[System, Sampler]:
+    """The system whose shaft turns at 1 rad/s from the touch, and the functions of (u, x)."""
+    shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
+    system = System(mechanism, shaft)
+    split = _split(system, stop.index, stop.name)
+    return system, Sampler(system, split, stop.index, tuple(item.index for item in others))
+
+
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
     """Refuse a closed stop that the rebound of the transition stop does not open."""
     closed = mechanism.phase(mechanism.initial_phase).closed
@@ -186,13 +190,15 @@ def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Samp
             raise InputError(message, stop=other.name, opening_rate=float(opening))
 
 
-def _check_pressed(mechanism: Mechanism, gap_max: float) -> None:
+def _pressed(mechanism: Mechanism, gap_max: float) -> float:
+    """The gap of the domain, of a stop that is pressed shut after its first collision."""
     if not gap_max > 0.0:
         message = (
             f"{mechanism.name}: stop {mechanism.transition_stop!r} is not pressed shut after its "
             f"first collision at {_FAST:g} times the rated speed; give gap_max"
         )
         raise InputError(message, stop=mechanism.transition_stop)
+    return gap_max
 
 
 def _arrival(
@@ -213,11 +219,12 @@ def _arrival(
     throw = float(n[0, stop.index])
     tolerance = max(tolerance, _ARRIVING)
     try:
-        waiting = Sampler(system, _split(system, stop.index, name), stop.index, others)
+        of_stop = Sampler(system, _split(system, stop.index, name), stop.index, others)
         closed = frozenset({name})
         rate, _ = _approach_rate(system, closed, transition.index, transition.name)
-        weights, _ = _nominal(mechanism, waiting, throw * rate)
-        return arrival(system, sampler, waiting, opening, stop, weights, throw * gap_max, tolerance)
+        weights, _ = _nominal(mechanism, of_stop, throw * rate)
+        waiting = Waiting(stop, of_stop, weights, throw * gap_max)
+        return arrival(system, sampler, opening, waiting, tolerance)
     except NipperError as error:
         return unknown(error.message)
 

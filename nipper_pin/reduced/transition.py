@@ -14,7 +14,7 @@ from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from ..units import S_PER_MIN
 from .inputs import check_run, column, number, one_row, spring_rows
-from .layout import HOLDS, UNKNOWN
+from .layout import COLUMNS, HOLDS, UNKNOWN
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -75,13 +75,12 @@ def transition(
         assumed,
         max_collisions,
     )
+    count = table.shape[1]
     if status != _AT_REST:
-        raise _refusal(model, Status(status), table.shape[1], speed_rpm, max_collisions)
+        raise _refusal(model, Status(status), count, speed_rpm, max_collisions)
     duration, error, share, bound = rest
     holds = None if premise == UNKNOWN else premise == HOLDS
-    return ReducedTransition(
-        model.name, table.shape[1], duration, error, share, holds, bound, table
-    )
+    return ReducedTransition(model.name, count, duration, error, share, holds, bound, table)
 
 
 def transitions(
@@ -123,13 +122,12 @@ def transitions(
     check_run(rest_rate, tolerance, max_collisions)
     # numba is loaded by those who compute, not by those who import.
     from .kernel import run_batch
-    from .layout import COLUMNS
     from .machine import grids
 
     n = len(cases[0])
-    table = np.full((n, COLUMNS, max_collisions), np.nan)
+    table, rest = np.full((n, COLUMNS, max_collisions), np.nan), np.empty((n, 4))
     status, counts, premise = np.zeros((3, n), dtype=np.int64)
-    rest = np.empty((n, 4))
+    results = table, status, counts, premise, rest
     run_batch(
         grids(),
         model.tables,
@@ -139,11 +137,7 @@ def transitions(
         0.0 if rest_rate is None else float(rest_rate),
         float(tolerance),
         assumed,
-        table,
-        status,
-        counts,
-        premise,
-        rest,
+        *results,
     )
     durations, errors, shares, bounds = rest.T.copy()
     return TransitionBatch(

@@ -122,8 +122,9 @@ def test_turns_that_the_waiting_stop_does_not_open() -> None:
     for throw, approach in ((0.0, -1.0), (-2.0, -1.0), (2.0, 0.0), (2.0, 1.0)):
         rates = np.array([[9.0, throw]]), np.array([[9.0, approach]])
         sampler: Any = SimpleNamespace(rates=lambda travel, q: rates)  # noqa: B023, ARG005
+        waiting = arrival.Waiting(stop, sampler, np.zeros(4), 1.0)
         with pytest.raises(SimulationError, match="'lift' does not open 'jaw' by its") as caught:
-            arrival.arrival(system, sampler, sampler, opening, stop, np.zeros(4), 1.0, 1e-9)
+            arrival.arrival(system, sampler, opening, waiting, 1e-9)
         assert caught.value.evidence == {"throw": throw, "approach": approach}
 
 
