@@ -35,7 +35,7 @@ class WorkerError(SimulationError):
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Processes that start in here compute in one thread: there is one for every processor."""
+    """Processes that start in this block compute in one thread each: there is one a processor."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))
     try:
@@ -59,12 +59,12 @@ def in_one_thread() -> bool:
 
 @contextmanager
 def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[ProcessPoolExecutor]:
-    """Processes of one thread each that leave interrupts to this one and do not outlive it.
+    """Worker processes of one thread each; they ignore Ctrl-C and end with this process.
 
     Args:
         workers: Number of processes.
-        first: Nothing to do, from the module that their work comes from: what it imports is
-            imported while this process goes on.
+        first: A function without effect from the module of the tasks: calling it makes a worker
+            import that module while this process goes on.
 
     Raises:
         WorkerError: A process cannot be started.
@@ -90,10 +90,9 @@ def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[Process
 
 @contextmanager
 def _interrupts_held_back() -> Iterator[None]:
-    """Processes that start in here leave interrupts from the keyboard to this one.
+    """Processes that start in this block ignore Ctrl-C.
 
-    They inherit the mask, and so are deaf from their first instruction on; here an interrupt is
-    only late.
+    They inherit the blocked signal; this process receives it at the end of the block.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -103,12 +102,12 @@ def _interrupts_held_back() -> Iterator[None]:
 
 
 def _prepare() -> None:
-    """Do not outlive the process that collects."""
+    """Watch the parent process, in a thread."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for its next task for ever."""
+    """End this worker with its parent; otherwise it would wait for its next task for ever."""
     parent = parent_process()
     if parent is not None:
         parent.join()
@@ -120,7 +119,7 @@ class Workers:
 
     Args:
         count: Number of processes; 1: one, which is this one if its BLAS computes in one thread.
-        first: Nothing to do, from the module that their work comes from.
+        first: A function without effect from the module of the tasks, see :func:`fresh_processes`.
         advice: What to do if a process dies, the end of a sentence.
         apart: Even one worker is a process of its own.
     """
@@ -243,4 +242,4 @@ def _finished(running: dict[Future[_R], _K]) -> Iterator[tuple[_K, _R]]:
 
 
 def _nothing() -> None:
-    """What processes begin with whose work comes from modules that are loaded soon enough."""
+    """No effect; a worker imports the module of its tasks with the first of them."""

@@ -144,4 +144,4 @@ def _judge(job: _Job) -> Verdict:
 
 
 def _wake() -> None:
-    """Nothing to do: a process that comes here has imported what trials need."""
+    """No effect; a worker that calls it imports what trials need."""

@@ -1,6 +1,6 @@
 """Parts of an optimisation, in processes of one thread each, kept as soon as they are finished.
 
-SciPy's SLSQP takes another way, from the last bits on, where its BLAS has several threads.
+With several threads BLAS rounds differently, and SciPy's SLSQP follows another path.
 """
 
 from __future__ import annotations
@@ -116,4 +116,4 @@ class Work:
 
 
 def _wake() -> None:
-    """Nothing: a process starts for it, and imports what this module needs."""
+    """No effect; a worker that calls it imports this module."""

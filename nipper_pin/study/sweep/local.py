@@ -50,7 +50,7 @@ def on_this_machine(
 
 
 def _content(job_text: bytes, start: int, rows: FloatArray) -> bytes | DefectError:
-    """What a chunk computes; a defect is a result, too, since other chunks go on."""
+    """The bytes of a chunk, or the defect that it met: other chunks go on."""
     try:
         return run_chunk(job_text, start, rows)
     except DefectError as defect:
@@ -58,4 +58,4 @@ def _content(job_text: bytes, start: int, rows: FloatArray) -> bytes | DefectErr
 
 
 def wake() -> None:
-    """Nothing: a process starts for it, and imports what this module needs."""
+    """No effect; a worker that calls it imports this module."""
