@@ -74,9 +74,10 @@ def random_linkage(rng: Generator) -> Drawing:
     # A shaft that is heavier than its machine by no more than some hundred times.
     inertia = _mass(linkage, touch) * (1e-3 * linkage.radius) ** 2 * log(rng, 3.0, 300.0)
     parts.append(Drive("O", inertia=inertia, frequency_hz=log(rng, 10.0, 100.0)))
-    return _drawing(linkage, parts, touch=touch, start=start,
-                    step=step, speed=speed, gravity=gravity, closed=tuple(closed),
-                    struck_joint=first.output.joint if first else "")  # fmt: skip
+    drawing = _drawing(linkage, parts, touch=touch, start=start, step=step, speed=speed)
+    struck_joint = first.output.joint if first else ""
+    return replace(drawing, gravity_m_s2=gravity, closed=tuple(closed),
+                   struck=struck_joint)  # fmt: skip
 
 
 def _grown(rng: Generator) -> Growing:
@@ -147,17 +148,9 @@ def _elements(rng: Generator, linkage: Growing, touch: int, force: float) -> lis
 
 
 def _drawing(
-    linkage: Growing,
-    parts: list[Part],
-    *,
-    touch: int,
-    start: int,
-    step: int,
-    speed: float,
-    gravity: float,
-    closed: tuple[str, ...],
-    struck_joint: str,
+    linkage: Growing, parts: list[Part], *, touch: int, start: int, step: int, speed: float
 ) -> Drawing:
+    """The drawing, with no stop closed."""
     bodies = [linkage.body(name) for name in linkage.bodies if name not in linkage.halved]
     joints: list[Part] = [_halved(joint, linkage) for joint in linkage.joints]
     touch_deg, start_deg = (float(np.degrees(ANGLES[place])) for place in (touch, start))
@@ -173,9 +166,6 @@ def _drawing(
         start_deg=start_deg,
         speed_rpm=speed,
         clockwise=step < 0,
-        closed=closed,
-        struck=struck_joint,
-        gravity_m_s2=gravity,
         invented="random numbers",
     )
 
