@@ -2,7 +2,8 @@
 # make test    the tests, without the longer ones
 # make test-all    these and the longer ones: pages in a browser, clusters, campaigns
 # make test-slow   the longer ones alone
-# make check   lint, types and all tests
+# make docs    the site of docs/ in out/site; any warning is an error
+# make check   lint, types, site and all tests
 # make figures the pictures of the documents, drawn anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
@@ -13,6 +14,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 BASE := $(VENV)/.installed
 DEV := $(VENV)/.installed-dev
+SITE := $(VENV)/.installed-docs
 SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
 # hatchling builds the package; it comes from the lock like everything else, so pip need not make
 # a second environment of unlocked packages to build in.
@@ -21,7 +23,7 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
 
-.PHONY: demo test test-slow test-all lint types check figures clean
+.PHONY: demo test test-slow test-all lint types docs check figures clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -46,7 +48,10 @@ lint: $(DEV)
 types: $(DEV)
 	$(BIN)/mypy
 
-check: lint types test-all
+docs: $(SITE)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+check: lint types docs test-all
 
 # work_precision.png is a measurement of one machine: `nipper-pin benchmark` draws it.
 figures: $(DEV)
@@ -82,6 +87,11 @@ $(BASE): pyproject.toml constraints.txt
 $(DEV): $(BASE)
 	@echo "installing the tools for development into $(VENV)"
 	@$(PIP_INSTALL) --no-build-isolation -e '.[dev]'
+	@touch $@
+
+$(SITE): $(DEV)
+	@echo "installing what builds the site into $(VENV)"
+	@$(PIP_INSTALL) --no-build-isolation -e '.[docs]'
 	@touch $@
 
 clean:
