@@ -7,6 +7,7 @@ it is restarted on the ground.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from scipy.integrate import DOP853, DenseOutput
 
@@ -27,6 +28,25 @@ _NEWTON = 12
 Equation = Callable[[float, FloatArray], tuple[float, ...] | FloatArray]
 
 
+@dataclass(frozen=True)
+class Start:
+    """State just after a collision.
+
+    Attributes:
+        t: Time [s].
+        y: State there; the gap is zero and opens.
+        rate: Jaw rate there [rad/s].
+        fall: Deceleration of the jaw there [rad/s^2].
+        scale: Sizes of what the state does in the flight, to which the tolerance applies, too.
+    """
+
+    t: float
+    y: FloatArray
+    rate: float
+    fall: float
+    scale: FloatArray
+
+
 class Flight:
     """A flight from just after a collision to the next one.
 
@@ -34,42 +54,34 @@ class Flight:
 
     Args:
         equation: Derivative of the state, of time [s] and state.
-        t: Start [s].
-        y: State there; the gap is zero and opens.
+        start: Where the flight begins.
         places: Where jaw angle [rad] and jaw rate [rad/s] are in the state.
-        rate: Jaw rate there [rad/s].
-        fall: Deceleration of the jaw there [rad/s^2].
         tolerance: Relative tolerance.
-        scale: Sizes of what the state does in this flight, to which the tolerance applies, too.
         watched: True if the amplitude will be asked for.
     """
 
     def __init__(
         self,
         equation: Equation,
-        t: float,
-        y: FloatArray,
+        start: Start,
         places: tuple[int, int],
-        rate: float,
-        fall: float,
         tolerance: float,
-        scale: FloatArray,
         watched: bool,
     ) -> None:
         """Set up the solver."""
         self._th, self._w = places
-        self._start, self._watched = t, watched
+        self._start, self._watched = start.t, watched
         self._rising: DenseOutput | None = None
-        self._top = t
+        self._top = start.t
         self._solver = DOP853(
             equation,
-            t,
-            y,
-            t + _LONGEST,
+            start.t,
+            start.y,
+            start.t + _LONGEST,
             rtol=tolerance,
-            atol=tolerance * scale,
+            atol=tolerance * start.scale,
             # Just beyond the parabola's end, so that a short flight ends inside the step.
-            first_step=2.02 * rate / fall,
+            first_step=2.02 * start.rate / start.fall,
         )
 
     def land(self) -> tuple[float, FloatArray, int]:

@@ -9,7 +9,7 @@ from ...mechanism import Mechanism
 from ...study.paper.scheme.planar_model import first_rebound_rate, planar_model
 from ...study.paper.scheme.planar_motion import jaw_equation
 from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import SETTINGS, Flight
+from .scipy_flight import SETTINGS, Flight, Start
 
 NAME = "SciPy DOP853, located events (hand-derived equation)"
 PACKAGE = "scipy"
@@ -42,8 +42,8 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
         while not over:
             first = len(bounces.times) == 1
             scale = np.array([0.5 * w * w / fall, w])
-            y = np.array([0.0, w])
-            flight = Flight(equation, t, y, (0, 1), w, fall, setting.value, scale, first)
+            start = Start(t, np.array([0.0, w]), w, fall, scale)
+            flight = Flight(equation, start, (0, 1), setting.value, first)
             t, y, calls = flight.land()
             if first:
                 bounces.amplitude = flight.amplitude(jaw)

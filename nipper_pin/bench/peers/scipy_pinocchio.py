@@ -20,7 +20,7 @@ from ...mechanism import Mechanism, rad_s_from_rpm
 from ...study.paper.scheme.planar_model import planar_model
 from ...study.paper.scheme.planar_motion import shaft_accelerations
 from .protocol import Bounces, Four, Run, Setting
-from .scipy_flight import SETTINGS, Flight
+from .scipy_flight import SETTINGS, Flight, Start
 
 NAME = "SciPy DOP853, located events (Pinocchio's accelerations)"
 PACKAGE = "scipy"
@@ -77,7 +77,8 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
             speeds = np.abs(y[nv:]) + length * np.abs(a)
             scale = np.concatenate([length * speeds, speeds])
             watched = len(bounces.times) == 1
-            flight = Flight(equation, t, y, places, w, fall, setting.value, scale, watched)
+            begin = Start(t, y, w, fall, scale)
+            flight = Flight(equation, begin, places, setting.value, watched)
             t, y, _ = flight.land()
             if watched:
                 bounces.amplitude = flight.amplitude(jaw_acceleration)
