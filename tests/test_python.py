@@ -356,7 +356,7 @@ def test_the_room_of_views_and_the_call_are_one() -> None:
         "assert not {'numpy', 'rich', 'pinocchio'} & set(sys.modules)\n"
         "import nipper_pin.view.run.table\n"
         "assert nip.view is first and callable(nip.view)\n"
-        "assert nip.view.table.print_solution\n"
+        "assert nip.view.run.table.print_solution\n"
         "assert list(inspect.signature(nip.view).parameters)[:2] == ['solution', 'file']\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

@@ -103,7 +103,7 @@ def test_no_limit_is_taken_across_a_knot_of_a_drive(
             in_rests.pop()
 
     monkeypatch.setattr(ShaftMotion, "smooth_for", knot_near)
-    monkeypatch.setattr("nipper_pin.hybrid.simulate.rest_of_series", series)
+    monkeypatch.setattr("nipper_pin.hybrid.run.series_ends.rest_of_series", series)
     followed = simulate(e62, case)
     assert asked
     assert len(followed.collisions) > len(free.collisions)

@@ -27,6 +27,7 @@ CASES = json.loads(
     (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
 )["cases"]
 ROOM = "nipper_pin.bench.peers"
+SCHEME = "nipper_pin.study.paper.scheme"
 
 # Module, the package it needs beside numba, one quick setting, and the error that docs/peers.md
 # states for it (worst of four), rounded up to a power of ten with at least a factor two to spare.
@@ -38,8 +39,8 @@ CLAIMS = [
     ("scipy_pinocchio", "scipy", "rtol 1e-9", 1e-8),
     ("scipy_pinocchio", "scipy", "rtol 1e-13", 1e-12),
     ("sundae", "sksundae", "rtol 1e-12", 1e-11),
-    ("paper_scheme", "numba", "1 us, forward Euler", 1e-2),
-    ("paper_scheme", "numba", "0.1 us, semi-implicit", 1e-3),
+    ("fixed_steps", "numba", "1 us, forward Euler", 1e-2),
+    ("fixed_steps", "numba", "0.1 us, semi-implicit", 1e-3),
     ("mujoco_shell", "mujoco", "100 us", 1e-8),
     ("mujoco_native", "mujoco", "1 us", 1e-2),
     ("drake_witness", "pydrake", "accuracy 1e-10", 1e-9),
@@ -55,7 +56,7 @@ def _peer(name: str, needs: str) -> Any:
     """A peer, where its package is installed."""
     pytest.importorskip("numba")
     pytest.importorskip(needs)
-    return import_module(f"{ROOM}.{name}")
+    return import_module(f"{ROOM}.{name}" if name != "fixed_steps" else f"{SCHEME}.{name}")
 
 
 def _errors(four: Four, case: str = "650") -> tuple[float, ...]:
@@ -116,7 +117,7 @@ def test_the_hand_derived_equation_agrees_with_the_reference(case: str) -> None:
 def test_the_first_rebound_rate(e62: Mechanism) -> None:
     """The rate after the first collision is the reference's to round-off: twelve digits of one."""
     _peer("rk4", "numba")
-    planar = import_module(f"{ROOM}.planar_model")
+    planar = import_module(f"{SCHEME}.planar_model")
     rate = planar.first_rebound_rate(planar.planar_model(e62, SPEED_RPM))
     wanted = float(CASES["650"]["collisions"][0]["separation_rate"])
     assert rate == pytest.approx(wanted, rel=1e-12)
@@ -129,7 +130,7 @@ def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
     is 1e-2 of it, the Coriolis terms more, so a missing term would show by ten orders.
     """
     _peer("rk4", "numba")
-    planar, bound = import_module(f"{ROOM}.planar_model"), import_module(f"{ROOM}.planar_motion")
+    planar, bound = import_module(f"{SCHEME}.planar_model"), import_module(f"{SCHEME}.planar_motion")
     equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
     solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
     system = System(e62, solution.shaft)
@@ -149,7 +150,7 @@ def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
 
 @pytest.mark.parametrize(("name", "coarse", "fine", "order"), [
     ("rk4", 1e-4, 5e-5, 4),
-    ("paper_scheme", 1e-6, 1e-7, 1),
+    ("fixed_steps", 1e-6, 1e-7, 1),
 ])  # fmt: skip
 def test_fixed_steps_have_the_order_of_their_method(
     e62: Mechanism, name: str, coarse: float, fine: float, order: int
@@ -185,7 +186,7 @@ def test_peers_say_what_they_are() -> None:
 def test_another_mechanism_is_refused() -> None:
     """The hand-derived equation is that of one topology, and says so."""
     _peer("rk4", "numba")
-    model = import_module(f"{ROOM}.planar_model")
+    model = import_module(f"{SCHEME}.planar_model")
     folder = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
     with pytest.raises(InputError, match="hand-derived"):
         model.planar_model(load(folder), SPEED_RPM)

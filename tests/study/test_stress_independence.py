@@ -24,12 +24,13 @@ FOLDER = Path(stress.__file__).parent
 # Those that run engines, hold what is run, or write it.
 RUNNING = {"__init__", "campaign", "engines", "files", "judging", "machines", "space", "store"}
 RESULTS = {
-    "accuracy": {"EventError"},
-    "collisions": {"Collision"},
+    "advance": {"Segment"},
+    "error_estimate.event_errors": {"EventError"},
     "event": {"Event", "EventKind"},
-    "panel": {"Panel"},
-    "segment": {"Segment"},
-    "solution": {"Outcome", "Solution"},
+    "motion.panel": {"Panel"},
+    "result.solution": {"Solution"},
+    "result.tables": {"Collision"},
+    "run.outcome": {"Outcome"},
 }
 DYNAMICS = {"system": {"System"}}
 # What the engine computes accelerations, impulses and states with.
@@ -94,7 +95,7 @@ def test_the_judge_imports_nothing_of_the_engines_but_results(path: Path) -> Non
 def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
     """Also where it is imported within a function."""
     planted = tmp_path / "planted.py"
-    planted.write_text("def f():\n    from ...hybrid.roughness import roughness\n")
+    planted.write_text("def f():\n    from ...hybrid.motion.noise_floor import roughness\n")
     assert foreign(planted) == [("hybrid.motion.noise_floor", "roughness")]
 
 
