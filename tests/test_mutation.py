@@ -59,6 +59,7 @@ def test_texts_types_and_looks_are_left_alone(word: str) -> None:
     assert not any(word in before and "row(" not in before for before, _ in changes())
 
 
+@pytest.mark.slow
 def test_a_sample_grows_with_its_count_and_changes_with_its_seed() -> None:
     """The first mutations of a seed stay the first; most of all rooms are among them."""
     package = ROOT / "nipper_pin"
@@ -111,6 +112,7 @@ def test_tests_that_execute_a_statement_are_chosen_the_nearest_first(tmp_path: P
     assert choice.tests(newer[0], 10.0) == nearest
 
 
+@pytest.mark.slow
 def test_an_error_that_stops_all_tests_is_noticed(tmp_path: Path) -> None:
     """What every test imports fails: no test starts, and the first one counts as failed."""
     (tmp_path / "tests").mkdir()

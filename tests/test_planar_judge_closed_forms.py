@@ -156,6 +156,7 @@ def test_a_closed_stop_bears_its_share() -> None:
     assert event.closed == {"floor"}
 
 
+@pytest.mark.slow
 def test_stops_that_throw_one_another_open_come_to_rest() -> None:
     """A series of series, against every bounce followed in 60 digits."""
     numbers = (2.0, 0.5, 0.3, 0.4, 30.0)

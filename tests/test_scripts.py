@@ -163,6 +163,7 @@ def test_a_sweep_with_dask_agrees_with_the_reduced_engine(tmp_path: Path) -> Non
     assert (mean, largest) == pytest.approx((np.mean(rebounds), max(rebounds)), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_an_identification_finds_the_machine_that_was_filmed(tmp_path: Path) -> None:
     """The numbers of which the measurements were made, within four stated deviations."""
     truth = {
@@ -180,6 +181,7 @@ def test_an_identification_finds_the_machine_that_was_filmed(tmp_path: Path) -> 
     assert rebound == pytest.approx(1e3 * hit.rebound_time, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_film_has_pictures_and_the_certified_losses(tmp_path: Path) -> None:
     text = printed("film_a_run.py", tmp_path, "film.gif")
     case = CERTIFIED["650"]

@@ -382,6 +382,7 @@ def test_scaled_deviations_follow_the_noise(tmp_path: Path, found: Run) -> None:
         assert grown == pytest.approx(ratio, rel=0.1)
 
 
+@pytest.mark.slow
 def test_sigmas_that_are_weights_alone(tmp_path: Path) -> None:
     """All sigmas by one factor: the fit and its scaled deviations stay, and nothing is tested."""
 

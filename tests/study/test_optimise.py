@@ -108,6 +108,7 @@ def test_constrained_optimum_and_its_prices_are_those_of_the_formulas(tmp_path: 
     assert found.account.residual < 1e-9
 
 
+@pytest.mark.slow
 def test_what_is_maximised_comes_out_with_its_own_sign(tmp_path: Path) -> None:
     """Largest A under T <= T_0: u = g T_0 (1 - e) / 2 falls with e, so V is at its bound again.
 
@@ -122,6 +123,7 @@ def test_what_is_maximised_comes_out_with_its_own_sign(tmp_path: Path) -> None:
     assert found.best.values["rebound_amplitude_1"] == pytest.approx(highest, rel=2e-5)
 
 
+@pytest.mark.slow
 def test_front_is_the_curve_of_the_formulas(tmp_path: Path) -> None:
     """Shortest T for every A: T = 2 u / (g (1 - u / V_max)), from e = 0.05 to e = 0.5.
 
@@ -149,6 +151,7 @@ def test_aims_that_agree_have_a_front_of_one_point(tmp_path: Path) -> None:
     assert found.best.numbers == {E_N: pytest.approx(0.05), LEAD: pytest.approx(20.0)}
 
 
+@pytest.mark.slow
 def test_clamping_limit_is_met_where_simulated_turns_say(tmp_path: Path) -> None:
     """A lip force is linear in the preload, so two simulated turns say where it reaches a limit.
 
@@ -205,6 +208,7 @@ def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
     assert elsewhere.best.numbers[E_N] == pytest.approx(one.best.numbers[E_N], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_threads_of_blas_change_no_bit(tmp_path: Path) -> None:
     """One worker in a process whose BLAS has four threads, and this one, whose BLAS has one.
 
@@ -255,6 +259,7 @@ def test_global_check_finds_what_descents_miss(
     assert result.best.numbers[E_N] == pytest.approx(u / 0.1, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_impossible_machines_inside_the_bounds_are_gone_around(tmp_path: Path) -> None:
     """Half of the range of the mass is below zero: those samples are counted, with their reason.
 
@@ -269,6 +274,7 @@ def test_impossible_machines_inside_the_bounds_are_gone_around(tmp_path: Path) -
     assert all("mass" in why for why in found.no_machine)
 
 
+@pytest.mark.slow
 def test_interrupted_search_goes_on(tmp_path: Path) -> None:
     """What is finished is kept as it is, a file cut short is not taken, and the end is the same."""
     found = problem(tmp_path, AT_LEAST)
@@ -304,6 +310,7 @@ def test_results_of_two_problems_are_not_mixed(tmp_path: Path) -> None:
 # --- what cannot be had --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_limits_that_contradict_one_another_are_named_with_what_is_missing(tmp_path: Path) -> None:
     """A rebound of 0.1 mm takes at least T = 2 u / (g (1 - u / V)), V = 0.1 m/s: 16 ms, not 10 ms.
 
@@ -325,6 +332,7 @@ def test_limits_that_contradict_one_another_are_named_with_what_is_missing(tmp_p
     assert time == pytest.approx(rest(math.sqrt(2.0 * GRAVITY * height), 0.1), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_limit_that_cannot_be_met_is_named_with_what_is_missing(tmp_path: Path) -> None:
     """The highest rebound is (0.5 * 0.1)^2 / (2 g) = 0.127 mm, and 1 mm is asked for."""
     body = AT_LEAST.replace(str(LEAST), "1e-3")
@@ -532,6 +540,7 @@ CYCLE = (
 )
 
 
+@pytest.mark.slow
 def test_each_quantity_of_a_turn_can_be_asked_for_alone(tmp_path: Path) -> None:
     """It is what it is among all others, within the errors that both state."""
     aims = {name: f'minimise = "{name}"\n' + parameter("speed_rpm", 600.0, 700.0) for name in CYCLE}

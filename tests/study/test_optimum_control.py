@@ -177,6 +177,7 @@ high = 100.0
 """
 
 
+@pytest.mark.slow
 def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -218,6 +219,7 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     assert "NOT CONFIRMED" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_points_of_a_front_are_controlled_too(tmp_path: Path) -> None:
     """A front whose second point is doctored is contradicted, and says which point it is."""
     from nipper_pin.study.optimise import optimise

@@ -32,6 +32,9 @@ from nipper_pin.study.transitions import transition_table
 from nipper_pin.view.paper.tables import percent
 from nipper_pin.view.reading import digits
 
+# The studies of the paper take a quarter of a minute.
+pytestmark = pytest.mark.slow
+
 NAMES = {
     "speed.first_rebound_amplitude_increase": 1.184,
     "speed.second_rebound_amplitude_increase": 1.136,

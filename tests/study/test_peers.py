@@ -130,7 +130,8 @@ def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
     is 1e-2 of it, the Coriolis terms more, so a missing term would show by ten orders.
     """
     _peer("rk4", "numba")
-    planar, bound = import_module(f"{SCHEME}.planar_model"), import_module(f"{SCHEME}.planar_motion")
+    planar = import_module(f"{SCHEME}.planar_model")
+    bound = import_module(f"{SCHEME}.planar_motion")
     equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
     solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
     system = System(e62, solution.shaft)

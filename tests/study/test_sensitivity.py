@@ -188,6 +188,7 @@ def test_a_restitution_of_zero() -> None:
     assert not jaw.doubtful
 
 
+@pytest.mark.slow
 def test_a_restitution_of_one() -> None:
     """No step beyond it: a steeve that loses nothing still bounces at the touch.
 

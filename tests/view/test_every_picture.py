@@ -207,6 +207,7 @@ def test_bar_and_mark_of_a_picture(shown: Film, painter: _Painter) -> None:
     assert {item["colour"] for item in said["phases"]} == set(PHASES)
 
 
+@pytest.mark.slow
 def test_arrows_shrink_after_a_while(cycle: Solution) -> None:
     """Whole for 0.6 s after a collision, then evenly less until nothing is left after 1 s."""
     hits, shown = cycle.collisions, film(cycle, Look())
@@ -246,6 +247,7 @@ def test_arrows_shrink_after_a_while(cycle: Solution) -> None:
         assert length == pytest.approx(unit * share, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_file_holds_the_pictures(cycle: Solution, tmp_path: Path) -> None:
     """In their order, ten a second, for ever; phases, arrows and the ground keep their colours."""
     look = Look(slow=5.0)
@@ -273,6 +275,7 @@ def test_the_file_holds_the_pictures(cycle: Solution, tmp_path: Path) -> None:
     assert {tuple(bytes.fromhex(item[1:])) for item in ("#ffffff", *PHASES)} <= colours
 
 
+@pytest.mark.slow
 def test_a_film_of_more_than_two_minutes_is_refused(
     cycle: Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

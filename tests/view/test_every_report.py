@@ -54,6 +54,9 @@ from nipper_pin.view.paper.tables import (
 from nipper_pin.view.paper.terms import terms
 from nipper_pin.view.studies import sweep_plots
 
+# The studies of the paper take a quarter of a minute.
+pytestmark = pytest.mark.slow
+
 GIVEN = published()
 # Peaks are read from 200 places a flight; last digits of the reduced and the direct engine.
 NEAR = 2e-6

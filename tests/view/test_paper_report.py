@@ -29,6 +29,9 @@ from nipper_pin.view.paper.report import Material, material, report_html, study_
 from nipper_pin.view.paper.supplements import Supplements
 from nipper_pin.view.paper.tables import percent
 
+# The studies of the paper take a quarter of a minute.
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def study(e62: Mechanism) -> PaperStudy:
