@@ -10,13 +10,13 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from ...units import MM_PER_M
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
+from ...units import MM_PER_M
 from ..files.description import ContactDescription
+from ..files.urdf import Urdf, UrdfJoint
 from ..mechanism import Contact
 from .tree import supports
-from ..files.urdf import Urdf, UrdfJoint
 
 TOUCH_TOLERANCE_M = 1e-6
 """Largest gap or overlap of the bodies at coordinate zero [m]."""
@@ -233,7 +233,8 @@ def _check_touch(
     """Refuse bodies that do not touch where the stop is closed."""
     if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
         return
-    value = f"{pair}, {MM_PER_M * start.distance:.6g} mm apart at {joint.name} = {_place(at, joint)}"
+    apart = MM_PER_M * start.distance
+    value = f"{pair}, {apart:.6g} mm apart at {joint.name} = {_place(at, joint)}"
     if not math.isfinite(closing):
         allowed = (
             f"a {'growing' if sense > 0.0 else 'falling'} coordinate of {joint.name} must move the "
@@ -241,8 +242,8 @@ def _check_touch(
         )
     else:
         allowed = (
-            f"the bodies must touch within {MM_PER_M * TOUCH_TOLERANCE_M:g} mm where the coordinate is "
-            f"{_place(at, joint)}; their shapes in the URDF touch at {joint.name} = "
+            f"the bodies must touch within {MM_PER_M * TOUCH_TOLERANCE_M:g} mm where the "
+            f"coordinate is {_place(at, joint)}; their shapes in the URDF touch at {joint.name} = "
             f"{_place(closing, joint)}"
         )
     raise ModelError(file=file, key=key, value=value, allowed=allowed)

@@ -9,13 +9,13 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import InputError, ModelError, UnknownNameError
-from ..files.description import DamperDescription, Description, SpringDescription
+from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
+from ..files.description import DamperDescription, Description, SpringDescription
+from ..files.urdf import Urdf
 from ..mechanism import Joint, Spring
 from .tree import joint_placements
-from ..files.urdf import Urdf
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from ...units import M_PER_MM
 from ...errors import InputError, ModelError, UnknownNameError
+from ...units import M_PER_MM
 from ..cylinder import Cylinder
+from ..drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 from ..files.description import (
     CamDrive,
     ConstantSpeedDrive,
@@ -23,7 +24,6 @@ from ..files.description import (
     ScrewDrive,
     TableDrive,
 )
-from ..drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
 
 
 def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, DriveLaw]:

@@ -9,21 +9,21 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import ModelError, UnknownNameError
-from .touch_checks import check_assembly
-from .elements import build_elements
-from .contact import find_contact
+from ...units import M_PER_MM, RAD_PER_DEG
+from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description, StopDescription
-from .drive_keys import check_drive
-from ..drives import DriveLaw
-from .laws import build_cylinder, build_laws
+from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
+from .contact import find_contact
+from .drive_keys import check_drive
+from .elements import build_elements
+from .laws import build_cylinder, build_laws
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
+from .touch_checks import check_assembly
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
-from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 
 _STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}

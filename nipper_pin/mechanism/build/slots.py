@@ -16,9 +16,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
-from ..files.description import ClosureDescription
 from ..edit.layout import read_layout
 from ..edit.points import text_of
+from ..files.description import ClosureDescription
 from ..files.urdf import Urdf, UrdfJoint, parse_xml
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ...units import M_PER_MM, RAD_PER_DEG
 from ...errors import ModelError, UnknownNameError
+from ...units import M_PER_MM, RAD_PER_DEG
 from ..files.description import InitialDescription
 from ..mechanism import Drive, Joint, Start, Stop
 

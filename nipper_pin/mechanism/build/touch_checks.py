@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ...units import MM_PER_M
 from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError
+from ...units import MM_PER_M
 from ..drives import OscillatingGuide
+from ..files.urdf import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
 from .tree import supports
-from ..files.urdf import Urdf
 
 ASSEMBLY_TOLERANCE_M = 1e-9
 """Largest gap of a closure in the touch configuration [m]."""

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
-from ..mechanism import Joint
 from ..files.urdf import Urdf
 from ..files.urdf_values import mesh_path
+from ..mechanism import Joint
 
 
 def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:
