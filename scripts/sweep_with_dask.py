@@ -1,7 +1,7 @@
 """A sweep on a Dask cluster: here two workers of this machine, elsewhere as many as you have.
 
 A cluster is asked for by the address of its scheduler. `dask scheduler` and `dask worker` start one
-by hand, dask-jobqueue one on a batch system; docs/sweeps.md has both. A chunk that a lost worker
+by hand, dask-jobqueue one on a batch system; see docs/sweeps_cluster.md. A chunk that a lost worker
 had is computed by another.
 
 The study has 200 machines with other eccentrics, each at ten speeds; here are the first 36.

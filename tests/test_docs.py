@@ -11,18 +11,7 @@ DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 MOST = 1200
 # Pages that are still longer, and the most words each may have: this table may only shrink.
-STILL_LONGER: dict[str, int] = {
-    "accuracy.md": 1676,
-    "architecture.md": 1243,
-    "gallery.md": 2257,
-    "live.md": 1761,
-    "model_format.md": 2594,
-    "optimisation.md": 1853,
-    "peers.md": 1848,
-    "sweeps.md": 2117,
-    "tutorial.md": 1781,
-    "verification.md": 2050,
-}
+STILL_LONGER: dict[str, int] = {"gallery.md": 2257, "peers.md": 1848}
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 LOADED = re.compile(r"<(?:script|link|img|iframe)[^>]+(?:src|href)=.?https?:", re.IGNORECASE)
 

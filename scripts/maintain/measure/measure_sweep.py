@@ -1,4 +1,4 @@
-"""What a scenario of a sweep costs here: time, bytes, memory. The table of docs/sweeps.md."""
+"""Time, bytes and memory of a scenario of a sweep: the table of docs/sweeps_cluster.md."""
 
 import os
 

@@ -4,7 +4,7 @@
 
 Each mutation replaces one text of the engine, found exactly once, in a copy; the tests run there
 until the first fails. A mutation that no test notices is a test that is missing. The table in
-docs/verification.md is the output of this script; status 1 says that a mutation survived or that
+docs/mutations.md is the output of this script; status 1 says that a mutation survived or that
 its text is no longer in the engine.
 """
 
