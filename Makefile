@@ -1,5 +1,5 @@
-# make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/
-# make test    the tests, without the longer ones
+# make demo    the E62 at 650 r/min: tables on the terminal, plots and data in out/ (extra `view`)
+# make test    the tests, without the longer ones (extras `all` and `dev`)
 # make test-all    these and the longer ones: pages in a browser, clusters, campaigns
 # make test-slow   the longer ones alone
 # make docs    the site of docs/ in out/site; any warning is an error
@@ -12,7 +12,7 @@ PYTEST_ARGS ?= -n 2
 
 VENV := .venv
 BIN := $(VENV)/bin
-BASE := $(VENV)/.installed
+VIEW := $(VENV)/.installed-view
 DEV := $(VENV)/.installed-dev
 SITE := $(VENV)/.installed-docs
 SIMULATE := $(BIN)/nipper-pin simulate e62 --speed 650
@@ -28,7 +28,7 @@ FIGURES := $(BIN)/python scripts/maintain/figures
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
-demo: $(BASE)
+demo: $(VIEW)
 	$(SIMULATE) --out out/demo-transition
 	$(SIMULATE) --window cycle --out out/demo-cycle
 	$(BIN)/nipper-pin view --solution out/demo-cycle/solution.npz --exaggerate 10 --html out/demo.html
@@ -66,7 +66,7 @@ figures: $(DEV)
 	cp out/figures/front/front.png $(IMAGES)/front_e62.png
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 
-$(BASE): pyproject.toml constraints.txt
+$(VIEW): pyproject.toml constraints.txt
 	@command -v "$(PYTHON)" >/dev/null || { \
 	  echo "make: there is no '$(PYTHON)'; name a Python of 3.11 or later: make PYTHON=python3.12" >&2; \
 	  exit 1; }
@@ -81,10 +81,10 @@ $(BASE): pyproject.toml constraints.txt
 	@echo "installing into $(VENV)"
 	@"$(PYTHON)" -m venv $(VENV)
 	@$(PIP_INSTALL) hatchling
-	@$(PIP_INSTALL) --no-build-isolation -e .
+	@$(PIP_INSTALL) --no-build-isolation -e '.[view]'
 	@touch $@
 
-$(DEV): $(BASE)
+$(DEV): $(VIEW)
 	@echo "installing the tools for development into $(VENV)"
 	@$(PIP_INSTALL) --no-build-isolation -e '.[dev]'
 	@touch $@

@@ -158,9 +158,9 @@ def stand_ins(probe: Probe) -> None:
 
 def _views(note: Callable[..., None]) -> None:
     note("nipper_pin.view.scene.film", lambda *_: None)
-    note("nipper_pin.view.scene.scene_page", lambda *_: "page")
-    note("nipper_pin.view.scene.serve", lambda *_, **__: None)
-    note("nipper_pin.view.scene.write_page", lambda _run, file, _look: Path(file).touch())
+    note("nipper_pin.view.scene.page.scene_page", lambda *_: "page")
+    note("nipper_pin.view.scene.server.serve", lambda *_, **__: None)
+    note("nipper_pin.view.scene.page.write_page", lambda _run, file, _look: Path(file).touch())
     note("nipper_pin.view.scene.gif.write_gif", lambda _run, file, _look: Path(file).touch())
     note("nipper_pin.view.live.serve.serve_live", lambda *_, **__: None)
     note("nipper_pin.view.studies.sweep_plots.plot_sweep", lambda *_, **__: [Path("drawn.svg")])

@@ -8,12 +8,8 @@ from pathlib import PurePosixPath
 
 import pytest
 
-_EXTRAS = {
-    "live": ("viser", "trimesh", "manifold3d"),
-    "sweep": ("pyarrow",),
-    "cluster": ("distributed",),
-    "peers": ("mujoco", "sksundae", "pydrake", "exudyn", "pybullet"),
-}
+from nipper_pin.extras import EXTRAS
+
 _IMPORT = re.compile(r"could not import '(\w+)")
 _WORD = re.compile(r"\w+")
 _Report = pytest.TestReport | pytest.CollectReport
@@ -44,7 +40,7 @@ def _remedy(reason: str) -> tuple[str, str]:
     if "no browser" in reason:
         return "Chromium", "install it (Debian, Ubuntu: apt install chromium)"
     words = set(_WORD.findall(reason))
-    for extra, packages in _EXTRAS.items():
+    for extra, packages in EXTRAS.items():
         for name in packages:
             if name in words:
                 return name, f"pip install -e '.[{extra}]'"

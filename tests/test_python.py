@@ -318,15 +318,15 @@ def test_view_writes_what_the_name_says(solution: nip.Solution, tmp_path: Path) 
 def test_view_passes_the_look_on(
     name: str | None, solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import nipper_pin.view.scene.gif as gif
     from nipper_pin.view import scene
+    from nipper_pin.view.scene import gif, page, server
 
     seen: list[scene.Look] = []
-    for room, call in ((scene, "write_page"), (gif, "write_gif")):
+    for room, call in ((page, "write_page"), (gif, "write_gif")):
         monkeypatch.setattr(room, call, lambda _run, _file, look: seen.append(look))
     monkeypatch.setattr(scene, "film", lambda _run, look: seen.append(look))
-    monkeypatch.setattr(scene, "scene_page", lambda _film: "")
-    monkeypatch.setattr(scene, "serve", lambda _page, _port, browser: None)  # noqa: ARG005
+    monkeypatch.setattr(page, "scene_page", lambda _film: "")
+    monkeypatch.setattr(server, "serve", lambda _page, _port, browser: None)  # noqa: ARG005
     nip.view(solution, name, slow=50.0, exaggerate=7.0)
     nip.view(solution, name)
     assert seen == [scene.Look(slow=50.0, exaggerate=7.0), scene.Look()]
@@ -335,11 +335,11 @@ def test_view_passes_the_look_on(
 def test_view_serves_where_it_is_told(
     solution: nip.Solution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import nipper_pin.view.scene
+    import nipper_pin.view.scene.server
 
     served: list[tuple[str, int, bool]] = []
     monkeypatch.setattr(
-        nipper_pin.view.scene,
+        nipper_pin.view.scene.server,
         "serve",
         lambda page, port, *, browser: served.append((page[:15], port, browser)),
     )

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from importlib.util import find_spec
 
-from ..errors import InputError
+from ..extras import require
 from .arguments import add_model, load_mechanism, speed
 
 _PORT = 7001
-_LIBRARIES = ("viser", "trimesh", "manifold3d")  # of the extra
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,13 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    missing = next((name for name in _LIBRARIES if find_spec(name) is None), None)
-    if missing is not None:
-        message = (
-            f"the live page needs {missing}, which is not installed; install the extra: "
-            "pip install 'nipper-pin[live]'"
-        )
-        raise InputError(message, missing=missing)
+    require("live", what="the live page")
     from ..view.live.serve import serve_live
 
     mechanism = load_mechanism(options)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..extras import require
 from .arguments import refuse_beside, write_json
 
 _POINTS = 12
@@ -56,6 +57,8 @@ def _run(options: argparse.Namespace) -> None:
     if len(problem.aims) == 1:
         names = {"points": "--points", "format": "--format"}
         refuse_beside(options, "one aim, which has no front", names)
+    else:
+        require("study", "matplotlib", what="the figure of the front")
     folder = Path(options.out or Path("out") / Path(options.study).stem)
     with _progress(folder) as advance:
         optimum = optimise(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 
+from ..extras import require
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
@@ -25,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
+    require("study", "matplotlib", "pyarrow", what="a plot of a sweep")
     from ..view.studies.sweep_plots import plot_sweep
 
     written = plot_sweep(

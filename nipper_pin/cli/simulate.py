@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from ..errors import InputError
+from ..extras import require
 from ..hybrid.case import Case, Window
 from ..hybrid.files.json_document import record
 from ..hybrid.result.solution import Solution
@@ -51,6 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> None:
     if options.json == "-":
         refuse_beside(options, "--json -, which writes no table", {"forces": "--forces"})
+    if options.out is not None:
+        require("view", "matplotlib", what="simulate --out, which draws plots,")
     mechanism, case = _asked(options)
     check_outputs(options.out, options.json)
     with _progress(case) as advance:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
+from ..extras import require
 from .arguments import check_outputs, load_mechanism, write_json
 
 if TYPE_CHECKING:
@@ -63,6 +64,9 @@ def _run(options: argparse.Namespace) -> None:
     if folder is None and options.json is None:
         folder = _FOLDER
     check_outputs(folder, options.json)
+    require("study", "numba", what="the published study")
+    if folder is not None:
+        require("study", "matplotlib", "jinja2", what="the report of the published study")
     document = None
     if options.identification is not None:
         if folder is None:

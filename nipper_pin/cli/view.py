@@ -7,7 +7,7 @@ import argparse
 from ..errors import InputError
 from ..hybrid.case import Window
 from ..hybrid.result.solution import Solution
-from ..view.show import PORT
+from ..view.show import PORT, need_film, need_page
 from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
 from .case_options import add_window, new_case
 
@@ -47,9 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..view.scene import Look, film, scene_page, serve, write_page
-
     served = options.html is None and options.gif is None
+    if options.html is not None or served:
+        need_page()
+    if options.gif is not None:
+        need_film()
+    from ..view.scene import Look, film
+
     if options.json == "-" and served:
         message = "--json - needs stdout to itself, and so does the server; add --html FILE"
         raise InputError(message, argument="--json -")
@@ -68,12 +72,17 @@ def _run(options: argparse.Namespace) -> None:
 
         write_json(record(solution), options.json)
     if options.html is not None:
+        from ..view.scene.page import write_page
+
         write_page(solution, options.html, look)
     if options.gif is not None:
         from ..view.scene.gif import write_gif
 
         write_gif(solution, options.gif, look)
     if served:
+        from ..view.scene.page import scene_page
+        from ..view.scene.server import serve
+
         port = PORT if options.port is None else options.port
         serve(scene_page(film(solution, look)), port, browser=not options.no_browser)
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
+from ..extras import require
 from ..units import S_PER_MIN
 from .inputs import check_run, column, number, one_row, spring_rows
 from .layout import COLUMNS, HOLDS, UNKNOWN
@@ -19,6 +20,7 @@ from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
 _AT_REST = int(Status.AT_REST)
+_ENGINE = "the reduced engine"
 
 
 def transition(
@@ -116,11 +118,11 @@ def transitions(
         The batch; cases that did not come to rest are marked by their status.
 
     Raises:
-        InputError: A parameter is out of range.
+        InputError: A parameter is out of range, or numba is not installed.
     """
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     check_run(rest_rate, tolerance, max_collisions)
-    # numba is loaded by those who compute, not by those who import.
+    require("study", "numba", what=_ENGINE)
     from .kernel import run_batch
     from .machine import grids
 
@@ -183,6 +185,7 @@ def _cases(
 @cache
 def _compiled() -> tuple[Callable[..., Any], FloatArray]:
     """The compiled function of one transition and its grids; numba is loaded here."""
+    require("study", "numba", what=_ENGINE)
     from .kernel import run_one
     from .machine import grids
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
+from ..extras import require
 
 if TYPE_CHECKING:
     from ..hybrid.result.solution import Solution
@@ -38,23 +39,32 @@ def view(
         The file; None if it was served.
 
     Raises:
-        InputError: A value is out of range, or the file or port cannot be used.
+        InputError: A value is out of range, the file or port cannot be used, or a library of the
+            extra ``view`` is not installed.
     """
     from ..hybrid.result.solution import Solution as Simulated
 
     if not isinstance(solution, Simulated):
         message = f"view shows a solution, and this is {solution!r}: nip.view(nip.simulate(...))"
         raise InputError(message, solution=solution)
-    from .scene import Look, film, scene_page, serve, write_page
+    from .scene import Look, film
 
     look = Look(slow=slow, exaggerate=exaggerate)
     if file is None:
+        need_page()
+        from .scene.page import scene_page
+        from .scene.server import serve
+
         serve(scene_page(film(solution, look)), port, browser=browser)
         return None
     target = Path(file)
     if target.suffix == ".html":
+        need_page()
+        from .scene.page import write_page
+
         write_page(solution, target, look)
     elif target.suffix == ".gif":
+        need_film()
         from .scene.gif import write_gif
 
         write_gif(solution, target, look)
@@ -62,3 +72,21 @@ def view(
         message = f"{target}: a scene is written as NAME.html or NAME.gif"
         raise InputError(message, file=str(target))
     return target
+
+
+def need_page() -> None:
+    """Refuse to show a page without the libraries that make it.
+
+    Raises:
+        InputError: One of them is not installed.
+    """
+    require("view", "meshcat", "umsgpack", what="a page of the viewer")
+
+
+def need_film() -> None:
+    """Refuse to draw a GIF without the libraries that make it.
+
+    Raises:
+        InputError: One of them is not installed.
+    """
+    require("view", "matplotlib", "PIL", what="a film as a GIF")

@@ -15,8 +15,9 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from nipper_pin import Case, Solution, load, simulate
-from nipper_pin.view.scene import Film, Look, film, write_page
+from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import channels, phase_colour
+from nipper_pin.view.scene.page import write_page
 
 # A browser takes seconds to start and to draw.
 pytestmark = pytest.mark.slow

@@ -116,7 +116,7 @@ def test_words_of_a_sweep() -> None:
 
 @pytest.fixture(name="bare")
 def without_pyarrow(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "pyarrow" else 1)
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name != "pyarrow")
 
 
 @pytest.mark.usefixtures("bare")
@@ -128,9 +128,9 @@ def test_sweeps_without_pyarrow(tmp_path: Path) -> None:
         lambda: table.read_sweep(tmp_path),
         lambda: store.Store(tmp_path / "new", plan, locks=True).__enter__(),
     ):
-        with pytest.raises(InputError, match="sweeps are stored by pyarrow: pip") as caught:
+        with pytest.raises(InputError, match="sweeps needs pyarrow, which is not") as caught:
             act()
-        assert caught.value.evidence == {"package": "pyarrow"}
+        assert caught.value.evidence == {"extra": "sweep", "packages": ("pyarrow",)}
     assert list(tmp_path.iterdir()) == []
 
 

@@ -106,7 +106,7 @@ def test_the_engine_that_is_chosen(
     numba: bool, why: str, reduced: bool,
 ) -> None:  # fmt: skip
     monkeypatch.setattr(asking, "unfit", lambda *_: unfit)
-    monkeypatch.setattr(asking, "find_spec", lambda name: name if numba else None)
+    monkeypatch.setattr(asking, "installed", lambda name: numba and name == "numba")
     monkeypatch.setattr(asking, "reduced_model", lambda *_: "tables")
     found = asking._chosen(e62, DriveMode.HELD, count, engine)
     assert found == ("tables" if reduced else None, why)

@@ -303,7 +303,7 @@ def point_source(**changes: Any) -> Any:
 def test_why_a_search_has_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     """Numbers of the machine, numba that is missing, a machine that does not fit, or an error."""
     sample = bounces.Transitions._sample
-    monkeypatch.setattr(bounces, "find_spec", lambda name: name == "numba" or None)
+    monkeypatch.setattr(bounces, "installed", lambda name: name == "numba")
     monkeypatch.setattr(bounces, "unfit", lambda _: None)
     monkeypatch.setattr(bounces, "build", lambda machine: f"tables of the {machine}")
     assert sample(point_source()) == (
@@ -324,7 +324,7 @@ def test_why_a_search_has_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
         raise InputError(message)
 
     assert sample(point_source(sources=SimpleNamespace(build=fails))) == (None, "it jams")
-    monkeypatch.setattr(bounces, "find_spec", lambda _: None)
+    monkeypatch.setattr(bounces, "installed", lambda name: name != "numba")
     assert sample(point_source()) == (
         None, "the reduced engine needs numba, which is not installed",
     )  # fmt: skip

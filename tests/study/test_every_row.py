@@ -226,5 +226,5 @@ def test_rows_of_the_reduced_engine(
 def test_without_a_compiler_there_is_no_reduced_engine(
     monkeypatch: pytest.MonkeyPatch, reference: Certified
 ) -> None:
-    monkeypatch.setattr(reduced_work, "find_spec", lambda _: None)
+    monkeypatch.setattr(reduced_work, "installed", lambda name: name != "numba")
     assert reduced_work.reduced_work(reference, quick=True, repeats=1) == ([], None)

@@ -280,16 +280,16 @@ def test_mechanisms_of_which_some_go_by_tables(
 
 
 def test_addresses_of_schedulers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "find_spec", lambda _: "there")
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda _: True)
     for address in ("tcp://a:1", "tls://a:1", "ws://a", "wss://a", "ucx://a", "a:8786"):
-        cluster._check_address(address)
+        cluster.check_address(address)
     with pytest.raises(InputError, match="http://a: no address of a scheduler") as caught:
-        cluster._check_address("http://a")
+        cluster.check_address("http://a")
     assert caught.value.evidence == {"scheduler": "http://a"}
-    monkeypatch.setattr(cluster, "find_spec", lambda _: None)
-    with pytest.raises(InputError, match="--scheduler needs Dask") as caught:
-        cluster._check_address("tcp://a:1")
-    assert caught.value.evidence == {"package": "distributed"}
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name != "distributed")
+    with pytest.raises(InputError, match="--scheduler needs distributed") as caught:
+        cluster.check_address("tcp://a:1")
+    assert caught.value.evidence == {"extra": "cluster", "packages": ("distributed",)}
 
 
 def client(answer: Any, waits: Any = None) -> Any:

@@ -281,13 +281,18 @@ def test_what_is_not_installed_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     arguments = ["sweep", study(tmp_path, GEOMETRY), "--out", str(tmp_path / "out")]
-    monkeypatch.setattr("nipper_pin.study.sweep.cluster.find_spec", lambda _: None)
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda name: name != "distributed")
     assert main([*arguments, "--scheduler", "tcp://127.0.0.1:1"]) == 2
-    assert "pip install 'nipper-pin[cluster]'" in capsys.readouterr().err
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    assert 'needs distributed, which is not installed: pip install "nipper-pin[cluster]"' in (
+        capsys.readouterr().err
+    )
+    monkeypatch.setattr("nipper_pin.extras.installed", lambda _: False)
     assert main(arguments) == 2
+    assert 'needs pyarrow, which is not installed: pip install "nipper-pin[sweep]"' in (
+        capsys.readouterr().err
+    )
     assert main(["plot", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.count("pip install 'nipper-pin[sweep]'") == 2
+    assert 'which are not installed: pip install "nipper-pin[study]"' in capsys.readouterr().err
 
 
 def test_results_of_two_plans_are_not_mixed(

@@ -17,7 +17,8 @@ from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 from nipper_pin.view.reading import damper_text, spring_text
 from nipper_pin.view.run.table import print_solution
-from nipper_pin.view.scene import Film, Look, film, scene_page
+from nipper_pin.view.scene import Film, Look, film
+from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.tracks import animation
 
 ELEMENTS = """

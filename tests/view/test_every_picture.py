@@ -22,10 +22,11 @@ from PIL import Image, ImageDraw, ImageSequence
 from three_js import Scene
 
 from nipper_pin import Case, InputError, Solution, load, simulate
-from nipper_pin.view.scene import Film, Look, film, gif, scene_page
+from nipper_pin.view.scene import Film, Look, film, gif
 from nipper_pin.view.scene.flat import moved
 from nipper_pin.view.scene.gif import _Painter, write_gif
 from nipper_pin.view.scene.pace import _profile, pace
+from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.readings import readings
 
 ARROW = "#D55E00"

@@ -28,10 +28,11 @@ from three_js import Scene, ball, box, ring, rotation
 
 from nipper_pin import Case, InputError, Mechanism, Solution, Window, load, simulate
 from nipper_pin.mechanism import from_sources
-from nipper_pin.view.scene import Film, Look, film, scene_page
+from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.flat import flat, moved
 from nipper_pin.view.scene.gif import _Painter
 from nipper_pin.view.scene.objects import solid_commands
+from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.solids import solids
 
 MODELS = Path(__file__).parents[1] / "verification" / "models"

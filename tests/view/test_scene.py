@@ -26,8 +26,9 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import collision_model, find_model, from_sources, known_models
 from nipper_pin.view.reading import index_at
-from nipper_pin.view.scene import Film, Look, film, scene_page
+from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.pace import pace
+from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.scene.solids import CYLINDER, FIXED, Solid, solids
 from nipper_pin.view.scene.tracks import animation

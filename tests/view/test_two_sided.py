@@ -14,8 +14,9 @@ from nipper_pin import Case, Solution, Window, load_solution, record, save, simu
 from nipper_pin.study.check import check_model
 from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.run.timelines import motion_figure
-from nipper_pin.view.scene import Look, film, scene_page
+from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.arrows import arrow_place
+from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.readings import readings
 from nipper_pin.view.studies.check_report import print_report
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ...cli.arguments import check_outputs, write_json
 from ...errors import InputError
+from ...extras import require
 from ...hybrid.result.solution import Solution
 
 
@@ -28,6 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
+    # The reduced engine and the compiled peers are measured, and so is the drawing of plots.
+    require("study", "numba", "matplotlib", what="the benchmark")
     from ..run_time.benchmark import benchmark
 
     if options.repeats is not None and options.repeats < 1:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from ...cli.arguments import check_outputs, refuse_beside, write_json
 from ...errors import InputError, SimulationError
+from ...extras import require
 
 if TYPE_CHECKING:
     from ..stress import Campaign, Verdict
@@ -62,6 +63,7 @@ def _run(options: argparse.Namespace) -> None:
     from ..views.stress_report import print_campaign, print_verdict
 
     _check(options)
+    require("study", "numba", what="the stress campaign, which compares both engines,")
     result = _campaign(options) if options.rerun is None else _again(options)
     if options.json is not None:
         write_json(result.record(), options.json)

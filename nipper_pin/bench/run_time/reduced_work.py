@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...extras import installed
 from ...units import MS_PER_S
 from .certified import Certified
 from .timing import Timing, timed
@@ -44,7 +44,7 @@ def reduced_work(
         same in a batch, transitions per second on one core, true error and its own bound. Nothing
         where numba, which it compiles with, is missing.
     """
-    if find_spec("numba") is None:
+    if not installed("numba"):
         return [], None
     from ...reduced import build, transitions
 

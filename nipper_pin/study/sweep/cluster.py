@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager
-from importlib.util import find_spec
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import Any
 
 from ...arrays import FloatArray
 from ...errors import InputError, SimulationError
+from ...extras import require
 from .chunks import DefectError, run_chunk
 from .job import versions
 from .plan import Chunk
@@ -41,7 +41,7 @@ def on_scheduler(
     Args:
         job_text: Text of the job.
         tasks: Chunks with their rows.
-        address: Address of the scheduler, such as ``tcp://host:8786``.
+        address: Address of the scheduler, such as ``tcp://host:8786``, checked.
         look: Called now and then while nothing finishes.
 
     Raises:
@@ -49,7 +49,6 @@ def on_scheduler(
         SimulationError: The scheduler or all workers were lost, or a chunk took down every worker
             that had it.
     """
-    _check_address(address)
     from distributed.scheduler import KilledWorker
 
     with _silent(), _client(address) as client:
@@ -143,11 +142,16 @@ class _Work:
                 raise SimulationError(message, scheduler=self._address)
 
 
-def _check_address(address: str) -> None:
-    """Refuse what is no scheduler's address, and a machine without Dask."""
-    if find_spec("distributed") is None:
-        message = "--scheduler needs Dask: pip install 'nipper-pin[cluster]'"
-        raise InputError(message, package="distributed")
+def check_address(address: str) -> None:
+    """Refuse what is no scheduler's address, and a machine without Dask.
+
+    Args:
+        address: Address of the scheduler, such as ``tcp://host:8786``.
+
+    Raises:
+        InputError: It is none, or Dask is not installed.
+    """
+    require("cluster", "distributed", what="--scheduler")
     scheme, separator, _ = address.partition("://")
     if separator and scheme not in _SCHEMES:
         message = (

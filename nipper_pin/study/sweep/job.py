@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 
 import msgspec
 
@@ -15,6 +15,7 @@ from .axes import Axis
 
 # Packages whose versions can change a bit of a result.
 _PACKAGES = ("nipper-pin", "pin", "numpy", "scipy", "numba")
+_ABSENT = "none"
 COLUMNS = ("scenario", "engine", "outcome", "message", "collisions", "premise_holds")
 """Columns of the results that every sweep has."""
 NO_MODEL = "no_model"
@@ -102,5 +103,12 @@ def read_job(text: bytes) -> Job:
 
 
 def versions() -> dict[str, str]:
-    """Versions of the packages that compute, here."""
-    return {name: version(name) for name in _PACKAGES}
+    """Versions of the packages that compute, here; "none" for one that is not installed."""
+    return {name: _version(name) for name in _PACKAGES}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return _ABSENT

@@ -57,6 +57,10 @@ def run_sweep(
     if workers is not None and scheduler is not None:
         message = "--workers counts local processes, and --scheduler has its own; leave one out"
         raise InputError(message, workers=workers, scheduler=scheduler)
+    if scheduler is not None:
+        from .cluster import check_address
+
+        check_address(scheduler)
     began = time.perf_counter()
     # A range of its own is as good as a lock, where a file system has none.
     with Store(folder, plan, locks=chunks is None) as store:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
 from ...dynamics.system import DriveMode
 from ...errors import InputError, NipperError
+from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
@@ -126,7 +126,7 @@ def _chosen(
         return None, f"direct: {reason}"
     if count < REDUCED_PAYS_FROM:
         return None, f"direct: the reduced engine pays from {REDUCED_PAYS_FROM} cases on"
-    if find_spec("numba") is None:
+    if not installed("numba"):
         return None, "direct: the reduced engine needs numba, which is not installed"
     try:
         return reduced_model(mechanism), f"reduced: {count} cases of one mechanism"

@@ -17,7 +17,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 import nipper_pin as nip
-from nipper_pin.view.scene import Film, Look, film, write_page
+from nipper_pin.view.scene import Film, Look, film
+from nipper_pin.view.scene.page import write_page
 
 SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 720), (1100, 760)  # pixels

@@ -33,8 +33,9 @@ def main(runs: str = "7") -> None:
     """Print the table."""
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=650.0, window=Window.CYCLE))
     began = time.perf_counter()
-    from nipper_pin.view.scene import Look, film, scene_page
+    from nipper_pin.view.scene import Look, film
     from nipper_pin.view.scene.gif import write_gif
+    from nipper_pin.view.scene.page import scene_page
 
     print(f"import of the viewer, once: {time.perf_counter() - began:.3f} s")
     look, count = Look(exaggerate=10.0), int(runs)

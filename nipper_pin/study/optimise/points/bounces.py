@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 import numpy as np
 
 from ....errors import NipperError, SimulationError
+from ....extras import installed
 from ....hybrid.case import Case, Resolution
 from ....hybrid.run.outcome import Outcome
 from ....hybrid.run.periodicity import comes_back
@@ -155,7 +155,7 @@ class Transitions:
         moving = [item.name for item in self._problem.parameters if item.target.kind == "model"]
         if moving:
             return None, f"{', '.join(moving)} change the machine, and so the tables"
-        if find_spec("numba") is None:
+        if not installed("numba"):
             return None, "the reduced engine needs numba, which is not installed"
         try:
             mechanism = self._problem.sources.build()

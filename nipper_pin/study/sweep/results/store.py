@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ....errors import InputError
+from ....extras import require
 from ....hybrid.files.npz import complete_file
 from ...folders import make_folder
 from ..plan import Chunk, Plan
@@ -106,8 +107,4 @@ def need_pyarrow() -> None:
     Raises:
         InputError: It is not installed.
     """
-    from importlib.util import find_spec
-
-    if find_spec("pyarrow") is None:
-        message = "sweeps are stored by pyarrow: pip install 'nipper-pin[sweep]'"
-        raise InputError(message, package="pyarrow")
+    require("sweep", "pyarrow", what="the storage of sweeps")
