@@ -1,3 +1,5 @@
+import email
+import json
 import os
 import re
 import subprocess
@@ -14,10 +16,12 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import nipper_pin
+from nipper_pin.extras import EXTRAS, PACKAGES
 
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 LOCK = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+PLAIN = {"PYTHONPATH": "", "PYTHONSAFEPATH": "1"}
 PINNED = {
     canonicalize_name(line.partition("==")[0]) for line in LOCK if line and not line.startswith("#")
 }
@@ -73,6 +77,19 @@ def test_wheel_holds_the_package_and_the_models_and_nothing_else(wheel):
     found = names(wheel)
     assert {name for name in found if ".dist-info/" not in name} == code | models | certified
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in found)
+
+
+def test_wheel_asks_for_the_libraries_of_a_run_and_offers_the_others(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [item for item in archive.namelist() if item.endswith(".dist-info/METADATA")]
+        about = email.message_from_bytes(archive.read(name))
+    asked = [Requirement(text) for text in about.get_all("Requires-Dist")]
+    plain = {item.name for item in asked if item.marker is None}
+    assert plain == {"pin", "coal", "numpy", "scipy", "msgspec", "rich"}
+    assert set(about.get_all("Provides-Extra")) == {*EXTRAS, "all", "dev", "docs"}
+    for extra, modules in EXTRAS.items():
+        marked = [item for item in asked if item.marker and item.marker.evaluate({"extra": extra})]
+        assert {item.name for item in marked} == {PACKAGES.get(name, name) for name in modules}
 
 
 def test_wheel_carries_the_version_of_the_package(wheel):
@@ -145,9 +162,10 @@ def test_lock_covers_everything_that_is_installed_for_the_package():
     assert needed - PINNED <= {"setuptools"}
 
 
-@pytest.mark.slow
-def test_installed_wheel_knows_its_models_in_any_directory(wheel, tmp_path):
-    home = tmp_path / "environment"
+@pytest.fixture(scope="module", name="home")
+def environment_with_the_wheel(wheel, tmp_path_factory):
+    """An environment that holds the wheel, and is lent all else by this one."""
+    home = tmp_path_factory.mktemp("installed") / "environment"
     venv.create(home, with_pip=False, symlinks=True)
     (site,) = home.glob("lib/python*/site-packages")
     # The dependencies are lent by this environment. Not the whole of it: its own record of an
@@ -156,16 +174,45 @@ def test_installed_wheel_knows_its_models_in_any_directory(wheel, tmp_path):
     (site / "lent.pth").write_text("\n".join(lent), encoding="utf-8")
     python = home / "bin" / "python"
     pip = (sys.executable, "-m", "pip", "--python", python, "--isolated", "install")
-    run(*pip, "-q", "--disable-pip-version-check", "--no-index", "--no-deps", wheel, cwd=tmp_path)
-
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    plain = {"PYTHONPATH": "", "PYTHONSAFEPATH": "1"}
+    run(*pip, "-q", "--disable-pip-version-check", "--no-index", "--no-deps", wheel, cwd=home)
     where = "import nipper_pin; print(nipper_pin.__file__)"
-    assert str(site) in run(python, "-c", where, cwd=elsewhere, **plain)
-    said = run(home / "bin" / "nipper-pin", "check", "e62", cwd=elsewhere, **plain)
+    assert str(site) in run(python, "-c", where, cwd=home, **PLAIN)
+    return home
+
+
+@pytest.mark.slow
+def test_installed_wheel_knows_its_models_in_any_directory(home, tmp_path):
+    said = run(home / "bin" / "nipper-pin", "check", "e62", cwd=tmp_path, **PLAIN)
     assert "jaw" in said
-    assert list(elsewhere.iterdir()) == []
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_installed_wheel_simulates_without_the_extras(home, tmp_path):
+    modules = ",".join(sorted({name for names in EXTRAS.values() for name in names}))
+    command = (home / "bin" / "python", ROOT / "tests/blocked.py", modules)
+    said = run(*command, "simulate", "e62", "--speed", "650", cwd=tmp_path, **PLAIN)
+    assert "The transition ended with the stop at rest." in said
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_installed_wheel_judges_a_campaign(home, tmp_path):
+    asked = ("--cases", "6", "--workers", "1", "--json", "stress.json")
+    run(home / "bin" / "nipper-pin", "stress", *asked, cwd=tmp_path, **PLAIN)
+    verdicts = json.loads((tmp_path / "stress.json").read_text(encoding="utf-8"))
+    assert (verdicts["cases"], verdicts["wrong"]) == (6, 0)
+
+
+@pytest.mark.slow
+def test_installed_wheel_measures_itself(home, tmp_path):
+    """The certified cases that errors are measured by lie elsewhere in the checkout."""
+    asked = ("--quick", "--repeats", "1", "--json", "measured.json")
+    run(home / "bin" / "nipper-pin", "benchmark", *asked, cwd=tmp_path, **PLAIN)
+    found = json.loads((tmp_path / "measured.json").read_text(encoding="utf-8"))
+    assert len(found["accuracy"]) > 3
+    assert max(row["error_worst"] for row in found["accuracy"]) < 1e-9
+    assert found["reduced"]["stated_error"] > 0.0
 
 
 def test_citation_and_changelog_are_of_this_version():
