@@ -4,6 +4,7 @@
 # make test-slow   the longer ones alone
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
+# make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
 # make figures the pictures of the documents, drawn anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
@@ -23,7 +24,7 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
 
-.PHONY: demo test test-slow test-all lint types docs check figures clean
+.PHONY: demo test test-slow test-all lint types docs check figures benchmark clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -53,7 +54,12 @@ docs: $(SITE)
 
 check: lint types docs test-all
 
-# work_precision.png is a measurement of one machine: `nipper-pin benchmark` draws it.
+benchmark: $(DEV)
+	$(BIN)/nipper-pin benchmark --out out/benchmark
+	$(FIGURES)/write_benchmark_pages.py out/benchmark
+	cp out/benchmark/work_precision.png $(IMAGES)/work_precision.png
+
+# work_precision.png is a measurement of one machine: `make benchmark` draws it.
 figures: $(DEV)
 	rm -rf out/figures
 	$(FIGURES)/draw_gallery.py docs

@@ -43,9 +43,13 @@ from nipper_pin.bench.run_time.work_precision import (
     trajectory_error,
 )
 from nipper_pin.bench.views.benchmark_files import work_precision_figure, write_benchmark
-from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark
+from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark, sheets
 from nipper_pin.cli import main
 from nipper_pin.errors import SimulationError, UnknownNameError
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/figures"))
+
+from write_benchmark_pages import least_times, pages
 
 TIMING = Timing(2.0, 1.0, 0.5, 0.1, 3)
 UNWANTED = {"matplotlib", "rich", "yourdfpy", "meshcat", "pandas", "trimesh", "numba", "mpmath"}
@@ -487,6 +491,33 @@ def test_tables_show_the_numbers_and_fit_a_terminal(made_up: Benchmark) -> None:
         assert number in text
         assert number in markdown(made_up)
     assert "1.2.3" in markdown(made_up)
+
+
+def test_pages_hold_every_table_once(made_up: Benchmark) -> None:
+    """What `make benchmark` writes: all tables, and the least times by closed form."""
+    written = pages(markdown(made_up))
+    text = "".join(written.values())
+    for sheet in sheets(made_up):
+        assert text.count(f"## {sheet.title}\n") == 1
+    for line in markdown(made_up).splitlines():
+        assert line.startswith("### ") or line.rstrip() in text
+    peers = written["benchmark_peers"]
+    # Of the two settings of the engine the coarser one is cheaper or equal, and above no bound.
+    assert "| direct | 3.25 | 3.25 | 3.25 | 0.0e+00 | 3.25 |" in peers
+    assert peers.count("| a peer with a rather long name (by hand) | 3.25 | 3.25 | 3.25 |") == 1
+    docs = Path(__file__).parents[2] / "docs"
+    for name, page in written.items():
+        kept = (docs / f"{name}.md").read_text(encoding="utf-8")
+        titles = [line for line in page.splitlines() if line.startswith("#")]
+        assert [line for line in kept.splitlines() if line in titles] == titles
+
+
+def test_the_least_time_is_below_the_bound_of_its_column() -> None:
+    table = (
+        "| engine | ms | worst of four |\n| --- | ---: | ---: |\n"
+        "| a | 4 | 1.0e-03 |\n| a | 5 | 9.9e-04 |\n| a | 9 | 2.0e-07 |\n| a | 8 | - |"
+    )
+    assert "| a | 5 | 9 | - | 2.0e-07 | 9 |" in least_times([("made up", table)])
 
 
 def test_files_are_written(made_up: Benchmark, tmp_path: Path) -> None:

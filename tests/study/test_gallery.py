@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -36,12 +37,15 @@ def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     assert report.outcome in (Outcome.COMPLETED.value, Outcome.STILL_BOUNCING.value)
 
 
-def test_the_page_shows_every_machine() -> None:
+def test_the_pages_show_every_machine() -> None:
     docs = Path(__file__).parents[2] / "docs"
-    page = (docs / "gallery.md").read_text(encoding="utf-8")
+    front = (docs / "gallery.md").read_text(encoding="utf-8")
+    assert f"\n{len(GALLERY)} textbook linkages" in front
     for name, draw in GALLERY.items():
-        assert f"### {name}\n" in page
-        assert f"![{draw().title}](images/gallery/{name}.svg)" in page
+        (page,) = re.findall(rf"\[{name}\]\((\w+\.md)#{name}\)", front)
+        text = (docs / page).read_text(encoding="utf-8")
+        assert f"### {name}\n" in text
+        assert f"![{draw().title}](images/gallery/{name}.svg)" in text
         picture = ElementTree.parse(docs / "images" / "gallery" / f"{name}.svg")
         assert len(picture.findall("{*}polygon")) > 3
     assert len(list((docs / "images" / "gallery").iterdir())) == len(GALLERY)

@@ -29,8 +29,8 @@ CASES = json.loads(
 ROOM = "nipper_pin.bench.peers"
 SCHEME = "nipper_pin.study.paper.scheme"
 
-# Module, the package it needs beside numba, one quick setting, and the error that docs/peers.md
-# states for it (worst of four), rounded up to a power of ten with at least a factor two to spare.
+# Module, the package it needs beside numba, one quick setting, and the error (worst of four) that
+# docs/benchmark_peers.md has, rounded up to a power of ten with at least a factor two to spare.
 CLAIMS = [
     ("rk4", "numba", "100 us", 1e-8),
     ("rk4", "numba", "20 us", 1e-11),

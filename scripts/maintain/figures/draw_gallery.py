@@ -1,4 +1,4 @@
-"""Draw every machine of the gallery as a small SVG, and write the page that shows them.
+"""Draw every machine of the gallery as a small SVG, and write the pages that show them.
 
 Each is drawn in its touch configuration from what the viewer draws, with the path of one point
 over a turn, as the links move where nothing is struck.
@@ -9,6 +9,7 @@ Run: python scripts/maintain/figures/draw_gallery.py [FOLDER]
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism.drawing import Drawing, Slot, Spring, Stop, drawn_mechanism
-from nipper_pin.mechanism.gallery import GROUPS
+from nipper_pin.mechanism.gallery import GALLERY, GROUPS
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import Flat, colours, flat, moved
 from nipper_pin.view.scene.solids import Solid, solids
@@ -28,23 +29,28 @@ _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
 _PAGE = """# Gallery
 
-{count} textbook linkages, each with a stop or two somewhere along its motion. What is fully driven
-cannot bounce, so each has something that gives: a rod of two halves on a preloaded spring, a
-spring-held lever, a loose box. Start from one, change its numbers, replace its parts:
+{count} textbook linkages, each with one or two stops somewhere along its motion. A machine whose
+motion the drive determines completely cannot bounce; each of these therefore has a part with a
+freedom of its own: a rod of two halves on a preloaded spring, a spring-held lever, a loose box.
+Start from one, change its numbers, replace its parts:
 
     nipper-pin new --list
     nipper-pin new --from toggle_press my_press
     nipper-pin check my_press
     nipper-pin simulate my_press --window cycle
 
-They are meant for whole turns at half, once and twice their rated speed, with held and inertial
-drives. Drawn as they stand at touch, all coordinates zero; the red line is the path of one point
-over a turn in which nothing is struck. Dimensions that are known are named below each; all else,
-masses, springs and stops above all, is an invention.
+{contents}
+
+They run whole turns at half, once and twice their rated speed, with held and inertial drives. The
+pictures show them in the touch configuration, in which all coordinates are zero; the red line is
+the path of one point over a turn without impacts. Dimensions that are known from a source are
+named below each picture. All other numbers, masses, springs and stops above all, are inventions.
+
+## Draw your own
 
 In Python a machine is a drawing: points in mm, bodies through them, pins, slides and slots, a
-drive, springs and stops. Joints are listed from the frame outwards: the first that leads to a body
-carries it, any other pin closes a loop.
+drive, springs and stops. Joints are listed from the frame outwards: the first one that leads to a
+body carries it, any other pin closes a loop.
 
 ```python
 from nipper_pin.mechanism.drawing import (
@@ -70,34 +76,58 @@ press = Drawing(
 write_drawing(press, "press")
 ```
 
-`nipper_pin/mechanism/gallery/` has those below, a page of code each, and
-`make figures` writes this page.
+The drawings of the gallery are in `nipper_pin/mechanism/gallery/`; `make figures` writes these
+pages.
 """
+# Pages of the machines: their title, and the first kind on each.
+_PARTS = {
+    "gallery_linkages": ("Gallery: four-bars to six-bars", "Four-bars"),
+    "gallery_machines": ("Gallery: straight lines, legs, machines, devices", "Straight lines"),
+}
 
 
 def main(folder: str = "docs") -> None:
-    """Draw all machines and write the page.
+    """Draw all machines and write the pages.
 
     Args:
-        folder: Folder of the page; pictures go to ``images/gallery`` in it.
+        folder: Folder of the pages; pictures go to ``images/gallery`` in it.
     """
     pictures = Path(folder) / "images" / "gallery"
     pictures.mkdir(parents=True, exist_ok=True)
-    lines = [_PAGE.format(count=sum(map(len, GROUPS.values())))]
+    for draw in GALLERY.values():
+        drawing = draw()
+        (pictures / f"{drawing.name}.svg").write_text(picture(drawing), encoding="utf-8")
+    texts = pages()
+    for name, text in texts.items():
+        (Path(folder) / f"{name}.md").write_text(text, encoding="utf-8")
+    print(f"wrote {len(texts)} pages and {len(GALLERY)} pictures to {folder}")
+
+
+def pages() -> dict[str, str]:
+    """Return the text of each page, by its name."""
+    parts = {name: [f"# {title}\n"] for name, (title, _) in _PARTS.items()}
+    contents = []
+    name = ""
     for kind, group in GROUPS.items():
-        lines += [f"## {kind}\n"]
-        for draw in group:
-            drawing = draw()
-            (pictures / f"{drawing.name}.svg").write_text(picture(drawing), encoding="utf-8")
-            words = drawing.known or "All numbers are inventions"
-            lines += [
-                f"### {drawing.name}\n",
-                f"![{drawing.title}](images/gallery/{drawing.name}.svg)\n",
-                f"{(draw.__doc__ or '').splitlines()[0]} {_sentence(drawing.title)}"
-                f" {_sentence(words)}\n",
-            ]
-    (Path(folder) / "gallery.md").write_text("\n".join(lines), encoding="utf-8")
-    print(f"wrote {folder}/gallery.md and {len(list(pictures.glob('*.svg')))} pictures")
+        name = next((page for page, (_, first) in _PARTS.items() if first == kind), name)
+        machines = [draw().name for draw in group]
+        links = ", ".join(f"[{each}]({name}.md#{each})" for each in machines)
+        contents.append(f"- **{kind}**: {links}")
+        parts[name] += [f"## {kind}\n", *map(_shown, group)]
+    front = _PAGE.format(count=len(GALLERY), contents="\n".join(contents))
+    return {"gallery": front, **{name: "\n".join(lines) for name, lines in parts.items()}}
+
+
+def _shown(draw: Callable[[], Drawing]) -> str:
+    """A machine on its page: heading, picture, and what is known of it."""
+    drawing = draw()
+    first = (draw.__doc__ or "").splitlines()[0]
+    words = _sentence(drawing.known or "all numbers are inventions")
+    return (
+        f"### {drawing.name}\n\n"
+        f"![{drawing.title}](images/gallery/{drawing.name}.svg)\n\n"
+        f"{first} {_sentence(drawing.title)} {words}\n"
+    )
 
 
 def picture(drawing: Drawing) -> str:
