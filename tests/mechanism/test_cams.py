@@ -11,7 +11,7 @@ import pytest
 
 from nipper_pin import Case, Mechanism, ModelError, load, simulate
 from nipper_pin.mechanism import from_sources, with_numbers
-from nipper_pin.mechanism.cams import Cam
+from nipper_pin.mechanism.drives.cam import Cam
 from tests.small_machines import hinge, link, machine, slide, sources
 
 RISE, DWELL, RETURN, START = 100.0, 40.0, 130.0, 25.0
@@ -155,13 +155,13 @@ CAM = {"law": "cam", "motion": "cycloidal", **ANGLES}
     ("drive", "words"),
     [
         ({**CAM, "lift_deg": 3.0}, r"lift_deg.*lift_mm and reflected_mass_kg for the prismatic"),
-        (CAM, "lift_mm = None.*a lift other than 0"),
-        ({**CAM, "lift_mm": 0.0}, "lift_mm = 0.0.*a lift other than 0"),
+        (CAM, "lift_mm = None.*with a lift_mm other than 0"),
+        ({**CAM, "lift_mm": 0.0}, "lift_mm = 0.0.*with a lift_mm other than 0"),
         ({**CAM, "lift_mm": 3.0, "dwell_deg": 140.0}, "fit into a turn.*370 deg"),
         ({**CAM, "lift_mm": 3.0, "rise_deg": 0.0}, "rise_deg.*above 0"),
         ({**CAM, "lift_mm": 3.0, "motion": "harmonic"}, "motion.*one of cycloidal, modified_sine"),
         ({"law": "fourier", "sine_rad": [0.1]}, r"sine_rad.*mean_mm, cosine_mm, sine_mm"),
-        ({"law": "constant_speed", "ratio": 1.0}, "a screw drives a slide"),
+        ({"law": "constant_speed", "ratio": 1.0}, "screw: a slide"),
         ({**CAM, "lift_mm": 3.0, "reflected_inertia_kg_m2": 1.0}, "reflected_inertia_kg_m2"),
     ],
 )

@@ -125,7 +125,7 @@ MISTAKES = {
         'joint = "steeve"',
         "drives.tension.joint",
         "steeve",
-        "a screw drives a slide",
+        "screw: a slide",
     ),
     "driven twice": (
         'joint = "tension_shaft"',

@@ -20,6 +20,7 @@ from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownName
 from nipper_pin.mechanism import new_folder
 from nipper_pin.mechanism.build import contact, laws, tree
 from nipper_pin.mechanism.drawing import tree as drawn
+from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.edit import dimensions, layout, points
 from nipper_pin.mechanism.files import describe, schema, urdf, urdf_values
 from nipper_pin.mechanism.files.description import CylinderDescription
@@ -80,13 +81,17 @@ def test_a_key_of_several_kinds() -> None:
     assert plain(dict(text), "") == text
 
 
-def test_laws_that_do_not_exist() -> None:
-    class Magic:
-        """No law."""
+def test_tables_that_are_no_drive_law() -> None:
+    """Neither another class nor a second law of one name."""
 
-    drive: Any = Magic()
-    with pytest.raises(InputError, match="there is no drive law for Magic"):
-        laws._basic(drive)
+    class SecondCam(DriveTable, frozen=True, kw_only=True, tag="cam"):
+        """A law of this name exists."""
+
+    no_table: Any = dict
+    with pytest.raises(InputError, match="is no table of a drive law: derive it from DriveTable"):
+        register_drive(no_table)
+    with pytest.raises(InputError, match=r"a drive law 'cam' exists already \(CamDrive\)"):
+        register_drive(SecondCam)
 
 
 def test_reference_of_a_drive() -> None:

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table
+from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table, drives
 from nipper_pin.mechanism.build.laws import extreme_angle
-from nipper_pin.mechanism.cams import Cam
 from nipper_pin.mechanism.cylinder import Cylinder
 from nipper_pin.mechanism.drives import check_table
+from nipper_pin.mechanism.drives.cam import Cam
 from nipper_pin.mechanism.elements import Characteristic
 from nipper_pin.mechanism.files import description
 from tests.small_machines import hinge, link, machine, slide
@@ -252,7 +252,7 @@ def test_what_a_description_need_not_say() -> None:
         "StopDescription": {"side": "lower", "at_mm": None, "at_deg": None, "contact": None},
     }
     for name, values in expected.items():
-        kind = getattr(description, name)
+        kind = getattr(drives if name.endswith("Drive") else description, name)
         needed = {item.name for item in msgspec.structs.fields(kind) if item.required}
         found = kind(**{key: value for key, value in given.items() if key in needed})
         assert {key: getattr(found, key) for key in values} == values

@@ -14,6 +14,7 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import ModelError
+from nipper_pin.mechanism import drives
 from nipper_pin.mechanism.files import description
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import model_schema, schema_text
@@ -41,15 +42,15 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     """Every struct has its table, every field its key, every key without default is required."""
     structs = {
         name: item
-        for name, item in vars(description).items()
+        for name, item in {**vars(drives), **vars(description)}.items()
         if isinstance(item, type) and issubclass(item, msgspec.Struct) and not name.startswith("_")
-        if item is not msgspec.Struct
+        if name.endswith(("Drive", "Description"))
     }
     assert set(SCHEMA["$defs"]) == set(structs)
     for name, kind in structs.items():
         table = SCHEMA["$defs"][name]
         fields = msgspec.structs.fields(kind)
-        tag = {"law"} if kind in typing.get_args(description.DriveDescription) else set()
+        tag = {"law"} if kind in typing.get_args(drives.BuiltInDrive) else set()
         assert set(table["properties"]) == {field.name for field in fields} | tag
         assert set(table["required"]) == {item.name for item in fields if item.required} | tag
         assert table["additionalProperties"] is False

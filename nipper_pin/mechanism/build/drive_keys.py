@@ -2,54 +2,60 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 from ...errors import ModelError
-from ..files.description import CamDrive, DriveDescription, FourierDrive, ScrewDrive, TableDrive
+from ..drives import DriveTable
+from ..drives.registry import known_laws
 from ..mechanism import Joint
 
-# Keys of a hinge, and those of a slide.
-_KEYS: dict[type, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    FourierDrive: (
-        ("mean_rad", "cosine_rad", "sine_rad"),
-        ("mean_mm", "cosine_mm", "sine_mm"),
-    ),
-    TableDrive: (("coordinate_rad",), ("coordinate_mm",)),
-    CamDrive: (("lift_deg",), ("lift_mm",)),
-}
-_REFLECTED = ("reflected_inertia_kg_m2", "reflected_mass_kg")
+_REFLECTED = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
 
 
-def check_drive(name: str, drive: DriveDescription, joint: Joint, file: str) -> None:
+def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
     """Refuse a law that cannot move a joint of this kind, or has the keys of the other kind.
 
     Args:
         name: Name of the drive.
-        drive: Its description.
+        drive: Its table in the model file.
         joint: The joint that it moves.
         file: Name of the TOML file, for messages.
 
     Raises:
         ModelError: It does not fit the joint.
     """
-    slides = joint.kind == "prismatic"
-    where, both = f"drives.{name}", _KEYS.get(type(drive))
-    if both is None:
-        if isinstance(drive, ScrewDrive) != slides:
-            allowed = (
-                "a screw drives a slide (prismatic joint); constant_speed, geared and "
-                "oscillating_guide turn a hinge; cam, fourier and table move either"
-            )
-            raise ModelError(file=file, key=f"{where}.joint", value=drive.joint, allowed=allowed)
-        return
-    own, other = both[slides], both[not slides]
-    for key in (*other, _REFLECTED[not slides]):
-        value = getattr(drive, key)
-        if value not in (None, 0.0, ()):
-            allowed = (
-                f"{', '.join(own)} and {_REFLECTED[slides]} for the {joint.kind} joint {joint.name}"
-            )
-            raise ModelError(file=file, key=f"{where}.{key}", value=value, allowed=allowed)
-    if isinstance(drive, CamDrive) and not getattr(drive, own[0]):
-        allowed = f"a cam that moves the {joint.kind} joint {joint.name} has a lift other than 0"
+    where = f"drives.{name}"
+    if joint.kind not in drive.moves:
         raise ModelError(
-            file=file, key=f"{where}.{own[0]}", value=getattr(drive, own[0]), allowed=allowed
+            file=file, key=f"{where}.joint", value=drive.joint, allowed=_joints_of_laws()
         )
+    hinge, slide = drive.hinge_keys, drive.slide_keys
+    own, other = (slide, hinge) if joint.kind == "prismatic" else (hinge, slide)
+    foreign = _REFLECTED["revolute" if joint.kind == "prismatic" else "prismatic"]
+    for key in (*other, foreign):
+        value = getattr(drive, key, None)
+        if value not in (None, 0.0, ()):
+            keys = f"{', '.join(own)} and " if own else ""
+            allowed = f"{keys}{_REFLECTED[joint.kind]} for the {joint.kind} joint {joint.name}"
+            raise ModelError(file=file, key=f"{where}.{key}", value=value, allowed=allowed)
+    for key in own:
+        value = getattr(drive, key)
+        if key in drive.not_zero and not value:
+            law = type(drive).__struct_config__.tag
+            allowed = f"{law} moves the {joint.kind} joint {joint.name} with a {key} other than 0"
+            raise ModelError(file=file, key=f"{where}.{key}", value=value, allowed=allowed)
+
+
+def _joints_of_laws() -> str:
+    """Which laws move which joints, as a sentence."""
+    laws: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    for tag, kind in known_laws().items():
+        laws[kind.moves].append(tag)
+    words: dict[tuple[str, ...], str] = {
+        ("prismatic",): "a slide (prismatic joint)",
+        ("revolute",): "a hinge",
+    }
+    return "; ".join(
+        f"{', '.join(sorted(tags))}: {words.get(moves, 'a hinge or a slide')}"
+        for moves, tags in sorted(laws.items())
+    )

@@ -9,24 +9,12 @@ from typing import Literal
 import numpy as np
 
 from ...errors import InputError, ModelError, UnknownNameError
-from ...units import M_PER_MM
 from ..cylinder import Cylinder
-from ..drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
-from ..files.description import (
-    CamDrive,
-    ConstantSpeedDrive,
-    CylinderDescription,
-    Description,
-    DriveDescription,
-    FourierDrive,
-    GearedDrive,
-    OscillatingGuideDrive,
-    ScrewDrive,
-    TableDrive,
-)
+from ..drives import DriveLaw, DriveTable, FollowingTable
+from ..files.description import CylinderDescription, Description
 
 
-def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, DriveLaw]:
+def build_laws(drives: Mapping[str, DriveTable], file: str) -> dict[str, DriveLaw]:
     """Build the law of every drive.
 
     Args:
@@ -45,17 +33,17 @@ def build_laws(drives: Mapping[str, DriveDescription], file: str) -> dict[str, D
 
 def _build(
     name: str,
-    drives: Mapping[str, DriveDescription],
+    drives: Mapping[str, DriveTable],
     laws: dict[str, DriveLaw],
     above: tuple[str, ...],
     file: str,
 ) -> DriveLaw:
-    """Build one law, after the law it is geared to."""
+    """Build one law, after the laws that it is geared to."""
     if name in laws:
         return laws[name]
     drive = drives[name]
     where = f"drives.{name}"
-    if isinstance(drive, GearedDrive):
+    if isinstance(drive, FollowingTable):
         if drive.of not in drives:
             raise UnknownNameError(
                 kind="drive", name=drive.of, known=drives, where=f"{file}: {where}.of"
@@ -63,74 +51,16 @@ def _build(
         if drive.of in (*above, name):
             allowed = "a chain of gears must start at a drive that is not geared"
             raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
-        of = _build(drive.of, drives, laws, (*above, name), file)
-        laws[name] = Geared(of=of, ratio=drive.ratio)
+        laws[name] = drive.build_on(_build(drive.of, drives, laws, (*above, name), file))
         return laws[name]
     try:
-        laws[name] = _basic(drive)
+        laws[name] = drive.build()
     except InputError as error:
-        key, value = _culprit(drive)
+        key, value = drive.culprit()
         raise ModelError(
             file=file, key=f"{where}.{key}", value=value, allowed=error.message
         ) from error
     return laws[name]
-
-
-def _basic(drive: DriveDescription) -> DriveLaw:
-    """Build a law that stands on its own."""
-    if isinstance(drive, OscillatingGuideDrive):
-        return OscillatingGuide(
-            crank_radius_m=M_PER_MM * drive.crank_radius_mm,
-            crank_axis=(M_PER_MM * drive.crank_axis_mm[0], M_PER_MM * drive.crank_axis_mm[1]),
-            guide_axis=(M_PER_MM * drive.guide_axis_mm[0], M_PER_MM * drive.guide_axis_mm[1]),
-            guide_offset_m=M_PER_MM * drive.guide_offset_mm,
-        )
-    if isinstance(drive, ConstantSpeedDrive):
-        return ConstantSpeed(ratio=drive.ratio)
-    if isinstance(drive, ScrewDrive):
-        return ConstantSpeed(ratio=M_PER_MM * drive.lead_mm_per_turn / math.tau)
-    if isinstance(drive, FourierDrive):
-        # The keys of one unit are empty: those of the other kind of joint.
-        return Fourier(
-            mean=drive.mean_rad + M_PER_MM * drive.mean_mm,
-            cosine=drive.cosine_rad or _metres(drive.cosine_mm),
-            sine=drive.sine_rad or _metres(drive.sine_mm),
-        )
-    if isinstance(drive, TableDrive):
-        angles = tuple(math.radians(angle) for angle in drive.cylinder_angle_deg)
-        rows = drive.coordinate_rad or _metres(drive.coordinate_mm)
-        return Table(cylinder_angle_rad=angles, coordinate=rows)
-    if isinstance(drive, CamDrive):
-        # Few machines have one.
-        from ..cams import Cam
-
-        return Cam(
-            motion=drive.motion,
-            lift=math.radians(drive.lift_deg or 0.0) + M_PER_MM * (drive.lift_mm or 0.0),
-            start_rad=math.radians(drive.start_deg),
-            rise_rad=math.radians(drive.rise_deg),
-            dwell_rad=math.radians(drive.dwell_deg),
-            return_rad=math.radians(drive.return_deg),
-        )
-    message = f"there is no drive law for {type(drive).__name__}"
-    raise InputError(message)
-
-
-def _metres(values: tuple[float, ...]) -> tuple[float, ...]:
-    """Millimetres in metres."""
-    return tuple(M_PER_MM * value for value in values)
-
-
-def _culprit(drive: DriveDescription) -> tuple[str, object]:
-    """Key and value to name when a law refuses its values."""
-    if isinstance(drive, OscillatingGuideDrive):
-        distance = math.dist(drive.crank_axis_mm, drive.guide_axis_mm)
-        if drive.crank_radius_mm < distance:
-            return "guide_offset_mm", drive.guide_offset_mm
-        return "crank_radius_mm", drive.crank_radius_mm
-    if isinstance(drive, CamDrive):
-        return "dwell_deg", drive.dwell_deg
-    return "cylinder_angle_deg", f"{len(getattr(drive, 'cylinder_angle_deg', ()))} rows"
 
 
 def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float | None:

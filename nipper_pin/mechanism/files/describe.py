@@ -10,20 +10,19 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 
 from ...errors import ModelError
+from ..drives.registry import drive_tables, known_laws
 from .description import (
     ClosureDescription,
     DamperDescription,
     Description,
-    DriveDescription,
     InitialDescription,
-    PlanePoint,
     SpringDescription,
     StopDescription,
 )
 from .refusal import Refusal, first_refusal, is_table, member_of
+from .toml_types import PlanePoint
 
 _SECTIONS: dict[str, Any] = {
-    "drives": DriveDescription,
     "springs": SpringDescription,
     "dampers": DamperDescription,
     "stops": StopDescription,
@@ -50,14 +49,29 @@ def describe(data: Mapping[str, object], file: str) -> Description:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """
     _refuse_unusable(data, "", file)
-    for section, kind in _SECTIONS.items():
-        entries = data.get(section, {})
-        if not isinstance(entries, Mapping):
-            raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
-        # What is wrong with an element is told before what is wrong with the whole.
-        for name, entry in entries.items():
-            _convert(entry, kind, f"{section}.{name}", file)
-    return _convert(data, Description, "", file)
+    # What is wrong with an element is told before what is wrong with the whole.
+    drives = _entries(data, "drives", file)
+    for section in _SECTIONS:
+        _entries(data, section, file)
+    rest = {key: value for key, value in data.items() if key != "drives"}
+    whole: Description = _convert(rest, Description, "", file)
+    return msgspec.structs.replace(whole, drives=drives)
+
+
+def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
+    """Convert the entries of a section of named tables."""
+    entries = data.get(section, {})
+    if not isinstance(entries, Mapping):
+        raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
+    kind = _kind(section)
+    return {
+        name: _convert(entry, kind, f"{section}.{name}", file) for name, entry in entries.items()
+    }
+
+
+def _kind(section: str) -> Any:
+    """Type of the entries of a section; drive laws may be added while the program runs."""
+    return drive_tables() if section == "drives" else _SECTIONS[section]
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
@@ -70,7 +84,7 @@ def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, flo
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """
-    kind = member_of(_SECTIONS[section], entry)
+    kind = member_of(_kind(section), entry)
     if not is_table(kind):
         return {}
     hints = typing.get_type_hints(kind)
@@ -122,11 +136,11 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
     elif refusal.missing is not None:
         law = refusal.missing == "law" and known == "law"
-        choice = f"one of {', '.join(_laws())}" if law else f"known here: {known}"
+        choice = f"one of {', '.join(sorted(known_laws()))}" if law else f"known here: {known}"
         key, value = f"{key}.{refusal.missing}", None
         allowed = f"a required key is missing; {choice}"
     elif refusal.path[-1:] == ("law",):
-        value, allowed = found, f"one of {', '.join(_laws())}"
+        value, allowed = found, f"one of {', '.join(sorted(known_laws()))}"
     else:
         text = refusal.text
         value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]
@@ -163,8 +177,3 @@ def _allowed(kind: Any) -> str:
     if meta.min_length is not None and arguments[0] is not str:
         return "a list that is not empty"
     return " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()
-
-
-def _laws() -> list[str]:
-    """Names of the drive laws, sorted."""
-    return sorted(str(item.__struct_config__.tag) for item in typing.get_args(DriveDescription))

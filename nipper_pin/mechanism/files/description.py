@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-import msgspec
-from msgspec import Meta
+from msgspec import Meta, field
 
-Positive = Annotated[float, Meta(gt=0.0)]
-NotNegative = Annotated[float, Meta(ge=0.0)]
-# What is larger belongs to no machine, and its products and squares leave the range of a float.
-Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
-Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
-Length = Annotated[float, Meta(ge=0.0, le=1e15)]
-Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
-Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
-Name = Annotated[str, Meta(min_length=1)]
-PlanePoint = tuple[float, float]
-
-
-class _Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A TOML table whose keys are all known."""
+from ..drives.registry import BuiltInDrive
+from .toml_types import (
+    Damping,
+    Index,
+    Length,
+    Name,
+    NotNegative,
+    Positive,
+    Restitution,
+    Stiffness,
+    TomlTable,
+)
 
 
-class CylinderDescription(_Table, frozen=True, kw_only=True):
+class CylinderDescription(TomlTable, frozen=True, kw_only=True):
     """The input shaft. The reference is given by its angle, or by the extreme of a drive.
 
     Attributes:
@@ -45,163 +42,7 @@ class CylinderDescription(_Table, frozen=True, kw_only=True):
     reference_angle_deg: float | None = None
 
 
-class _DriveTable(_Table, frozen=True, kw_only=True, tag_field="law"):
-    """What every drive has; the numbers of its shaft are only needed where drives are inertial.
-
-    Attributes:
-        joint: Driven joint.
-        shaft_frequency_hz: Natural frequency of the elastic drive train [Hz].
-        shaft_damping_ratio: Its damping ratio [-].
-    """
-
-    joint: Name
-    shaft_frequency_hz: Positive | None = None
-    shaft_damping_ratio: NotNegative | None = None
-
-
-class _ShaftTable(_DriveTable, frozen=True, kw_only=True):
-    """What every drive of a hinge has.
-
-    Attributes:
-        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
-    """
-
-    reflected_inertia_kg_m2: Positive | None = None
-
-
-class OscillatingGuideDrive(_ShaftTable, frozen=True, kw_only=True, tag="oscillating_guide"):
-    """A crank pin on the cylinder that slides in a guide bar fixed to the driven link.
-
-    Attributes:
-        crank_radius_mm: Distance of the pin from the cylinder axis [mm].
-        crank_axis_mm: Cylinder axis (x, z) [mm].
-        guide_axis_mm: Axis of the driven shaft (x, z) [mm].
-        guide_offset_mm: Distance of the bar's line from the guide axis, positive to the left of
-            the direction towards the pin [mm].
-    """
-
-    crank_radius_mm: Positive
-    crank_axis_mm: PlanePoint
-    guide_axis_mm: PlanePoint
-    guide_offset_mm: float = 0.0
-
-
-class GearedDrive(_ShaftTable, frozen=True, kw_only=True, tag="geared"):
-    """A shaft geared to another drive.
-
-    Attributes:
-        of: Name of the other drive.
-        ratio: Turns of this shaft per turn of the other, negative in opposite sense [-].
-    """
-
-    of: Name
-    ratio: float
-
-
-class ConstantSpeedDrive(_ShaftTable, frozen=True, kw_only=True, tag="constant_speed"):
-    """A shaft that turns in proportion to the cylinder.
-
-    Attributes:
-        ratio: Turns of this shaft per turn of the cylinder [-].
-    """
-
-    ratio: float
-
-
-class ScrewDrive(_DriveTable, frozen=True, kw_only=True, tag="screw"):
-    """A slide that a screw moves in proportion to the cylinder.
-
-    Attributes:
-        lead_mm_per_turn: Travel per turn of the cylinder [mm].
-        reflected_mass_kg: Inertia of the drive train seen at the slide [kg].
-    """
-
-    lead_mm_per_turn: float
-    reflected_mass_kg: Positive | None = None
-
-
-class _AnyTable(_DriveTable, frozen=True, kw_only=True):
-    """What every drive of either kind of joint has.
-
-    Attributes:
-        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at a hinge [kg m2].
-        reflected_mass_kg: The same seen at a slide [kg].
-    """
-
-    reflected_inertia_kg_m2: Positive | None = None
-    reflected_mass_kg: Positive | None = None
-
-
-class FourierDrive(_AnyTable, frozen=True, kw_only=True, tag="fourier"):
-    """A Fourier series in the cylinder angle; coefficient n belongs to n turns per turn.
-
-    Attributes:
-        mean_rad: Mean value of a hinge [rad].
-        cosine_rad: Coefficients of cos psi, cos 2 psi, ... of a hinge [rad].
-        sine_rad: Coefficients of sin psi, sin 2 psi, ... of a hinge [rad].
-        mean_mm: Mean value of a slide [mm].
-        cosine_mm: Coefficients of cos psi, cos 2 psi, ... of a slide [mm].
-        sine_mm: Coefficients of sin psi, sin 2 psi, ... of a slide [mm].
-    """
-
-    mean_rad: float = 0.0
-    cosine_rad: tuple[float, ...] = ()
-    sine_rad: tuple[float, ...] = ()
-    mean_mm: float = 0.0
-    cosine_mm: tuple[float, ...] = ()
-    sine_mm: tuple[float, ...] = ()
-
-
-class TableDrive(_AnyTable, frozen=True, kw_only=True, tag="table"):
-    """A table over one turn, from a CSV file in the model folder or written out here.
-
-    Attributes:
-        file: CSV file with the columns cylinder_angle_deg and coordinate_rad or coordinate_mm.
-        cylinder_angle_deg: Cylinder angles, rising over exactly one turn [deg].
-        coordinate_rad: Coordinate of a hinge at each angle [rad].
-        coordinate_mm: Coordinate of a slide at each angle [mm].
-    """
-
-    file: Name | None = None
-    cylinder_angle_deg: tuple[float, ...] = ()
-    coordinate_rad: tuple[float, ...] = ()
-    coordinate_mm: tuple[float, ...] = ()
-
-
-class CamDrive(_AnyTable, frozen=True, kw_only=True, tag="cam"):
-    """A cam with dwell: rise, dwell, return, and rest for what is left of the turn.
-
-    Attributes:
-        motion: How it rises and returns.
-        lift_mm: Lift of a slide [mm].
-        lift_deg: Lift of a hinge [deg].
-        start_deg: Cylinder angle at which the rise begins [deg].
-        rise_deg: Cylinder angle of the rise [deg].
-        dwell_deg: Cylinder angle for which the follower stays up [deg].
-        return_deg: Cylinder angle of the return [deg].
-    """
-
-    motion: Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
-    rise_deg: Positive
-    return_deg: Positive
-    dwell_deg: NotNegative = 0.0
-    start_deg: float = 0.0
-    lift_mm: float | None = None
-    lift_deg: float | None = None
-
-
-DriveDescription = (
-    OscillatingGuideDrive
-    | GearedDrive
-    | ConstantSpeedDrive
-    | ScrewDrive
-    | FourierDrive
-    | TableDrive
-    | CamDrive
-)
-
-
-class SpringDescription(_Table, frozen=True, kw_only=True):
+class SpringDescription(TomlTable, frozen=True, kw_only=True):
     """A spring: linear on a joint, from a table on a joint, or between two points.
 
     Attributes:
@@ -235,7 +76,7 @@ class SpringDescription(_Table, frozen=True, kw_only=True):
     free_length_mm: Length | None = None
 
 
-class DamperDescription(_Table, frozen=True, kw_only=True):
+class DamperDescription(TomlTable, frozen=True, kw_only=True):
     """A linear damper on a joint or between two points.
 
     Attributes:
@@ -253,7 +94,7 @@ class DamperDescription(_Table, frozen=True, kw_only=True):
     frame_b: Name | None = None
 
 
-class ContactDescription(_Table, frozen=True, kw_only=True):
+class ContactDescription(TomlTable, frozen=True, kw_only=True):
     """Two bodies that meet at a stop.
 
     Attributes:
@@ -265,7 +106,7 @@ class ContactDescription(_Table, frozen=True, kw_only=True):
     upper: Name
 
 
-class StopDescription(_Table, frozen=True, kw_only=True):
+class StopDescription(TomlTable, frozen=True, kw_only=True):
     """A unilateral stop on a joint; one joint may have a lower and an upper one.
 
     Attributes:
@@ -285,7 +126,7 @@ class StopDescription(_Table, frozen=True, kw_only=True):
     contact: ContactDescription | None = None
 
 
-class InitialDescription(_Table, frozen=True, kw_only=True):
+class InitialDescription(TomlTable, frozen=True, kw_only=True):
     """Where a joint that nothing prescribes starts, and how fast it moves there.
 
     Attributes:
@@ -301,7 +142,7 @@ class InitialDescription(_Table, frozen=True, kw_only=True):
     rate_rad_per_s: float | None = None
 
 
-class ClosureDescription(_Table, frozen=True, kw_only=True):
+class ClosureDescription(TomlTable, frozen=True, kw_only=True):
     """A cut joint: a pin, or a pin in a slot.
 
     Attributes:
@@ -317,7 +158,7 @@ class ClosureDescription(_Table, frozen=True, kw_only=True):
     block_mass_kg: Positive | None = None
 
 
-class PhaseDescription(_Table, frozen=True, kw_only=True):
+class PhaseDescription(TomlTable, frozen=True, kw_only=True):
     """A working phase.
 
     Attributes:
@@ -331,7 +172,7 @@ class PhaseDescription(_Table, frozen=True, kw_only=True):
     closed: tuple[Name, ...]
 
 
-class Description(_Table, frozen=True, kw_only=True):
+class Description(TomlTable, frozen=True, kw_only=True):
     """The whole TOML file.
 
     Attributes:
@@ -361,11 +202,11 @@ class Description(_Table, frozen=True, kw_only=True):
     initial_phase: int
     cylinder: CylinderDescription
     phases: Annotated[tuple[PhaseDescription, ...], Meta(min_length=1)]
-    drives: dict[str, DriveDescription] = {}
-    stops: dict[str, StopDescription] = {}
-    springs: dict[str, SpringDescription] = {}
-    dampers: dict[str, DamperDescription] = {}
-    closures: dict[str, ClosureDescription] = {}
-    initial: dict[str, InitialDescription] = {}
-    shortcuts: dict[str, str] = {}
-    provenance: dict[str, Name] = {}
+    drives: dict[str, BuiltInDrive] = field(default_factory=dict)
+    stops: dict[str, StopDescription] = field(default_factory=dict)
+    springs: dict[str, SpringDescription] = field(default_factory=dict)
+    dampers: dict[str, DamperDescription] = field(default_factory=dict)
+    closures: dict[str, ClosureDescription] = field(default_factory=dict)
+    initial: dict[str, InitialDescription] = field(default_factory=dict)
+    shortcuts: dict[str, str] = field(default_factory=dict)
+    provenance: dict[str, Name] = field(default_factory=dict)

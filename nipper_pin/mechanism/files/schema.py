@@ -13,6 +13,7 @@ from typing import Any
 
 import msgspec
 
+from ..drives.registry import known_laws
 from . import description
 from .description import Description
 
@@ -25,8 +26,9 @@ _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
     schema = json.loads(msgspec.json.encode(msgspec.json.schema(Description)))
+    laws = {kind.__name__: kind for kind in known_laws().values()}
     for name, table in schema["$defs"].items():
-        kind = getattr(description, name)
+        kind = laws.get(name) or getattr(description, name)
         table["description"] = _summary(kind)
         del table["title"]
         words = {"law": table["description"], **_attributes(kind)}

@@ -14,7 +14,7 @@ from msgspec import Meta
 from ...errors import InputError, ModelError
 from ...hybrid.result.quantities import refuse_unknown
 from ...mechanism import Mechanism
-from ...mechanism.files.description import Positive, Restitution
+from ...mechanism.files.toml_types import Positive, Restitution
 from ..toml_files import Bounds, Table, base_mechanism, read_table, refuse
 from .geometry import Sources
 from .measured import read_measured

@@ -13,7 +13,7 @@ from msgspec import Meta
 
 from ...hybrid.result.quantities import refuse_unknown
 from ...mechanism import Mechanism
-from ...mechanism.files.description import Positive
+from ...mechanism.files.toml_types import Positive
 from ..identify.geometry import Sources
 from ..identify.parameters import read_values
 from ..sweep.axes import SPEED, find_target

@@ -17,7 +17,7 @@ from ...dynamics.system import DriveMode
 from ...errors import InputError, NipperError
 from ...mechanism import Mechanism, from_sources
 from ...mechanism.edit.overrides import apply_overrides
-from ...mechanism.files.description import Positive
+from ...mechanism.files.toml_types import Positive
 from ...mechanism.files.urdf import parse_xml
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target

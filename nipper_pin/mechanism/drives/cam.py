@@ -8,13 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
-from ..arrays import FloatArray
-from ..errors import InputError
-from .drives import Evaluation
+from ...arrays import FloatArray
+from ...errors import InputError
+from ...units import M_PER_MM
+from ..files.toml_types import NotNegative, Positive
+from .law import AnyTable, Evaluation
 
 CamMotion = Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
 _TURN_ROUND_OFF = 1e-12
@@ -120,3 +122,44 @@ class Cam:
             sense * slope * first,
             np.abs(sense) * slope / width * second,
         )
+
+
+class CamDrive(AnyTable, frozen=True, kw_only=True, tag="cam"):
+    """A cam with dwell: rise, dwell, return, and rest for what is left of the turn.
+
+    Attributes:
+        motion: How it rises and returns.
+        lift_mm: Lift of a slide [mm].
+        lift_deg: Lift of a hinge [deg].
+        start_deg: Cylinder angle at which the rise begins [deg].
+        rise_deg: Cylinder angle of the rise [deg].
+        dwell_deg: Cylinder angle for which the follower stays up [deg].
+        return_deg: Cylinder angle of the return [deg].
+    """
+
+    motion: CamMotion
+    rise_deg: Positive
+    return_deg: Positive
+    dwell_deg: NotNegative = 0.0
+    start_deg: float = 0.0
+    lift_mm: float | None = None
+    lift_deg: float | None = None
+
+    hinge_keys: ClassVar[tuple[str, ...]] = ("lift_deg",)
+    slide_keys: ClassVar[tuple[str, ...]] = ("lift_mm",)
+    not_zero: ClassVar[tuple[str, ...]] = ("lift_deg", "lift_mm")
+
+    def build(self) -> Cam:
+        """Return the law; see :meth:`DriveTable.build`."""
+        return Cam(
+            motion=self.motion,
+            lift=math.radians(self.lift_deg or 0.0) + M_PER_MM * (self.lift_mm or 0.0),
+            start_rad=math.radians(self.start_deg),
+            rise_rad=math.radians(self.rise_deg),
+            dwell_rad=math.radians(self.dwell_deg),
+            return_rad=math.radians(self.return_deg),
+        )
+
+    def culprit(self) -> tuple[str, object]:
+        """Rise, dwell and return that are longer than a turn are told by the dwell."""
+        return "dwell_deg", self.dwell_deg

@@ -1,0 +1,23 @@
+"""Types of the values of a model's TOML file, with their limits."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NotNegative = Annotated[float, Meta(ge=0.0)]
+# What is larger belongs to no machine, and its products and squares leave the range of a float.
+Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
+Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
+Length = Annotated[float, Meta(ge=0.0, le=1e15)]
+Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
+Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
+Name = Annotated[str, Meta(min_length=1)]
+PlanePoint = tuple[float, float]
+
+
+class TomlTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A TOML table whose keys are all known."""
