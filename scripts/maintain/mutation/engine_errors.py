@@ -99,7 +99,8 @@ MUTATIONS = (
     ),
     Mutation(
         "guide-curvature", "second derivative of the oscillating guide with the wrong sign",
-        "mechanism/drives.py", "second = (d * (r * r - d * d))", "second = (d * (d * d - r * r))",
+        "mechanism/drives/oscillating_guide.py",
+        "second = (d * (r * r - d * d))", "second = (d * (d * d - r * r))",
     ),
     Mutation(
         "preload-unit", "preload lengths in centimetres",
