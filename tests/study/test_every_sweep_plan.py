@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import numpy as np
@@ -252,3 +253,16 @@ def test_scenarios_that_are_timed(tmp_path: Path) -> None:
     huge = plan(tmp_path, TABLE.replace("600", "1_000_000_000"))
     assert estimate_module._firsts(huge, 100) == [0, 499_900, 999_900]
     assert estimate_module._firsts(huge, 10**9) == [0]
+
+
+def test_a_worker_without_the_compiler_is_another_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not installed has a version of its own, so that results of two kinds never mix."""
+    here = versions()
+
+    def lacking(package: str) -> str:
+        if package == "numba":
+            raise PackageNotFoundError(package)
+        return here[package]
+
+    monkeypatch.setattr("nipper_pin.study.sweep.job.version", lacking)
+    assert versions() == here | {"numba": "none"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ...units import MS_PER_S, MS_PER_US
 from .cost import run_python
 
-# Never needed by a run that draws nothing; the last three are not even dependencies.
+# Never needed by a run that prints and draws nothing; rich alone is always installed.
 _LIBRARIES = ("matplotlib.figure", "rich.console", "yourdfpy", "meshcat", "pandas")
 _MISSING = "missing"
 
