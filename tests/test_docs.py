@@ -1,10 +1,14 @@
 """Pages of docs/: their length, what they link to, and their place in the site."""
 
+import inspect
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 import yaml
+
+import nipper_pin as nip
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -55,3 +59,32 @@ def test_pages_load_nothing_from_the_network():
         assert not LOADED.search(text), page
         assert not re.search(r"!\[[^\]]*\]\(https?:", text), page
         assert "```mermaid" not in text, page
+
+
+def referenced() -> dict[str, object]:
+    """What the Python reference shows, by its last name."""
+    paths = re.findall(r"^::: (\S+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.MULTILINE)
+    found = {}
+    for path in paths:
+        module, _, name = path.rpartition(".")
+        found[name] = getattr(import_module(module), name)
+    assert len(found) == len(paths)
+    return found
+
+
+def test_every_public_name_is_in_the_reference():
+    shown = referenced()
+    assert set(nip.__all__) <= set(shown)
+    for name in nip.__all__:
+        if name != "view":  # the package's own name is the room of that name, which can be called
+            assert shown[name] is getattr(nip, name)
+
+
+def test_the_reference_is_written_for_its_readers():
+    """Docstrings are there, and hold no markup that the pages would show as it is."""
+    for name, value in referenced().items():
+        texts = [inspect.getdoc(value)]
+        if inspect.isclass(value):
+            texts += [inspect.getdoc(each) for key, each in vars(value).items() if key[0] != "_"]
+        assert len((texts[0] or "").split()) > 1, name
+        assert not [text for text in texts if text and re.search(r":[a-z]+:`", text)], name

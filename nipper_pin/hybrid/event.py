@@ -28,7 +28,7 @@ class Event:
             these the ones that have closed before those that were closed.
         q: Configuration, shape (nv,) [rad or m]. Of a rest at the limit of a series, this and the
             velocities are those of the last collision computed, a little before ``t``;
-            :meth:`Solution.motion_at` gives the state at ``t``.
+            ``Solution.motion_at`` gives the state at ``t``.
         v_before: Velocity just before, shape (nv,).
         v_after: Velocity just after, shape (nv,).
         delta: Change of velocity to its own relative precision, shape (nv,).

@@ -22,7 +22,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
             ``<name>.urdf`` and ``<name>.toml``.
         overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
             ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
-            (:mod:`.dimensions`), or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
+            or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
             converted.
 
     Returns:

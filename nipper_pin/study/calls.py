@@ -23,7 +23,7 @@ def check(
     Args:
         mechanism: The model.
         speed_rpm: Cylinder speed [r/min]; by default the rated one.
-        start_index: Index at which the cycle starts; by default that of :class:`Case`.
+        start_index: Index at which the cycle starts; by default that of ``Case``.
 
     Returns:
         The report of ``nipper-pin check``.
@@ -49,7 +49,7 @@ def sweep(
     chunks: tuple[int, int] | None = None,
     progress: Callable[[int, int, int], None] | None = None,
 ) -> SweepReport:
-    """Compute what is missing of a sweep; :func:`nipper_pin.read_sweep` gives its rows.
+    """Compute what is missing of a sweep; ``nipper_pin.read_sweep`` gives its rows.
 
     Args:
         study: The TOML file, or the plan that was read from it.

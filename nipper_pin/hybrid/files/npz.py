@@ -98,7 +98,7 @@ def save(solution: Solution, path: str | Path) -> Path:
 
 
 def load_solution(path: str | Path) -> Solution:
-    """Read a solution written by :func:`save`; its mechanism is validated again.
+    """Read a solution written by ``save``; its mechanism is validated again.
 
     Args:
         path: The file.
@@ -128,7 +128,7 @@ def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
 
 
 def load_case(path: str | Path) -> tuple[Mechanism, Case]:
-    """Read a case written by :func:`save_case`; its mechanism is validated again.
+    """Read a case written by ``save_case``; its mechanism is validated again.
 
     Raises:
         InputError: The file is missing, damaged or of another format.

@@ -158,7 +158,7 @@ class Solution:
 
     @property
     def premise_holds(self) -> bool | None:
-        """True or False; None where it was not asked or cannot be told: see :attr:`premise`."""
+        """True or False; None where it was not asked or cannot be told: see ``premise``."""
         return self.premise.holds
 
     @cached_property

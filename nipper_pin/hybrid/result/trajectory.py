@@ -103,7 +103,7 @@ class Trajectory:
         return Motion(times, self.system.shaft.angle(times), q, v)
 
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
-        """Forces at all joints, cut joints, drives and stops; arguments as :meth:`evaluate`."""
+        """Forces at all joints, cut joints, drives and stops; arguments as of ``evaluate``."""
         mechanism, body = self.system.mechanism, self.system.body
         times = np.atleast_1d(np.asarray(t, dtype=float))
         count = len(times)

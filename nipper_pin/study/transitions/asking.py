@@ -54,7 +54,7 @@ def transition_table(
         tolerance: Relative accuracy.
         max_collisions: Largest number of collisions of a case.
         drive: Behaviour of the driven shafts.
-        engine: "auto": the reduced engine for :data:`REDUCED_PAYS_FROM` cases or more of a
+        engine: "auto": the reduced engine for ``REDUCED_PAYS_FROM`` cases or more of a
             mechanism that it can represent, the direct one for all others; and whole turns of the
             direct one where the premise of a transition does not hold. "direct" or "reduced": that
             one alone, the transition as it is assumed.

@@ -29,7 +29,7 @@ class TransitionTable(CollisionRows):
         engine: Engine of each case, "reduced", "direct", or "turn": the direct one on whole turns,
             because the premise of a transition does not hold, shape (n,).
         outcome: How each case ended: "at_rest"; "no_rest" or "too_many_collisions"; "failed"; and,
-            if the reduced engine was forced, its :class:`~nipper_pin.reduced.Status` in lower case.
+            if the reduced engine was forced, its ``nipper_pin.reduced.Status`` in lower case.
         message: For each case why it failed, or why the reduced engine left it to the direct one;
             empty for all others.
         speed_rpm: Cylinder speed of each case [r/min], shape (n,).
