@@ -5,8 +5,8 @@ A strut joins two points a and b. With d = b - a, l = |d|, u = d / l and G_d = d
     T = k (l - l_0) + c l_dot,      l_dot = u' G_d v,      tau = -G_d' (T u),
     energy k (l - l_0)^2 / 2,       dissipated power c l_dot^2.
 
-A table f on the coordinate x gives tau = -f(x) and stores its integral. All of this is a function
-of (q, v) alone.
+A table f on the coordinate x gives tau = -f(x) and stores its integral; a force law gives
+tau = -f(x, x_dot), its energy and its heat. All of this is a function of (q, v) alone.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _ROUND_OFF = 1e-9
 
 
 def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
-    """Tables and struts of a mechanism; None if it has neither."""
-    if mechanism.tabulated_springs or mechanism.struts:
+    """Tables, struts and force laws of a mechanism; None if it has none of them."""
+    if mechanism.tabulated_springs or mechanism.struts or mechanism.forces:
         return Elements(mechanism, body)
     return None
 
 
 class Elements:
-    """Forces, energy and losses of tables and struts.
+    """Forces, energy and losses of tables, struts and force laws.
 
     Args:
         mechanism: The mechanism.
@@ -43,6 +43,7 @@ class Elements:
         self._joints = mechanism.joints
         self._tables = mechanism.tabulated_springs
         self._struts = mechanism.struts
+        self._laws = mechanism.forces
         self._body = body
         self._stiffness = np.array([strut.stiffness for strut in self._struts])
         self._free_length = np.array([strut.free_length for strut in self._struts])
@@ -62,16 +63,20 @@ class Elements:
         tau = np.zeros_like(q)
         for table in self._tables:
             tau[:, table.index] -= table.characteristic.forces(q[:, table.index])
+        for item in self._laws:
+            tau[:, item.index] -= item.law.force(q[:, item.index], v[:, item.index])
         if self._struts:
             pull, jacobian, _ = self._pulls(q, v)
             tau -= np.einsum("nsi,nsij->nj", pull, jacobian)
         return tau
 
     def energy(self, q: FloatArray) -> FloatArray:
-        """Energy stored in tables and struts [J], shape (N,)."""
+        """Energy stored in tables, struts and force laws [J], shape (N,)."""
         energy = np.zeros(len(q))
         for table in self._tables:
             energy += table.characteristic.energies(q[:, table.index])
+        for item in self._laws:
+            energy += item.law.energy(q[:, item.index])
         if self._struts:
             places, _ = self._body.points(q)
             length = np.linalg.norm(places[:, :, 1] - places[:, :, 0], axis=2)
@@ -79,11 +84,14 @@ class Elements:
         return energy
 
     def dissipation(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Power that the struts turn into heat [W], shape (N,); arguments as :meth:`forces`."""
-        if not self._damping.any():
-            return np.zeros(len(q))
-        _, _, rate = self._pulls(q, v)
-        return np.asarray(rate**2 @ self._damping)
+        """Power that becomes heat [W], shape (N,); arguments as :meth:`forces`."""
+        power = np.zeros(len(q))
+        for item in self._laws:
+            power += item.law.heat(q[:, item.index], v[:, item.index])
+        if self._damping.any():
+            _, _, rate = self._pulls(q, v)
+            power += rate**2 @ self._damping
+        return power
 
     def damper_lines(self, q: FloatArray) -> FloatArray:
         """Lines from point a to point b of all dampers (x, z), shape (N, dampers, 2) [m]."""

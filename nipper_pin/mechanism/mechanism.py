@@ -20,6 +20,7 @@ from ..errors import UnknownNameError
 from .cylinder import Cylinder
 from .drives import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
+from .forces import JointForce
 
 FloatArray = NDArray[np.float64]
 
@@ -225,6 +226,7 @@ class Mechanism:
         tabulated_springs: Springs on coordinates whose force comes from a table.
         dampers: Linear dampers on coordinates.
         struts: Springs and dampers between two points.
+        forces: Force elements on coordinates, each with a law of its own.
         stops: Unilateral stops.
         phases: Working phases.
         transition_stop: Stop whose bouncing is "the transition".
@@ -249,6 +251,7 @@ class Mechanism:
     tabulated_springs: tuple[TabulatedSpring, ...]
     dampers: tuple[Damper, ...]
     struts: tuple[Strut, ...]
+    forces: tuple[JointForce, ...]
     stops: tuple[Stop, ...]
     phases: tuple[Phase, ...]
     transition_stop: str
@@ -318,6 +321,16 @@ class Mechanism:
     def links(self) -> tuple[str, ...]:
         """Names of the moving links, in the order of their joints."""
         return tuple(joint.child for joint in self.joints)
+
+    @cached_property
+    def knots(self) -> tuple[tuple[int, tuple[float, ...]], ...]:
+        """Coordinates on which a force is only piecewise smooth, each with where pieces meet.
+
+        A force law may also have a kink where its rate changes sign.
+        """
+        tables = ((item.index, item.characteristic.coordinate) for item in self.tabulated_springs)
+        laws = ((item.index, item.law.knots) for item in self.forces)
+        return (*tables, *laws)
 
     def stop(self, name: str) -> Stop:
         """Return the stop of that name.

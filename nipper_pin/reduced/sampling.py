@@ -59,6 +59,7 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
         *(f"table of spring {item.name}" for item in mechanism.tabulated_springs),
         *(f"damper {item.name}" for item in mechanism.dampers),
         *(f"{item.kind} {item.name} between two points" for item in mechanism.struts),
+        *(f"{item.kind} {item.name}" for item in mechanism.forces),
     ]
     if others:
         return f"the reduced engine has linear springs on joints only, no {', '.join(others)}"

@@ -153,7 +153,7 @@ def every_path(mechanism: Mechanism) -> tuple[str, ...]:
     sources = Sources.of(mechanism)
     found = layout(sources)
     paths = [SPEED]
-    for table in ("cylinder", "drives", "springs", "dampers", "stops"):
+    for table in ("cylinder", "drives", "springs", "dampers", "forces", "stops"):
         paths.extend(_numbers(sources.document.get(table), table))
     driven = {mechanism.joints[drive.index].name for drive in mechanism.drives}
     for name, pin in found.meeting.items():

@@ -105,6 +105,14 @@ def damper_text(mechanism: Mechanism) -> str:
     return "; ".join(parts)
 
 
+def force_text(mechanism: Mechanism) -> str:
+    """Law and joint of every force element; empty without one."""
+    names = {joint.index: joint.name for joint in mechanism.joints}
+    return "; ".join(
+        f"{force.name} ({force.kind}) on {names[force.index]}" for force in mechanism.forces
+    )
+
+
 def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
     return [strut for strut in mechanism.struts if strut.kind == kind]
 

@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import ModelError
-from nipper_pin.mechanism import drives
+from nipper_pin.mechanism import drives, forces
 from nipper_pin.mechanism.files import description
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import model_schema, schema_text
@@ -42,15 +42,19 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     """Every struct has its table, every field its key, every key without default is required."""
     structs = {
         name: item
-        for name, item in {**vars(drives), **vars(description)}.items()
+        for name, item in {**vars(drives), **vars(forces), **vars(description)}.items()
         if isinstance(item, type) and issubclass(item, msgspec.Struct) and not name.startswith("_")
-        if name.endswith(("Drive", "Description"))
+        if name.endswith(("Drive", "OrificeForce", "Description"))
     }
     assert set(SCHEMA["$defs"]) == set(structs)
     for name, kind in structs.items():
         table = SCHEMA["$defs"][name]
         fields = msgspec.structs.fields(kind)
-        tag = {"law"} if kind in typing.get_args(drives.BuiltInDrive) else set()
+        tag = (
+            {"law"}
+            if kind in (*typing.get_args(drives.BuiltInDrive), forces.BuiltInForce)
+            else set()
+        )
         assert set(table["properties"]) == {field.name for field in fields} | tag
         assert set(table["required"]) == {item.name for item in fields if item.required} | tag
         assert table["additionalProperties"] is False

@@ -89,7 +89,7 @@ def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[Floa
     there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), phase)
     rough = np.abs(there - again).max(axis=0)
     missing = _between(system, phase, panel)
-    if system.mechanism.tabulated_springs:
+    if system.mechanism.knots:
         # Across a row of a table coefficients decay by powers: of k^-3 that all follow, twice
         # integrated, a quarter of their number times the last one is missing.
         last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)

@@ -151,15 +151,15 @@ def _round_off(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatA
 
 def rows_met(system: System, panel: Panel) -> FloatArray:
     """Places sigma on a panel at which coordinates of tables cross a row or turn, shape (K,)."""
-    if not system.mechanism.tabulated_springs:
+    if not system.mechanism.knots:
         return np.empty(0)
     samples = nodes(panel.order).samples
     q, v = panel.interpolate(panel.t + panel.h * samples)
     found = []
-    for table in system.mechanism.tabulated_springs:
-        x, rate, index = q[:, table.index], v[:, table.index], table.index
+    for index, rows in system.mechanism.knots:
+        x, rate = q[:, index], v[:, index]
         found.append(_crossed(samples, rate))
-        for row in table.characteristic.coordinate:
+        for row in rows:
             sigma = _crossed(samples, x - row)
             for _ in range(_NEWTON_STEPS if sigma.size else 0):
                 there, speed = panel.interpolate(panel.t + panel.h * sigma)

@@ -45,6 +45,7 @@ def winding(
     """
     bound = {spring.index for spring in mechanism.springs}
     bound |= {table.index for table in mechanism.tabulated_springs}
+    bound |= {force.index for force in mechanism.forces}
     bound |= {stop.index for stop in mechanism.stops}
     winds = np.zeros(len(start))
     for joint in mechanism.joints:

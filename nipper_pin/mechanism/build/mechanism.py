@@ -19,6 +19,7 @@ from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
 from .contact import find_contact
 from .drive_keys import check_drive
 from .elements import build_elements
+from .forces import build_forces
 from .laws import build_cylinder, build_laws
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
@@ -91,6 +92,7 @@ def build_mechanism(
         tabulated_springs=elements.tabulated_springs,
         dampers=elements.dampers,
         struts=elements.struts,
+        forces=build_forces(description.forces, by_name, file),
         stops=stops,
         phases=phases,
         transition_stop=description.transition_stop,

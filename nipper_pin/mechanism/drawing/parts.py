@@ -165,6 +165,36 @@ class Damper:
 
 
 @dataclass(frozen=True)
+class Force:
+    """A force element with a law of its own on a joint, of the same name in the model.
+
+    Attributes:
+        joint: The joint.
+        law: Name of the law.
+        keys: Keys of the law.
+    """
+
+    joint: str
+    law: str
+    keys: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a joint that nothing drives starts.
+
+    Attributes:
+        joint: The joint.
+        at: Coordinate [mm; deg on a hinge].
+        rate: Its rate [mm/s; rad/s on a hinge].
+    """
+
+    joint: str
+    at: float
+    rate: float = 0.0
+
+
+@dataclass(frozen=True)
 class Stop:
     """A stop on a joint.
 
@@ -184,7 +214,7 @@ class Stop:
 
 
 Joint = Pin | Slide | Slot
-Part = Body | Pin | Slide | Slot | Drive | Spring | Tie | Damper | Stop
+Part = Body | Pin | Slide | Slot | Drive | Spring | Tie | Damper | Force | Start | Stop
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...errors import InputError
-from .parts import Damper, Drive, Slot, Spring, Stop, Tie
+from .parts import Damper, Drive, Force, Slot, Spring, Start, Stop, Tie
 from .tree import Tree
 from .urdf_text import LINE, frame_name
 
@@ -50,6 +50,19 @@ def document(tree: Tree) -> dict[str, Any]:
             }
             for part in drawing.parts
             if isinstance(part, Damper)
+        },
+        "forces": {
+            part.joint: {"joint": part.joint, "law": part.law, **part.keys}
+            for part in drawing.parts
+            if isinstance(part, Force)
+        },
+        "initial": {
+            part.joint: {
+                _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
+                _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
+            }
+            for part in drawing.parts
+            if isinstance(part, Start)
         },
         "stops": {name: _stop(tree, part) for name, part in stops.items()},
         "closures": _closures(tree),

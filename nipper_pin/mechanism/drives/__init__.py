@@ -11,10 +11,11 @@ from .geared import Geared, GearedDrive
 from .law import AnyTable, DriveLaw, DriveTable, Evaluation, FollowingTable, ShaftTable
 from .oscillating_guide import OscillatingGuide, OscillatingGuideDrive
 from .proportional import ConstantSpeed, ConstantSpeedDrive, ScrewDrive
-from .registry import BuiltInDrive, drive_tables, register_drive
+from .registry import DRIVES, BuiltInDrive, register_drive
 from .table import Table, TableDrive, check_table
 
 __all__ = [
+    "DRIVES",
     "AnyTable",
     "BuiltInDrive",
     "Cam",
@@ -36,6 +37,5 @@ __all__ = [
     "Table",
     "TableDrive",
     "check_table",
-    "drive_tables",
     "register_drive",
 ]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import typing
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from ...errors import InputError
+from ..files.register import Register
 from .cam import CamDrive
 from .fourier import FourierDrive
 from .geared import GearedDrive
@@ -25,14 +25,17 @@ BuiltInDrive = (
 )
 """Tables of the laws of this package, in the order of the schema."""
 
-_added: dict[str, type[DriveTable]] = {}
+DRIVES: Register[DriveTable] = Register("drive law", DriveTable, typing.get_args(BuiltInDrive))
+"""All that are known."""
+
 _T = TypeVar("_T", bound=type[DriveTable])
 
 
 def register_drive(kind: _T) -> _T:
     """Let model files name a drive law of the user's; a decorator of its table.
 
-    A worker process of a study knows a law only if it imports the module that registers it.
+    A worker process of a study knows the law only if it imports the module that registers it, as
+    it does with an installed package that has an entry point ``nipper_pin.extensions``.
 
     Args:
         kind: Subclass of :class:`.law.DriveTable` with ``tag="name_of_the_law"``.
@@ -43,29 +46,5 @@ def register_drive(kind: _T) -> _T:
     Raises:
         InputError: It is no such class, or its name belongs to another law.
     """
-    tag = getattr(getattr(kind, "__struct_config__", None), "tag", None)
-    if not (isinstance(kind, type) and issubclass(kind, DriveTable) and isinstance(tag, str)):
-        message = (
-            f"{kind!r} is no table of a drive law: derive it from DriveTable, ShaftTable or "
-            'AnyTable, with frozen=True, kw_only=True and tag="name_of_the_law"'
-        )
-        raise InputError(message, kind=kind)
-    other = known_laws().get(tag)
-    if other is not None and other.__qualname__ != kind.__qualname__:
-        message = f"a drive law {tag!r} exists already ({other.__name__}); choose another tag"
-        raise InputError(message, tag=tag)
-    _added[tag] = kind
+    DRIVES.add(kind)
     return kind
-
-
-def drive_tables() -> Any:
-    """Return the union of the tables of all laws, for reading a model file."""
-    union: Any = BuiltInDrive
-    for kind in _added.values():
-        union = union | kind
-    return union
-
-
-def known_laws() -> dict[str, type[DriveTable]]:
-    """Return the tables of all laws by the name that a model file gives as ``law``."""
-    return {str(item.__struct_config__.tag): item for item in typing.get_args(drive_tables())}

@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 
 from ...errors import ModelError
-from ..drives.registry import drive_tables, known_laws
+from ..drives.registry import DRIVES
+from ..forces.registry import FORCES
 from .description import (
     ClosureDescription,
     DamperDescription,
@@ -20,6 +21,7 @@ from .description import (
     StopDescription,
 )
 from .refusal import Refusal, first_refusal, is_table, member_of
+from .register import Register
 from .toml_types import PlanePoint
 
 _SECTIONS: dict[str, Any] = {
@@ -29,6 +31,7 @@ _SECTIONS: dict[str, Any] = {
     "closures": ClosureDescription,
     "initial": InitialDescription,
 }
+_LAWS: dict[str, Register[Any]] = {"drives": DRIVES, "forces": FORCES}
 _NOUNS: dict[Any, str] = {
     float: "a number",
     int: "a whole number",
@@ -50,12 +53,12 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     """
     _refuse_unusable(data, "", file)
     # What is wrong with an element is told before what is wrong with the whole.
-    drives = _entries(data, "drives", file)
+    extended = {section: _entries(data, section, file) for section in _LAWS}
     for section in _SECTIONS:
         _entries(data, section, file)
-    rest = {key: value for key, value in data.items() if key != "drives"}
+    rest = {key: value for key, value in data.items() if key not in _LAWS}
     whole: Description = _convert(rest, Description, "", file)
-    return msgspec.structs.replace(whole, drives=drives)
+    return msgspec.structs.replace(whole, **extended)
 
 
 def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
@@ -63,15 +66,17 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
     entries = data.get(section, {})
     if not isinstance(entries, Mapping):
         raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
-    kind = _kind(section)
     return {
-        name: _convert(entry, kind, f"{section}.{name}", file) for name, entry in entries.items()
+        name: _convert(entry, _kind(section, entry), f"{section}.{name}", file)
+        for name, entry in entries.items()
     }
 
 
-def _kind(section: str) -> Any:
-    """Type of the entries of a section; drive laws may be added while the program runs."""
-    return drive_tables() if section == "drives" else _SECTIONS[section]
+def _kind(section: str, entry: object) -> Any:
+    """Type of an entry of a section; laws may be added while the program runs."""
+    if section not in _LAWS:
+        return _SECTIONS[section]
+    return _LAWS[section].union(entry.get("law") if isinstance(entry, Mapping) else None)
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
@@ -84,7 +89,7 @@ def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, flo
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """
-    kind = member_of(_kind(section), entry)
+    kind = member_of(_kind(section, entry), entry)
     if not is_table(kind):
         return {}
     hints = typing.get_type_hints(kind)
@@ -136,11 +141,11 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
     elif refusal.missing is not None:
         law = refusal.missing == "law" and known == "law"
-        choice = f"one of {', '.join(sorted(known_laws()))}" if law else f"known here: {known}"
+        choice = _laws(prefix) if law else f"known here: {known}"
         key, value = f"{key}.{refusal.missing}", None
         allowed = f"a required key is missing; {choice}"
     elif refusal.path[-1:] == ("law",):
-        value, allowed = found, f"one of {', '.join(sorted(known_laws()))}"
+        value, allowed = found, _laws(prefix)
     else:
         text = refusal.text
         value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]
@@ -177,3 +182,8 @@ def _allowed(kind: Any) -> str:
     if meta.min_length is not None and arguments[0] is not str:
         return "a list that is not empty"
     return " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()
+
+
+def _laws(prefix: str) -> str:
+    """Names of the laws of a section, as a choice."""
+    return f"one of {', '.join(sorted(_LAWS[prefix.partition('.')[0]].known()))}"

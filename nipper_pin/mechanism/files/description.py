@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta, field
 
 from ..drives.registry import BuiltInDrive
+from ..forces.registry import BuiltInForce
 from .toml_types import (
     Damping,
     Index,
@@ -186,6 +187,7 @@ class Description(TomlTable, frozen=True, kw_only=True):
         drives: Driven joints.
         springs: Springs.
         dampers: Dampers.
+        forces: Force elements on joints with a law of their own.
         stops: Unilateral stops.
         closures: Cut joints.
         initial: Where joints start that nothing prescribes, by joint.
@@ -206,6 +208,7 @@ class Description(TomlTable, frozen=True, kw_only=True):
     stops: dict[str, StopDescription] = field(default_factory=dict)
     springs: dict[str, SpringDescription] = field(default_factory=dict)
     dampers: dict[str, DamperDescription] = field(default_factory=dict)
+    forces: dict[str, BuiltInForce] = field(default_factory=dict)
     closures: dict[str, ClosureDescription] = field(default_factory=dict)
     initial: dict[str, InitialDescription] = field(default_factory=dict)
     shortcuts: dict[str, str] = field(default_factory=dict)

@@ -13,7 +13,8 @@ from typing import Any
 
 import msgspec
 
-from ..drives.registry import known_laws
+from ..drives.registry import DRIVES
+from ..forces.registry import FORCES
 from . import description
 from .description import Description
 
@@ -26,9 +27,10 @@ _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
     schema = json.loads(msgspec.json.encode(msgspec.json.schema(Description)))
-    laws = {kind.__name__: kind for kind in known_laws().values()}
+    laws = [*DRIVES.known().values(), *FORCES.known().values()]
+    tables = {kind.__name__: kind for kind in laws}
     for name, table in schema["$defs"].items():
-        kind = laws.get(name) or getattr(description, name)
+        kind = tables.get(name) or getattr(description, name)
         table["description"] = _summary(kind)
         del table["title"]
         words = {"law": table["description"], **_attributes(kind)}

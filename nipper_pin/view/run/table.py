@@ -22,6 +22,7 @@ from ..reading import (
     digits,
     fixed,
     force_name,
+    force_text,
     index_at,
     phase_name,
     restitution_text,
@@ -84,6 +85,8 @@ def _header(solution: Solution, console: Console) -> None:
     _say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
         _say(console, f"dampers: {dampers}")
+    if forces := force_text(mechanism):
+        _say(console, f"forces: {forces}")
 
 
 def _collisions(solution: Solution, console: Console) -> None:

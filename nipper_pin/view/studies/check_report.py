@@ -11,7 +11,7 @@ from ...mechanism import Stop
 from ...study.check import ModelReport
 from ...units import MM_PER_M
 from ..console import add_row, say
-from ..reading import damper_text, spring_text, stop_place
+from ..reading import damper_text, force_text, spring_text, stop_place
 
 
 def print_report(report: ModelReport, console: Console) -> None:
@@ -68,6 +68,8 @@ def _joints(report: ModelReport, console: Console) -> None:
     say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
         say(console, f"dampers: {dampers}")
+    if forces := force_text(mechanism):
+        say(console, f"forces: {forces}")
 
 
 def _stops(report: ModelReport, console: Console) -> None:
