@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import math
 import re
 import sys
@@ -110,7 +111,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
         loaded.append("late")
 
     points = [SimpleNamespace(name="my_laws", value="my_laws", load=load)]
-    monkeypatch.setattr(registers, "entry_points", lambda **_: points)
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda **_: points)
     registers._import_extensions.cache_clear()
     drawn_mechanism(page.BUFFER)
     assert loaded == []

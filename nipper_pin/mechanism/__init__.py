@@ -1,7 +1,7 @@
 """Model files to one immutable, validated mechanism."""
 
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
-from .drives import ConstantSpeed, DriveLaw, Fourier, Geared, OscillatingGuide, Table
+from .drives.law import DriveLaw
 from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
 from .load import (
     find_model,
@@ -20,23 +20,18 @@ __all__ = [
     "INDEX_PER_TURN",
     "Characteristic",
     "Closure",
-    "ConstantSpeed",
     "Contact",
     "Cylinder",
     "Damper",
     "Drive",
     "DriveLaw",
-    "Fourier",
-    "Geared",
     "Joint",
     "Mechanism",
-    "OscillatingGuide",
     "Phase",
     "Spring",
     "Start",
     "Stop",
     "Strut",
-    "Table",
     "TabulatedSpring",
     "collision_model",
     "find_model",

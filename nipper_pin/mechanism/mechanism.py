@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from ..errors import UnknownNameError
 from .cylinder import Cylinder
-from .drives import DriveLaw, Geared
+from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
-from .forces import JointForce
+from .forces.law import JointForce
 
 FloatArray = NDArray[np.float64]
 
@@ -291,16 +291,19 @@ class Mechanism:
     @cached_property
     def drive_trains(self) -> tuple[tuple[DriveLaw, NDArray[np.float64]], ...]:
         """Laws that stand on their own, each with the ratios of all drives to it, (1, drives)."""
-        trains: dict[int, tuple[DriveLaw, NDArray[np.float64]]] = {}
+        trains: list[tuple[DriveLaw, NDArray[np.float64]]] = []
         for column, drive in enumerate(self.drives):
             law: DriveLaw = drive.law
             ratio = 1.0
             while isinstance(law, Geared):
                 ratio *= law.ratio
                 law = law.of
-            none = np.zeros((1, len(self.drives)))
-            trains.setdefault(id(law), (law, none))[1][0, column] = ratio
-        return tuple(trains.values())
+            ratios = next((item for other, item in trains if other is law), None)
+            if ratios is None:
+                ratios = np.zeros((1, len(self.drives)))
+                trains.append((law, ratios))
+            ratios[0, column] = ratio
+        return tuple(trains)
 
     @cached_property
     def drive_offsets(self) -> NDArray[np.float64]:

@@ -7,16 +7,9 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import InputError, ModelError
-from nipper_pin.mechanism import (
-    ConstantSpeed,
-    DriveLaw,
-    Fourier,
-    Geared,
-    OscillatingGuide,
-    Table,
-    load,
-)
+from nipper_pin.mechanism import DriveLaw, load
 from nipper_pin.mechanism.build.laws import extreme_angle
+from nipper_pin.mechanism.drives import ConstantSpeed, Fourier, Geared, OscillatingGuide, Table
 
 GUIDE = OscillatingGuide(crank_radius_m=0.064, crank_axis=(0.0, 0.0), guide_axis=(-0.19, -0.02))
 OFFSET = OscillatingGuide(

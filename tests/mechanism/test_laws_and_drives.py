@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import ConstantSpeed, Fourier, Geared, Mechanism, Table, drives
+from nipper_pin.mechanism import Mechanism, drives
 from nipper_pin.mechanism.build.laws import extreme_angle
 from nipper_pin.mechanism.cylinder import Cylinder
-from nipper_pin.mechanism.drives import check_table
+from nipper_pin.mechanism.drives import ConstantSpeed, Fourier, Geared, Table, check_table
 from nipper_pin.mechanism.drives.cam import Cam
 from nipper_pin.mechanism.elements import Characteristic
 from nipper_pin.mechanism.files import description

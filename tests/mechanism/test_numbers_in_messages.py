@@ -12,7 +12,8 @@ import pinocchio as pin
 import pytest
 
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
-from nipper_pin.mechanism import Fourier, OscillatingGuide, Table, from_sources, with_numbers
+from nipper_pin.mechanism import from_sources, with_numbers
+from nipper_pin.mechanism.drives import Fourier, OscillatingGuide, Table
 from nipper_pin.mechanism.edit.overrides import by_path
 from nipper_pin.mechanism.edit.toml_paths import number_at, number_from, replace_value
 from nipper_pin.mechanism.elements import Characteristic

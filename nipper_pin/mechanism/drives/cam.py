@@ -16,7 +16,8 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...units import M_PER_MM
 from ..files.toml_types import NotNegative, Positive
-from .law import AnyTable, Evaluation
+from .law import Evaluation
+from .tables import AnyTable
 
 CamMotion = Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
 _TURN_ROUND_OFF = 1e-12

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...units import M_PER_MM
-from .law import AnyTable, Evaluation
+from .law import Evaluation
+from .tables import AnyTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,14 +1,13 @@
-"""What a drive law is, and what every table of a drive in a model file has."""
+"""What a drive law is, and laws that are geared to another one."""
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from dataclasses import dataclass
+from typing import Protocol
 
 from ...arrays import FloatArray
-from ..files.toml_types import Name, NotNegative, Positive, TomlTable
 
 Evaluation = tuple[FloatArray, FloatArray, FloatArray]
-HINGE, SLIDE = "revolute", "prismatic"
 
 
 class DriveLaw(Protocol):
@@ -32,81 +31,24 @@ class DriveLaw(Protocol):
         ...
 
 
-class DriveTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
-    """What every drive has; the numbers of its shaft are only needed where drives are inertial.
+@dataclass(frozen=True, kw_only=True)
+class Geared:
+    """A law multiplied by a gear ratio.
 
     Attributes:
-        joint: Driven joint.
-        shaft_frequency_hz: Natural frequency of the elastic drive train [Hz].
-        shaft_damping_ratio: Its damping ratio [-].
+        of: The law of the other shaft.
+        ratio: Turns of this shaft per turn of the other, negative in opposite sense.
     """
 
-    joint: Name
-    shaft_frequency_hz: Positive | None = None
-    shaft_damping_ratio: NotNegative | None = None
+    of: DriveLaw
+    ratio: float
 
-    moves: ClassVar[tuple[str, ...]] = (HINGE, SLIDE)
-    """Kinds of joints that the law moves."""
-    hinge_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys that only a hinge has, for example those in degrees."""
-    slide_keys: ClassVar[tuple[str, ...]] = ()
-    """Keys that only a slide has, for example those in millimetres."""
-    not_zero: ClassVar[tuple[str, ...]] = ()
-    """Those of both whose value of zero would leave the joint unmoved."""
+    @property
+    def knots_rad(self) -> tuple[float, ...]:
+        """Those of the law of the other shaft."""
+        return self.of.knots_rad
 
-    def build(self) -> DriveLaw:
-        """Return the law in SI units.
-
-        Raises:
-            InputError: The values make no law.
-        """
-        raise NotImplementedError
-
-    def culprit(self) -> tuple[str, object]:
-        """Return the key, with its value, to name when the values make no law."""
-        return "law", type(self).__struct_config__.tag
-
-
-class ShaftTable(DriveTable, frozen=True, kw_only=True):
-    """What every drive of a hinge has.
-
-    Attributes:
-        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
-    """
-
-    reflected_inertia_kg_m2: Positive | None = None
-
-    moves: ClassVar[tuple[str, ...]] = (HINGE,)
-
-
-class AnyTable(DriveTable, frozen=True, kw_only=True):
-    """What every drive of either kind of joint has.
-
-    Attributes:
-        reflected_inertia_kg_m2: Inertia of shaft and drive train seen at a hinge [kg m2].
-        reflected_mass_kg: The same seen at a slide [kg].
-    """
-
-    reflected_inertia_kg_m2: Positive | None = None
-    reflected_mass_kg: Positive | None = None
-
-
-class FollowingTable(ShaftTable, frozen=True, kw_only=True):
-    """What every drive has that follows another one.
-
-    Attributes:
-        of: Name of the other drive.
-    """
-
-    of: Name
-
-    def build_on(self, other: DriveLaw) -> DriveLaw:
-        """Return the law in SI units.
-
-        Args:
-            other: The law of the other drive.
-
-        Raises:
-            InputError: The values make no law.
-        """
-        raise NotImplementedError
+    def evaluate(self, psi: FloatArray) -> Evaluation:
+        """Evaluate the law; see ``DriveLaw.evaluate``."""
+        value, first, second = self.of.evaluate(psi)
+        return self.ratio * value, self.ratio * first, self.ratio * second

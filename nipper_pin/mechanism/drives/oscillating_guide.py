@@ -12,7 +12,8 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...units import M_PER_MM, MM_PER_M
 from ..files.toml_types import PlanePoint, Positive
-from .law import Evaluation, ShaftTable
+from .law import Evaluation
+from .tables import ShaftTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...units import M_PER_MM
 from ..files.toml_types import Positive
-from .law import SLIDE, DriveTable, Evaluation, ShaftTable
+from .law import Evaluation
+from .tables import SLIDE, DriveTable, ShaftTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,10 @@ from ..files.register import Register
 from .cam import CamDrive
 from .fourier import FourierDrive
 from .geared import GearedDrive
-from .law import DriveTable
 from .oscillating_guide import OscillatingGuideDrive
 from .proportional import ConstantSpeedDrive, ScrewDrive
 from .table import TableDrive
+from .tables import DriveTable
 
 BuiltInDrive = (
     OscillatingGuideDrive

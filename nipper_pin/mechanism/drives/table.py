@@ -13,7 +13,8 @@ from ...arrays import FloatArray
 from ...errors import InputError
 from ...units import M_PER_MM
 from ..files.toml_types import Name
-from .law import AnyTable, Evaluation
+from .law import Evaluation
+from .tables import AnyTable
 
 
 @dataclass(frozen=True, kw_only=True)

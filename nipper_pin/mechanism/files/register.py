@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import operator
 from collections.abc import Sequence
-from importlib.metadata import entry_points
 from typing import Any, Generic, TypeVar
 
 from ...errors import InputError
@@ -76,6 +75,9 @@ class Register(Generic[_T]):
 @functools.cache
 def _import_extensions() -> None:
     """Import the modules that installed packages name as extensions, once a process."""
+    # It brings archives and more, and few programs meet a law that is not there.
+    from importlib.metadata import entry_points
+
     for point in entry_points(group=GROUP):
         try:
             point.load()

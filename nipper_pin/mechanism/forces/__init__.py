@@ -5,9 +5,33 @@ here and a name in :data:`.registry.BuiltInForce`, or a class in a user's own pr
 :func:`register_force` makes known.
 """
 
-from .law import ForceLaw, ForceTable, JointForce
-from .orifice import Orifice, OrificeForce
-from .registry import FORCES, BuiltInForce, register_force
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .law import ForceLaw, JointForce
+    from .orifice import Orifice, OrificeForce
+    from .registry import FORCES, BuiltInForce, register_force
+    from .tables import ForceTable
+else:
+    # The tables bring the parser of model files, which whoever has a mechanism does without.
+    _PLACES = {
+        "law": ("ForceLaw", "JointForce"),
+        "orifice": ("Orifice", "OrificeForce"),
+        "registry": ("FORCES", "BuiltInForce", "register_force"),
+        "tables": ("ForceTable",),
+    }
+    _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
+
+    def __getattr__(name: str) -> object:
+        """Import what is behind a name when it is first asked for."""
+        if name not in _PLACE_OF:
+            message = f"module {__name__!r} has no attribute {name!r}"
+            raise AttributeError(message)
+        value = getattr(import_module(f".{_PLACE_OF[name]}", __name__), name)
+        globals()[name] = value
+        return value
+
 
 __all__ = [
     "FORCES",

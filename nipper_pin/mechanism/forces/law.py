@@ -1,14 +1,11 @@
-"""What a force law is, and what every table of a force element in a model file has."""
+"""What a force law is."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 from ...arrays import FloatArray
-from ..files.toml_types import Name, TomlTable
-
-HINGE, SLIDE = "revolute", "prismatic"
 
 
 class ForceLaw(Protocol):
@@ -59,27 +56,3 @@ class JointForce:
     kind: str
     index: int
     law: ForceLaw
-
-
-class ForceTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
-    """What every force element has.
-
-    Attributes:
-        joint: Joint it acts on.
-    """
-
-    joint: Name
-
-    acts_on: ClassVar[tuple[str, ...]] = (HINGE, SLIDE)
-    """Kinds of joints that it acts on."""
-
-    def build(self, kind: str) -> ForceLaw:
-        """Return the law in SI units.
-
-        Args:
-            kind: Kind of the joint, ``revolute`` or ``prismatic``.
-
-        Raises:
-            InputError: The values make no law; its evidence ``key`` names the key to change.
-        """
-        raise NotImplementedError

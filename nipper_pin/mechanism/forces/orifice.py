@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ..files.toml_types import Damping
-from .law import SLIDE, ForceTable
+from .tables import SLIDE, ForceTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TypeVar
 
 from ..files.register import Register
-from .law import ForceTable
 from .orifice import OrificeForce
+from .tables import ForceTable
 
 BuiltInForce = OrificeForce
 """Tables of the laws of this package."""

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...arrays import FloatArray
-from ...mechanism import INDEX_PER_TURN, OscillatingGuide
+from ...mechanism import INDEX_PER_TURN
+from ...mechanism.drives import OscillatingGuide
 from ...study.paper import PaperStudy
 from ...units import DEG_PER_RAD
 from ..style import LINES, SMALL, TEXT, TINTS, tidy

@@ -17,7 +17,8 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism, OscillatingGuide
+from ...mechanism import Mechanism
+from ...mechanism.drives import OscillatingGuide
 from ...mechanism.files.urdf_values import (
     mesh_path,
     numbers,

@@ -6,8 +6,9 @@ import math
 
 from ....arrays import FloatArray
 from ....errors import InputError
-from ....mechanism import Geared, Mechanism, OscillatingGuide, rad_s_from_rpm
+from ....mechanism import Mechanism, rad_s_from_rpm
 from ....mechanism.build.tree import joint_placements
+from ....mechanism.drives import Geared, OscillatingGuide
 from .planar import Planar, cross, dot, frame
 
 _JOINTS = ("pendulum_shaft", "nipper_pivot", "rocker_pin", "jaw", "rod_pin", "steeve",

@@ -1,0 +1,34 @@
+"""What the tables of force elements in a model file have in common."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from ..files.toml_types import Name, TomlTable
+from .law import ForceLaw
+
+HINGE, SLIDE = "revolute", "prismatic"
+
+
+class ForceTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
+    """What every force element has.
+
+    Attributes:
+        joint: Joint it acts on.
+    """
+
+    joint: Name
+
+    acts_on: ClassVar[tuple[str, ...]] = (HINGE, SLIDE)
+    """Kinds of joints that it acts on."""
+
+    def build(self, kind: str) -> ForceLaw:
+        """Return the law in SI units.
+
+        Args:
+            kind: Kind of the joint, ``revolute`` or ``prismatic``.
+
+        Raises:
+            InputError: The values make no law; its evidence ``key`` names the key to change.
+        """
+        raise NotImplementedError
