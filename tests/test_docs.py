@@ -63,6 +63,16 @@ def test_every_page_is_in_the_navigation_once():
     assert site["theme"]["font"] is False
 
 
+def test_the_architecture_names_every_room():
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    package = ROOT / "nipper_pin"
+    modules = [each for each in package.rglob("*.py") if each.name != "__init__.py"]
+    rooms = {each.parent.relative_to(package).parts for each in modules} - {()}
+    assert len(rooms) > 30
+    assert [room for room in rooms if f"`{room[0]}/`" not in text] == []
+    assert [room for room in rooms if len(room) == 2 and f"`{room[1]}/`" not in text] == []
+
+
 def test_pages_load_nothing_from_the_network():
     """Whoever reads the site, or builds it, may be offline."""
     for page in PAGES:
