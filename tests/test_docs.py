@@ -2,6 +2,7 @@
 
 import inspect
 import re
+import shlex
 from importlib import import_module
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 import yaml
 
 import nipper_pin as nip
+from nipper_pin.cli import _parser
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -43,6 +45,26 @@ def test_listings_run(page, tmp_path, monkeypatch, capsys):
     assert nip.Outcome.COMPLETED in capsys.readouterr().out or page != "README.md"
 
 
+def commands(page: Path) -> list[list[str]]:
+    """Words of every command line in a listing of a page, without what stands for a number."""
+    lines = re.findall(r"^ {4}nipper-pin (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    found = [shlex.split(part, comments=True) for line in lines for part in line.split("&&")]
+    words = [each[1:] if each[:1] == ["nipper-pin"] else each for each in found]
+    return [each for each in words if "..." not in each]
+
+
+def test_commands_of_the_pages_exist():
+    seen = 0
+    for page in [*PAGES, ROOT / "README.md"]:
+        for words in commands(page):
+            seen += 1
+            try:
+                _parser().parse_args(words)
+            except SystemExit:
+                pytest.fail(f"{page.name}: nipper-pin {shlex.join(words)}")
+    assert seen > 60
+
+
 def test_links_lead_to_files():
     targets = [
         (page, link.partition("#")[0])
@@ -52,6 +74,21 @@ def test_links_lead_to_files():
     ]
     assert len(targets) > 50
     missing = [(page.name, path) for page, path in targets if not (page.parent / path).exists()]
+    assert missing == []
+
+
+def test_files_and_tests_that_pages_name_exist():
+    """A path begins at the root, in the package, in the bench or in a folder of tests."""
+    places = (ROOT, ROOT / "nipper_pin", ROOT / "nipper_pin/bench")
+    missing, seen = [], 0
+    for page in [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]:
+        text = page.read_text(encoding="utf-8")
+        for path, test in re.findall(r"`([\w./]+/\w+\.py)(?:::(\w+)(?:\[[^`]*\])?)?`", text):
+            seen += 1
+            found = [place / path for place in places if (place / path).exists()]
+            if not found or (test and f"def {test}(" not in found[0].read_text(encoding="utf-8")):
+                missing.append((page.name, path, test))
+    assert seen > 60
     assert missing == []
 
 
