@@ -92,6 +92,13 @@ def test_files_and_tests_that_pages_name_exist():
     assert missing == []
 
 
+def test_every_picture_is_shown():
+    texts = [page.read_text(encoding="utf-8") for page in [*PAGES, ROOT / "README.md"]]
+    pictures = [file for file in (DOCS / "images").rglob("*.*") if file.is_file()]
+    assert len(pictures) > 50
+    assert [file.name for file in pictures if not any(file.name in text for text in texts)] == []
+
+
 def test_every_page_is_in_the_navigation_once():
     site = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     pages = [str(page.relative_to(DOCS)) for page in PAGES]
