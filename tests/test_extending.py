@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.metadata
 import math
 import re
@@ -15,6 +16,7 @@ import pytest
 
 import nipper_pin as nip
 from nipper_pin.errors import InputError, ModelError
+from nipper_pin.hybrid.error_estimate.saltation import impact_map
 from nipper_pin.mechanism.drawing import (
     Body,
     Drawing,
@@ -29,6 +31,8 @@ from nipper_pin.mechanism.drawing import (
 from nipper_pin.mechanism.drives import DRIVES
 from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.forces import FORCES
+from nipper_pin.mechanism.restitution import RESTITUTIONS, Falling
+from nipper_pin.reduced.sampling import unfit
 
 DOCS = Path(__file__).parents[1] / "docs"
 EPS = float(np.finfo(float).eps)
@@ -37,7 +41,7 @@ GRAVITY = 9.81
 
 def ran(page: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     """A module with the names of the page's program, after it has run."""
-    for register in (DRIVES, FORCES):
+    for register in (DRIVES, FORCES, RESTITUTIONS):
         # What a page adds is gone after its test.
         monkeypatch.setattr(register, "_tables", register.known())
     module = ModuleType(f"page_{page}")
@@ -78,6 +82,75 @@ def test_a_drive_law(monkeypatch: pytest.MonkeyPatch) -> None:
     # The box leaves where the cam's acceleration is -g, after a third of each turn.
     left = [event.t for event in page.solution.events if event.kind == "release"]
     np.testing.assert_allclose(left, [turn / 3.0, 4.0 * turn / 3.0], rtol=1e-13)
+
+
+@pytest.mark.parametrize("tolerance", [1e-12, 1e-5])
+def test_a_restitution_law(monkeypatch: pytest.MonkeyPatch, tolerance: float) -> None:
+    """Rates by the recursion of their reciprocals, times by sums of flights, to the stated errors.
+
+    With the constant e_0 the second rate would be 0.50 instead of 0.22.
+    """
+    page = ran("extending_restitution", monkeypatch)
+    resolution = nip.Resolution(tolerance=tolerance)
+    case = nip.Case(speed_rpm=60.0, window=nip.Window.CYCLE, resolution=resolution)
+    solution = nip.simulate(drawn_mechanism(page.FALL), case)
+    e_0, v_1 = 0.8, 0.5
+    rates = [math.sqrt(2.0 * GRAVITY * 0.02)]
+    times = [rates[0] / GRAVITY]
+    while rates[-1] > 1e-17:
+        rates.append(e_0 / (1.0 / rates[-1] + 1.0 / v_1))
+        times.append(times[-1] + 2.0 * rates[-1] / GRAVITY)
+    struck = solution.collisions
+    assert len(struck) > 5
+    # Rates of collisions after the end of the list are those of a rest.
+    (rest,) = [event for event in solution.events if event.kind == "rest"]
+    round_off = 64 * EPS * times[-1]
+    for hit, t, rate in zip(struck, times, rates, strict=False):
+        stated = solution.errors[hit.event.number - 1]
+        assert abs(hit.t - t) <= stated.time + round_off
+        assert abs(-hit.approach_rate / rate - 1.0) <= stated.impulse + 64 * EPS
+        assert hit.separation_rate == pytest.approx(rate * e_0 / (1.0 + rate / v_1), rel=1e-9)
+    stated = solution.errors[rest.number - 1]
+    assert abs(rest.t - times[-1]) <= stated.time + round_off
+    assert stated.time < 1e-2 * times[-1]
+
+
+def test_what_is_stated_follows_the_slope_of_a_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """d(rate after)/d(rate before) = -e_0 / (1 + v / v_1)^2, half of -e at v = v_1."""
+    page = ran("extending_restitution", monkeypatch)
+    solution = page.solution
+    stop = solution.mechanism.stop("gap")
+    q, v = np.zeros(2), np.zeros(2)
+    v[stop.index] = -0.5
+    e, slope = stop.coefficient(-0.5), stop.rebound_slope(-0.5)
+    assert (e, slope) == (pytest.approx(0.4), pytest.approx(0.2))
+    matrix, pushes = impact_map(solution.system, q, v, [stop], [e], [slope])
+    assert matrix[2 + stop.index, 2 + stop.index] == pytest.approx(-0.2, rel=1e-12)
+    assert pushes[0, 2 + stop.index] == pytest.approx(-0.5 * 1.2, rel=1e-12)
+
+
+def test_the_law_of_the_package_falls_to_its_value_at_speed() -> None:
+    """e_fast + (e_0 - e_fast) / e at the scale; its slope by a difference."""
+    law = Falling(fast=0.1, scale=2.0)
+    assert law.coefficient(0.6, 0.0) == 0.6
+    assert law.coefficient(0.6, 2.0) == pytest.approx(0.1 + 0.5 / math.e, rel=4 * EPS)
+    step = 1e-5
+    change = law.coefficient(0.6, 1.0 + step) - law.coefficient(0.6, 1.0 - step)
+    assert law.slope(0.6, 1.0) == pytest.approx(change / (2.0 * step), rel=1e-9)
+
+
+def test_the_reduced_engine_is_not_used_with_a_law() -> None:
+    """It has one restitution for all rates; the transition is found by the direct one."""
+    e62 = nip.load("e62")
+    data = copy.deepcopy(dict(e62.description))
+    data["stops"]["jaw"]["restitution_law"] = {"law": "falling", "fast": 0.1, "scale": 1.0}
+    machine = nip.mechanism.from_sources("e62", e62.urdf, data, e62.mesh_folder)
+    assert "constant restitutions, and stop 'jaw' has a law" in str(unfit(machine))
+    plain, soft = (
+        nip.simulate(each, nip.Case(speed_rpm=650.0)).collisions for each in (e62, machine)
+    )
+    assert soft[0].approach_rate == plain[0].approach_rate
+    assert soft[0].separation_rate < plain[0].separation_rate
 
 
 def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPatch) -> None:

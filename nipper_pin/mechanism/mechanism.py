@@ -21,6 +21,7 @@ from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
 from .forces.law import JointForce
+from .restitution.law import RestitutionLaw
 
 FloatArray = NDArray[np.float64]
 
@@ -139,11 +140,12 @@ class Stop:
     Attributes:
         name: Name of the stop.
         index: Place of the coordinate in q and v.
-        restitution: e_N, 0 to 1.
+        restitution: e_N, 0 to 1; of a vanishing rate where a law makes it depend on the rate.
         contact: Contact of the two bodies away from the joint, or None for a stop that acts along
             the joint itself.
         sense: 1 for a lower limit, -1 for an upper one: the direction W_N in which it pushes.
         at: Coordinate at which the stop is closed [rad or m].
+        law: How the restitution depends on the rate of approach; None if it does not.
     """
 
     name: str
@@ -152,6 +154,7 @@ class Stop:
     contact: Contact | None
     sense: float = 1.0
     at: float = 0.0
+    law: RestitutionLaw | None = None
 
     @property
     def lever(self) -> float:
@@ -162,6 +165,19 @@ class Stop:
     def plain(self) -> bool:
         """True for a lower stop at coordinate zero, whose gap is the coordinate itself."""
         return self.sense == 1.0 and self.at == 0.0
+
+    def coefficient(self, rate: float) -> float:
+        """Return e_N of an approach with a rate of the gap, which is negative [rad/s or m/s]."""
+        if self.law is None or rate >= 0.0:
+            return self.restitution
+        return self.law.coefficient(self.restitution, -rate)
+
+    def rebound_slope(self, rate: float) -> float:
+        """Return -d(rate after)/d(rate before) = e_N + |rate| de_N/d|rate|; as `coefficient`."""
+        e_N = self.coefficient(rate)
+        if self.law is None or rate >= 0.0:
+            return e_N
+        return e_N - rate * self.law.slope(self.restitution, -rate)
 
     def gap(self, q: FloatArray) -> float:
         """g_N [rad or m] of one configuration, shape (nv,)."""

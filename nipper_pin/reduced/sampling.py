@@ -61,6 +61,9 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
         *(f"{item.kind} {item.name} between two points" for item in mechanism.struts),
         *(f"{item.kind} {item.name}" for item in mechanism.forces),
     ]
+    law = next((stop.name for stop in mechanism.stops if stop.law is not None), None)
+    if law is not None:
+        return f"the reduced engine has constant restitutions, and stop {law!r} has a law"
     if others:
         return f"the reduced engine has linear springs on joints only, no {', '.join(others)}"
     free = mechanism.degrees_of_freedom - len(mechanism.drives)

@@ -133,8 +133,11 @@ def gap_noun(mechanism: Mechanism, stop: Stop) -> str:
 
 
 def restitution_text(stops: tuple[Stop, ...]) -> str:
-    """Restitution of every stop."""
-    return ", ".join(f"{stop.name} {stop.restitution:g}" for stop in stops)
+    """Restitution of every stop; of vanishing rates where it depends on them."""
+    return ", ".join(
+        f"{stop.name} {stop.restitution:g}" + (" at rate 0, by a law" if stop.law else "")
+        for stop in stops
+    )
 
 
 def case_text(solution: Solution) -> str:

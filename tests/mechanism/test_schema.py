@@ -14,7 +14,7 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import ModelError
-from nipper_pin.mechanism import drives, forces
+from nipper_pin.mechanism import drives, forces, restitution
 from nipper_pin.mechanism.files import description
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import model_schema, schema_text
@@ -42,7 +42,7 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     """Every struct has its table, every field its key, every key without default is required."""
     laws = {
         kind.__name__: kind
-        for register in (drives.DRIVES, forces.FORCES)
+        for register in (drives.DRIVES, forces.FORCES, restitution.RESTITUTIONS)
         for kind in register.known().values()
     }
     structs = laws | {
@@ -52,11 +52,7 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     for name, kind in structs.items():
         table = SCHEMA["$defs"][name]
         fields = msgspec.structs.fields(kind)
-        tag = (
-            {"law"}
-            if kind in (*typing.get_args(drives.BuiltInDrive), forces.BuiltInForce)
-            else set()
-        )
+        tag = {"law"} if name in laws else set()
         assert set(table["properties"]) == {field.name for field in fields} | tag
         assert set(table["required"]) == {item.name for item in fields if item.required} | tag
         assert table["additionalProperties"] is False

@@ -168,9 +168,15 @@ class LinearMaps:
         a = system.accelerations(motion, event.q[None], event.v_before[None], phase)[0]
         stops = pushing(system, event)
         rest = event.kind is EventKind.REST
-        restitution = [0.0 if rest else stop.restitution for stop in stops]
+        rates = [stop.rate(event.v_before) for stop in stops]
+        restitution = [
+            0.0 if rest else stop.coefficient(rate) for stop, rate in zip(stops, rates, strict=True)
+        ]
+        slopes = None
+        if not rest and any(stop.law is not None for stop in stops):
+            slopes = [stop.rebound_slope(rate) for stop, rate in zip(stops, rates, strict=True)]
         try:
-            matrix, pushes = impact_map(system, event.q, event.v_before, stops, restitution)
+            matrix, pushes = impact_map(system, event.q, event.v_before, stops, restitution, slopes)
         except (SingularConfigurationError, np.linalg.LinAlgError):
             size = 2 * system.body.nv
             matrix = np.full((size, size), NOTHING_KNOWN)
@@ -182,8 +188,8 @@ class LinearMaps:
         rough = lost * np.abs(event.delta)
         rough[struck] = 0.0
         own = Deviations.independent(np.zeros_like(rough), rough)
-        rates = np.concatenate([event.v_before, a])
-        return ImpactMap(matrix, own, pushes, rates, lost, self._beside(event))
+        motion_before = np.concatenate([event.v_before, a])
+        return ImpactMap(matrix, own, pushes, motion_before, lost, self._beside(event))
 
     def _beside(self, event: Event) -> dict[str, float]:
         """One system of equations gives all impulses: each has the round-off of the largest."""

@@ -30,6 +30,7 @@ def impact_map(
     v: FloatArray,
     struck: Sequence[Stop],
     restitution: Sequence[float],
+    slopes: Sequence[float] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Derivative of the impact law at stops that receive an impulse.
 
@@ -39,6 +40,8 @@ def impact_map(
         v: Velocity before, shape (nv,).
         struck: The stops.
         restitution: e_N of each; zero takes their rates away.
+        slopes: -d(rate after)/d(rate before) of each, where a law makes e_N depend on the rate;
+            None if all are constant.
 
     Returns:
         Deviations (dq, dv) after by those before, both at the time at which the neighbouring motion
@@ -58,12 +61,20 @@ def impact_map(
     laws, impulses = _laws(system, aside, split, struck, restitution)
     neighbours = np.vstack([v, v + steps * turned])[:, :, None]
     after, pushed = (laws @ neighbours)[:, :, 0], (impulses @ neighbours)[:, :, 0]
+    law, impulse = laws[0], impulses[0]
+    if slopes is not None:
+        # Of the change with the rates, which the coefficients of these impacts leave out.
+        steeper, stronger = _laws(system, q[None], split, struck, slopes)
+        changed = (neighbours - neighbours[0])[:, :, 0]
+        after = after + changed @ (steeper[0] - law).T
+        pushed = pushed + changed @ (stronger[0] - impulse).T
+        law, impulse = steeper[0], stronger[0]
     whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(struck), 2 * nv))
     whole[:nv, y] = units.T
     whole[nv:, y] = ((after[1:] - after[0]) / steps).T
-    whole[nv:, [nv + k for k in y]] = laws[0] @ units.T
+    whole[nv:, [nv + k for k in y]] = law @ units.T
     pushes[:, y] = ((pushed[1:] - pushed[0]) / steps).T
-    pushes[:, [nv + k for k in y]] = impulses[0] @ units.T
+    pushes[:, [nv + k for k in y]] = impulse @ units.T
     return whole, pushes
 
 

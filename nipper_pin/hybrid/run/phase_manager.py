@@ -132,7 +132,7 @@ class PhaseManager:
         state = self.state
         self.collisions += 1
         contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
-        restitution = [stop.restitution for stop in contacts]
+        restitution = [stop.coefficient(stop.rate(state.v)) for stop in contacts]
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)

@@ -9,13 +9,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ...errors import ModelError, UnknownNameError
+from ...errors import InputError, ModelError, UnknownNameError
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description, StopDescription
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
+from ..restitution.law import RestitutionLaw
 from .contact import find_contact
 from .drive_keys import check_drive
 from .elements import build_elements
@@ -205,6 +206,7 @@ def _stops(
             name=name,
             index=joint.index,
             restitution=stop.restitution,
+            law=_restitution_law(name, stop, joint, file),
             contact=contact,
             sense=sense,
             at=place,
@@ -225,6 +227,21 @@ def _stops(
             where=f"{file}: transition_stop",
         )
     return tuple(stops)
+
+
+def _restitution_law(
+    name: str, stop: StopDescription, joint: Joint, file: str
+) -> RestitutionLaw | None:
+    """How the restitution of a stop depends on the rate; None if it does not."""
+    if stop.restitution_law is None:
+        return None
+    try:
+        return stop.restitution_law.build(joint.kind)
+    except InputError as error:
+        key = str(error.evidence.get("key", "law"))
+        value = getattr(stop.restitution_law, key, None)
+        where = f"stops.{name}.restitution_law.{key}"
+        raise ModelError(file=file, key=where, value=value, allowed=error.message) from error
 
 
 def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:

@@ -204,6 +204,7 @@ class Stop:
         at: Coordinate at which it is closed [mm; deg on a hinge].
         restitution: Coefficient of restitution.
         name: Its name, if it is not that of the joint.
+        law: Restitution law with its keys; None if the restitution is constant.
     """
 
     joint: str
@@ -211,6 +212,7 @@ class Stop:
     at: float = 0.0
     restitution: float = 0.2
     name: str = ""
+    law: Mapping[str, Any] | None = None
 
 
 Joint = Pin | Slide | Slot

@@ -12,6 +12,7 @@ import msgspec
 from ...errors import ModelError
 from ..drives.registry import DRIVES
 from ..forces.registry import FORCES
+from ..restitution.registry import RESTITUTIONS
 from .description import (
     ClosureDescription,
     DamperDescription,
@@ -55,10 +56,32 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     # What is wrong with an element is told before what is wrong with the whole.
     extended = {section: _entries(data, section, file) for section in _LAWS}
     for section in _SECTIONS:
-        _entries(data, section, file)
-    rest = {key: value for key, value in data.items() if key not in _LAWS}
+        if section != "stops":
+            _entries(data, section, file)
+    extended["stops"] = _stops(data, file)
+    rest = {key: value for key, value in data.items() if key not in extended}
     whole: Description = _convert(rest, Description, "", file)
     return msgspec.structs.replace(whole, **extended)
+
+
+def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
+    """Convert the stops, each after its restitution law."""
+    entries, laws = data.get("stops", {}), {}
+    if isinstance(entries, Mapping):
+        plain: dict[str, object] = {}
+        for name, entry in entries.items():
+            plain[name] = entry
+            if isinstance(entry, Mapping) and "restitution_law" in entry:
+                table = entry["restitution_law"]
+                kind = RESTITUTIONS.union(table.get("law") if isinstance(table, Mapping) else None)
+                laws[name] = _convert(table, kind, f"stops.{name}.restitution_law", file)
+                plain[name] = {k: v for k, v in entry.items() if k != "restitution_law"}
+        entries = plain
+    stops = _entries({"stops": entries}, "stops", file)
+    return stops | {
+        name: msgspec.structs.replace(stops[name], restitution_law=law)
+        for name, law in laws.items()
+    }
 
 
 def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
@@ -186,4 +209,6 @@ def _allowed(kind: Any) -> str:
 
 def _laws(prefix: str) -> str:
     """Names of the laws of a section, as a choice."""
-    return f"one of {', '.join(sorted(_LAWS[prefix.partition('.')[0]].known()))}"
+    section = prefix.partition(".")[0]
+    register = RESTITUTIONS if section == "stops" else _LAWS[section]
+    return f"one of {', '.join(sorted(register.known()))}"

@@ -8,6 +8,7 @@ from msgspec import Meta, field
 
 from ..drives.registry import BuiltInDrive
 from ..forces.registry import BuiltInForce
+from ..restitution.registry import BuiltInRestitution
 from .toml_types import (
     Damping,
     Index,
@@ -112,7 +113,8 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
 
     Attributes:
         joint: Joint it limits.
-        restitution: Coefficient of restitution, 0 to 1.
+        restitution: Coefficient of restitution, 0 to 1; with a law, that of a vanishing rate.
+        restitution_law: How it depends on the rate of approach.
         side: Whether it limits the joint's coordinate from below or from above.
         at_mm: Coordinate of a slide at which the stop is closed, 0 if not given [mm].
         at_deg: Coordinate of a hinge at which the stop is closed, 0 if not given [deg].
@@ -125,6 +127,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
     at_mm: float | None = None
     at_deg: float | None = None
     contact: ContactDescription | None = None
+    restitution_law: BuiltInRestitution | None = None
 
 
 class InitialDescription(TomlTable, frozen=True, kw_only=True):

@@ -15,6 +15,7 @@ import msgspec
 
 from ..drives.registry import DRIVES
 from ..forces.registry import FORCES
+from ..restitution.registry import RESTITUTIONS
 from . import description
 from .description import Description
 
@@ -27,7 +28,7 @@ _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
     schema = json.loads(msgspec.json.encode(msgspec.json.schema(Description)))
-    laws = [*DRIVES.known().values(), *FORCES.known().values()]
+    laws = [item for each in (DRIVES, FORCES, RESTITUTIONS) for item in each.known().values()]
     tables = {kind.__name__: kind for kind in laws}
     for name, table in schema["$defs"].items():
         kind = tables.get(name) or getattr(description, name)
