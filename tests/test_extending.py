@@ -28,10 +28,9 @@ from nipper_pin.mechanism.drawing import (
     drawn_mechanism,
     drawn_sources,
 )
-from nipper_pin.mechanism.drives import DRIVES
 from nipper_pin.mechanism.files import register as registers
-from nipper_pin.mechanism.forces import FORCES
-from nipper_pin.mechanism.restitution import RESTITUTIONS, Falling
+from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS
+from nipper_pin.mechanism.restitution import Falling
 from nipper_pin.reduced.sampling import unfit
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -43,7 +42,7 @@ def ran(page: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     """A module with the names of the page's program, after it has run."""
     for register in (DRIVES, FORCES, RESTITUTIONS):
         # What a page adds is gone after its test.
-        monkeypatch.setattr(register, "_tables", register.known())
+        monkeypatch.setattr(register, "_added", {})
     module = ModuleType(f"page_{page}")
     monkeypatch.setitem(sys.modules, module.__name__, module)
     text = (DOCS / f"{page}.md").read_text(encoding="utf-8")

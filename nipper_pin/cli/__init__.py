@@ -49,7 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status: 0 right, 1 the simulation could not be done, 2 unusable arguments or files.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    options = _parser().parse_args(words)
+    named = next((word for word in words[:1] if word in _COMMANDS), None)
+    options = _parser(named).parse_args(words)
     options.words = words
     try:
         options.run(options)
@@ -72,12 +73,15 @@ def _complain(error: NipperError, status: int) -> int:
     return status
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(command: str | None = None) -> argparse.ArgumentParser:
+    """Parser of the arguments of one command, or of all: a start imports what it runs alone."""
     parser = argparse.ArgumentParser(
         prog="nipper-pin",
         description="Simulate impact mechanisms: the nipper of a comber and its bouncing jaw.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (place, text) in _COMMANDS.items():
-        import_module(place, __package__).add_arguments(commands.add_parser(name, help=text))
+        of_command = commands.add_parser(name, help=text)
+        if command in (None, name):
+            import_module(place, __package__).add_arguments(of_command)
     return parser

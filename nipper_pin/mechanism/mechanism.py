@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -20,8 +20,11 @@ from ..errors import UnknownNameError
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
-from .forces.law import JointForce
-from .restitution.law import RestitutionLaw
+
+if TYPE_CHECKING:
+    # Few machines have them.
+    from .forces.law import JointForce
+    from .restitution.law import RestitutionLaw
 
 FloatArray = NDArray[np.float64]
 

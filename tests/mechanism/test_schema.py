@@ -13,8 +13,7 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import ModelError
-from nipper_pin.mechanism import drives, forces, restitution
-from nipper_pin.mechanism.files import description
+from nipper_pin.mechanism.files import description, register
 from nipper_pin.mechanism.files.describe import describe
 from nipper_pin.mechanism.files.schema import model_schema, schema_text
 
@@ -41,8 +40,8 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     """Every struct has its table, every field its key, every key without default is required."""
     laws = {
         kind.__name__: kind
-        for register in (drives.DRIVES, forces.FORCES, restitution.RESTITUTIONS)
-        for kind in register.known().values()
+        for each in (register.DRIVES, register.FORCES, register.RESTITUTIONS)
+        for kind in each.tables().values()
     }
     structs = laws | {
         name: item for name, item in vars(description).items() if name.endswith("Description")

@@ -6,7 +6,7 @@ from collections import defaultdict
 
 from ...errors import ModelError
 from ..drives import DriveTable
-from ..drives.registry import DRIVES
+from ..files.register import DRIVES
 from ..mechanism import Joint
 
 _REFLECTED = {"revolute": "reflected_inertia_kg_m2", "prismatic": "reflected_mass_kg"}
@@ -49,7 +49,7 @@ def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
 def _joints_of_laws() -> str:
     """Which laws move which joints, as a sentence."""
     laws: dict[tuple[str, ...], list[str]] = defaultdict(list)
-    for tag, kind in DRIVES.known().items():
+    for tag, kind in DRIVES.tables().items():
         laws[kind.moves].append(tag)
     words: dict[tuple[str, ...], str] = {
         ("prismatic",): "a slide (prismatic joint)",

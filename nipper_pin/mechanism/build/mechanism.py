@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,16 +17,18 @@ from ..files.describe import describe
 from ..files.description import Description, StopDescription
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
-from ..restitution.law import RestitutionLaw
 from .contact import find_contact
 from .drive_keys import check_drive
 from .elements import build_elements
-from .forces import build_forces
 from .laws import build_cylinder, build_laws
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .touch_checks import check_assembly
 from .tree import build_model, collision_geometry, joint_placements, tree_joints
+
+if TYPE_CHECKING:
+    from ..forces.law import JointForce
+    from ..restitution.law import RestitutionLaw
 
 _STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
@@ -93,7 +96,7 @@ def build_mechanism(
         tabulated_springs=elements.tabulated_springs,
         dampers=elements.dampers,
         struts=elements.struts,
-        forces=build_forces(description.forces, by_name, file),
+        forces=_forces(description, by_name, file),
         stops=stops,
         phases=phases,
         transition_stop=description.transition_stop,
@@ -229,6 +232,17 @@ def _stops(
     return tuple(stops)
 
 
+def _forces(
+    description: Description, joints: Mapping[str, Joint], file: str
+) -> tuple[JointForce, ...]:
+    """Force elements with a law of their own, which few machines have."""
+    if not description.forces:
+        return ()
+    from .forces import build_forces
+
+    return build_forces(description.forces, joints, file)
+
+
 def _restitution_law(
     name: str, stop: StopDescription, joint: Joint, file: str
 ) -> RestitutionLaw | None:
@@ -236,12 +250,13 @@ def _restitution_law(
     if stop.restitution_law is None:
         return None
     try:
-        return stop.restitution_law.build(joint.kind)
+        law: RestitutionLaw = stop.restitution_law.build(joint.kind)
     except InputError as error:
         key = str(error.evidence.get("key", "law"))
         value = getattr(stop.restitution_law, key, None)
         where = f"stops.{name}.restitution_law.{key}"
         raise ModelError(file=file, key=where, value=value, allowed=error.message) from error
+    return law
 
 
 def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:

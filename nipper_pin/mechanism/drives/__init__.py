@@ -1,23 +1,25 @@
 """Drive laws: the coordinate of a driven joint as a function of the cylinder angle.
 
 Each module has a law and the table of the model file that it is built from. A new one is a module
-here and a name in :data:`.registry.BuiltInDrive`, or a class in a user's own program that
-:func:`register_drive` makes known.
+here, named like the law, or a class in a user's own program that `register_drive` makes known.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..files.register import DRIVES
     from .cam import Cam, CamDrive
+    from .constant_speed import ConstantSpeed, ConstantSpeedDrive
     from .fourier import Fourier, FourierDrive
     from .geared import GearedDrive
     from .law import DriveLaw, Evaluation, Geared
     from .oscillating_guide import OscillatingGuide, OscillatingGuideDrive
-    from .proportional import ConstantSpeed, ConstantSpeedDrive, ScrewDrive
-    from .registry import DRIVES, BuiltInDrive, register_drive
+    from .screw import ScrewDrive
     from .table import Table, TableDrive, check_table
     from .tables import AnyTable, DriveTable, FollowingTable, ShaftTable
+
+    register_drive = DRIVES.add
 else:
     # The tables bring the parser of model files, which whoever has a mechanism does without.
     _PLACES = {
@@ -26,8 +28,8 @@ else:
         "geared": ("GearedDrive",),
         "law": ("DriveLaw", "Evaluation", "Geared"),
         "oscillating_guide": ("OscillatingGuide", "OscillatingGuideDrive"),
-        "proportional": ("ConstantSpeed", "ConstantSpeedDrive", "ScrewDrive"),
-        "registry": ("DRIVES", "BuiltInDrive", "register_drive"),
+        "constant_speed": ("ConstantSpeed", "ConstantSpeedDrive"),
+        "screw": ("ScrewDrive",),
         "table": ("Table", "TableDrive", "check_table"),
         "tables": ("AnyTable", "DriveTable", "FollowingTable", "ShaftTable"),
     }
@@ -35,6 +37,8 @@ else:
 
     def __getattr__(name: str) -> object:
         """Import what is behind a name when it is first asked for."""
+        if name == "register_drive":
+            return import_module("..files.register", __name__).DRIVES.add
         if name not in _PLACE_OF:
             message = f"module {__name__!r} has no attribute {name!r}"
             raise AttributeError(message)
@@ -44,9 +48,7 @@ else:
 
 
 __all__ = [
-    "DRIVES",
     "AnyTable",
-    "BuiltInDrive",
     "Cam",
     "CamDrive",
     "ConstantSpeed",

@@ -10,9 +10,6 @@ from typing import Annotated, Any, Literal, TypeVar
 import msgspec
 
 from ...errors import ModelError
-from ..drives.registry import DRIVES
-from ..forces.registry import FORCES
-from ..restitution.registry import RESTITUTIONS
 from .description import (
     ClosureDescription,
     DamperDescription,
@@ -22,7 +19,7 @@ from .description import (
     StopDescription,
 )
 from .refusal import Refusal, first_refusal, is_table, member_of
-from .register import Register
+from .register import DRIVES, FORCES, RESTITUTIONS, Register
 from .toml_types import PlanePoint
 
 _SECTIONS: dict[str, Any] = {
@@ -73,7 +70,7 @@ def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
             plain[name] = entry
             if isinstance(entry, Mapping) and "restitution_law" in entry:
                 table = entry["restitution_law"]
-                kind = RESTITUTIONS.union(table.get("law") if isinstance(table, Mapping) else None)
+                kind = RESTITUTIONS.kind(table.get("law") if isinstance(table, Mapping) else None)
                 laws[name] = _convert(table, kind, f"stops.{name}.restitution_law", file)
                 plain[name] = {k: v for k, v in entry.items() if k != "restitution_law"}
         entries = plain
@@ -99,7 +96,7 @@ def _kind(section: str, entry: object) -> Any:
     """Type of an entry of a section; laws may be added while the program runs."""
     if section not in _LAWS:
         return _SECTIONS[section]
-    return _LAWS[section].union(entry.get("law") if isinstance(entry, Mapping) else None)
+    return _LAWS[section].kind(entry.get("law") if isinstance(entry, Mapping) else None)
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
@@ -211,4 +208,4 @@ def _laws(prefix: str) -> str:
     """Names of the laws of a section, as a choice."""
     section = prefix.partition(".")[0]
     register = RESTITUTIONS if section == "stops" else _LAWS[section]
-    return f"one of {', '.join(sorted(register.known()))}"
+    return f"one of {', '.join(register.names())}"

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta, field
 
-from ..drives.registry import BuiltInDrive
-from ..forces.registry import BuiltInForce
-from ..restitution.registry import BuiltInRestitution
 from .toml_types import (
     Damping,
     Index,
@@ -114,7 +111,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
     Attributes:
         joint: Joint it limits.
         restitution: Coefficient of restitution, 0 to 1; with a law, that of a vanishing rate.
-        restitution_law: How it depends on the rate of approach.
+        restitution_law: How it depends on the rate of approach, by a law.
         side: Whether it limits the joint's coordinate from below or from above.
         at_mm: Coordinate of a slide at which the stop is closed, 0 if not given [mm].
         at_deg: Coordinate of a hinge at which the stop is closed, 0 if not given [deg].
@@ -127,7 +124,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
     at_mm: float | None = None
     at_deg: float | None = None
     contact: ContactDescription | None = None
-    restitution_law: BuiltInRestitution | None = None
+    restitution_law: Any = None
 
 
 class InitialDescription(TomlTable, frozen=True, kw_only=True):
@@ -187,10 +184,10 @@ class Description(TomlTable, frozen=True, kw_only=True):
         transition_stop: Stop whose bouncing is the transition; may be missing without stops.
         initial_phase: Phase at the start of a cycle.
         cylinder: The input shaft.
-        drives: Driven joints.
+        drives: Driven joints, each moved by a law.
         springs: Springs.
         dampers: Dampers.
-        forces: Force elements on joints with a law of their own.
+        forces: Force elements on joints, each with a law of its own.
         stops: Unilateral stops.
         closures: Cut joints.
         initial: Where joints start that nothing prescribes, by joint.
@@ -207,11 +204,11 @@ class Description(TomlTable, frozen=True, kw_only=True):
     initial_phase: int
     cylinder: CylinderDescription
     phases: Annotated[tuple[PhaseDescription, ...], Meta(min_length=1)]
-    drives: dict[str, BuiltInDrive] = field(default_factory=dict)
+    drives: dict[str, Any] = field(default_factory=dict)
     stops: dict[str, StopDescription] = field(default_factory=dict)
     springs: dict[str, SpringDescription] = field(default_factory=dict)
     dampers: dict[str, DamperDescription] = field(default_factory=dict)
-    forces: dict[str, BuiltInForce] = field(default_factory=dict)
+    forces: dict[str, Any] = field(default_factory=dict)
     closures: dict[str, ClosureDescription] = field(default_factory=dict)
     initial: dict[str, InitialDescription] = field(default_factory=dict)
     shortcuts: dict[str, str] = field(default_factory=dict)

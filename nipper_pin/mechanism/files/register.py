@@ -1,10 +1,16 @@
-"""Tables that a model file names by ``law``: those of the package, and those that users add."""
+"""Tables that a model file names by ``law``: those of the package, and those that users add.
+
+A law of the package is a module of its room, of the same name as the law. It is imported when a
+file names it.
+"""
 
 from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Sequence
+import pkgutil
+from collections.abc import Callable
+from importlib import import_module
 from typing import Any, Generic, TypeVar
 
 from ...errors import InputError
@@ -13,63 +19,105 @@ from .toml_types import TomlTable
 GROUP = "nipper_pin.extensions"
 """Entry points of installed packages; each names a module that registers laws when imported."""
 
-_T = TypeVar("_T", bound=TomlTable)
+_MECHANISM = __package__.rpartition(".")[0]
+# Modules of a room that hold no law.
+_COMMON = {"law", "tables"}
+_T = TypeVar("_T", bound=type[TomlTable])
 
 
 class Register(Generic[_T]):
-    """Tables of one section of a model file.
+    """Tables of one kind.
 
     Args:
         noun: What they describe, for messages.
-        base: Class that each is derived from.
-        built_in: Those of this package.
+        room: Folder of the modules beside this one's.
+        base: Name of the class in its ``tables`` that each is derived from.
     """
 
-    def __init__(self, noun: str, base: type[_T], built_in: Sequence[type[_T]]) -> None:
-        """Begin with those of the package."""
-        self._noun, self._base = noun, base
-        self._tables = {str(kind.__struct_config__.tag): kind for kind in built_in}
+    def __init__(self, noun: str, room: str, base: str) -> None:
+        """Begin without any: those of the package are imported when they are named."""
+        self._noun, self._room, self._base = noun, f"{_MECHANISM}.{room}", base
+        self._added: dict[str, type[TomlTable]] = {}
 
-    def add(self, kind: type[_T]) -> None:
+    def add(self, kind: _T) -> _T:
         """Let model files name a table.
+
+        Args:
+            kind: The table.
+
+        Returns:
+            The same class, so that this is a decorator.
 
         Raises:
             InputError: It is no such table, or its name belongs to another one.
         """
+        base = getattr(import_module(f"{self._room}.tables"), self._base)
         tag = getattr(getattr(kind, "__struct_config__", None), "tag", None)
-        if not (isinstance(kind, type) and issubclass(kind, self._base) and tag):
+        if not (isinstance(kind, type) and issubclass(kind, base) and isinstance(tag, str)):
             message = (
-                f"{kind!r} is no table of a {self._noun}: derive it from {self._base.__name__} "
+                f"{kind!r} is no table of a {self._noun}: derive it from {self._base} "
                 'with frozen=True, kw_only=True and tag="name_of_the_law"'
             )
             raise InputError(message, kind=kind)
-        other = self._tables.get(tag)
-        if other is not None and (other.__module__, other.__qualname__) != (
-            kind.__module__,
-            kind.__qualname__,
-        ):
+        other = self._table(tag)
+        if other is not None and _place(other) != _place(kind):
             message = (
                 f"a {self._noun} {tag!r} exists already ({other.__name__}); choose another tag"
             )
             raise InputError(message, tag=tag)
-        self._tables[tag] = kind
+        self._added[tag] = kind
+        return kind
 
-    def known(self) -> dict[str, type[_T]]:
-        """Return all tables by the name that a model file gives as ``law``."""
-        return dict(self._tables)
+    def names(self) -> list[str]:
+        """Return the names of all laws, sorted."""
+        return sorted({*self._built_in(), *self._added})
 
-    def union(self, wanted: object = None) -> Any:
+    def tables(self) -> dict[str, Any]:
+        """Return the tables of all laws by name."""
+        found = {name: self._table(name) for name in self.names()}
+        return {name: table for name, table in found.items() if table is not None}
+
+    def kind(self, wanted: object) -> Any:
         """Return the type of an entry, for reading a model file.
 
         Args:
-            wanted: Name of a law; for one that is not known installed extensions are imported.
+            wanted: Name of its law.
+
+        Returns:
+            The table of that law; the union of all tables if there is none.
 
         Raises:
-            InputError: An extension cannot be imported.
+            InputError: An installed extension cannot be imported.
         """
-        if isinstance(wanted, str) and wanted not in self._tables:
+        name = wanted if isinstance(wanted, str) else ""
+        found = self._table(name)
+        if found is None and name:
             _import_extensions()
-        return functools.reduce(operator.or_, self._tables.values())
+            found = self._table(name)
+        return found or functools.reduce(operator.or_, self.tables().values())
+
+    def _built_in(self) -> set[str]:
+        modules = pkgutil.iter_modules(import_module(self._room).__path__)
+        return {module.name for module in modules} - _COMMON
+
+    def _table(self, name: str) -> type[TomlTable] | None:
+        """The table of a law; None if there is none."""
+        if name in self._added:
+            return self._added[name]
+        if name not in self._built_in():
+            return None
+        module = import_module(f"{self._room}.{name}")
+        return next(
+            item
+            for item in vars(module).values()
+            if isinstance(item, type)
+            and issubclass(item, TomlTable)
+            and item.__struct_config__.tag == name
+        )
+
+
+def _place(kind: type) -> tuple[str, str]:
+    return kind.__module__, kind.__qualname__
 
 
 @functools.cache
@@ -79,11 +127,20 @@ def _import_extensions() -> None:
     from importlib.metadata import entry_points
 
     for point in entry_points(group=GROUP):
+        load: Callable[[], object] = point.load
         try:
-            point.load()
+            load()
         except Exception as error:
             message = (
                 f"extension {point.name!r} ({point.value}) cannot be imported: {error}; mend or "
                 "remove the package that brings it"
             )
             raise InputError(message, extension=point.name) from error
+
+
+DRIVES: Register[Any] = Register("drive law", "drives", "DriveTable")
+"""Drive laws."""
+FORCES: Register[Any] = Register("force law", "forces", "ForceTable")
+"""Force laws."""
+RESTITUTIONS: Register[Any] = Register("restitution law", "restitution", "RestitutionTable")
+"""Restitution laws."""

@@ -13,11 +13,9 @@ from typing import Any
 
 import msgspec
 
-from ..drives.registry import DRIVES
-from ..forces.registry import FORCES
-from ..restitution.registry import RESTITUTIONS
 from . import description
 from .description import Description
+from .register import DRIVES, FORCES, RESTITUTIONS
 
 SCHEMA_FILE = "model.schema.json"
 """Name of the file beside a model that its first line refers to."""
@@ -27,9 +25,23 @@ _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL
 
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
-    schema = json.loads(msgspec.json.encode(msgspec.json.schema(Description)))
-    laws = [item for each in (DRIVES, FORCES, RESTITUTIONS) for item in each.known().values()]
-    tables = {kind.__name__: kind for kind in laws}
+    registers = {"drives": DRIVES, "forces": FORCES, "restitution_law": RESTITUTIONS}
+    laws = {key: list(register.tables().values()) for key, register in registers.items()}
+    tables = {kind.__name__: kind for kinds in laws.values() for kind in kinds}
+    (whole, *_), parts = msgspec.json.schema_components(
+        [Description, *tables.values()], ref_template="#/$defs/{name}"
+    )
+    schema = json.loads(msgspec.json.encode({**whole, "$defs": parts}))
+    choices = {
+        key: {"anyOf": [{"$ref": f"#/$defs/{kind.__name__}"} for kind in kinds]}
+        for key, kinds in laws.items()
+    }
+    document = schema["$defs"]["Description"]["properties"]
+    for key in ("drives", "forces"):
+        document[key]["additionalProperties"] = choices[key]
+    schema["$defs"]["StopDescription"]["properties"]["restitution_law"] |= choices[
+        "restitution_law"
+    ]
     for name, table in schema["$defs"].items():
         kind = tables.get(name) or getattr(description, name)
         table["description"] = _summary(kind)

@@ -1,30 +1,32 @@
 """Force elements on a joint whose force is any function of its coordinate and rate.
 
 Each module has a law and the table of the model file that it is built from. A new one is a module
-here and a name in :data:`.registry.BuiltInForce`, or a class in a user's own program that
-:func:`register_force` makes known.
+here, named like the law, or a class in a user's own program that `register_force` makes known.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..files.register import FORCES
     from .law import ForceLaw, JointForce
     from .orifice import Orifice, OrificeForce
-    from .registry import FORCES, BuiltInForce, register_force
     from .tables import ForceTable
+
+    register_force = FORCES.add
 else:
     # The tables bring the parser of model files, which whoever has a mechanism does without.
     _PLACES = {
         "law": ("ForceLaw", "JointForce"),
         "orifice": ("Orifice", "OrificeForce"),
-        "registry": ("FORCES", "BuiltInForce", "register_force"),
         "tables": ("ForceTable",),
     }
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
         """Import what is behind a name when it is first asked for."""
+        if name == "register_force":
+            return import_module("..files.register", __name__).FORCES.add
         if name not in _PLACE_OF:
             message = f"module {__name__!r} has no attribute {name!r}"
             raise AttributeError(message)
@@ -34,8 +36,6 @@ else:
 
 
 __all__ = [
-    "FORCES",
-    "BuiltInForce",
     "ForceLaw",
     "ForceTable",
     "JointForce",

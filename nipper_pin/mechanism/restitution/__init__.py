@@ -1,30 +1,33 @@
 """Laws of restitution that depend on the rate of approach.
 
 Each module has a law and the table of the model file that it is built from. A new one is a module
-here and a name in :data:`.registry.BuiltInRestitution`, or a class in a user's own program that
-:func:`register_restitution` makes known.
+here, named like the law, or a class in a user's own program that
+`register_restitution` makes known.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..files.register import RESTITUTIONS
     from .falling import Falling, FallingRestitution
     from .law import RestitutionLaw
-    from .registry import RESTITUTIONS, BuiltInRestitution, register_restitution
     from .tables import RestitutionTable
+
+    register_restitution = RESTITUTIONS.add
 else:
     # The tables bring the parser of model files, which whoever has a mechanism does without.
     _PLACES = {
         "falling": ("Falling", "FallingRestitution"),
         "law": ("RestitutionLaw",),
-        "registry": ("RESTITUTIONS", "BuiltInRestitution", "register_restitution"),
         "tables": ("RestitutionTable",),
     }
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
         """Import what is behind a name when it is first asked for."""
+        if name == "register_restitution":
+            return import_module("..files.register", __name__).RESTITUTIONS.add
         if name not in _PLACE_OF:
             message = f"module {__name__!r} has no attribute {name!r}"
             raise AttributeError(message)
@@ -34,8 +37,6 @@ else:
 
 
 __all__ = [
-    "RESTITUTIONS",
-    "BuiltInRestitution",
     "Falling",
     "FallingRestitution",
     "RestitutionLaw",
