@@ -19,9 +19,9 @@ from .case import Resolution
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.chebyshev import nodes
 from .motion.coordinate_choice import serves, suited_split
+from .motion.integrators import integrator
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at
-from .motion.picard import flight_panel
 from .motion.residual_check import shows_end, shows_forces, shows_turns
 from .state import State
 
@@ -248,7 +248,8 @@ def _panel(
             if kinematic:
                 attempt = kinematic_panel(system, phase, split, begin, h, resolution)
             else:
-                attempt = flight_panel(system, phase, split, begin, h, resolution)
+                solve = integrator(resolution.integrator)
+                attempt = solve(system, phase, split, begin, h, resolution)
         except (ConvergenceError, ElementError, SingularConfigurationError):
             # The guess of a long panel may be too far off, or its iteration run away to where the
             # loops do not close; a short one tells the truth.

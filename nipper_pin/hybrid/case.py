@@ -36,6 +36,7 @@ class Resolution:
         panels_per_turn: Longest panel, as a fraction of a turn.
         adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
             panel length by the order of the method, which is how that order is measured.
+        integrator: Name of the integrator of motion with freedom.
 
     Raises:
         InputError: A value is out of range.
@@ -46,6 +47,7 @@ class Resolution:
     kinematic_nodes: int = 16
     panels_per_turn: int = 12
     adaptive: bool = True
+    integrator: str = "picard"
 
     def __post_init__(self) -> None:
         """Validate."""

@@ -39,6 +39,7 @@ class ResolutionRecord(_Record, frozen=True):
     kinematic_nodes: _Count
     panels_per_turn: _Count
     adaptive: bool
+    integrator: str = "picard"
 
 
 class CaseRecord(_Record, frozen=True):
