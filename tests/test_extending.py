@@ -20,6 +20,7 @@ from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
 from nipper_pin.hybrid.files.npz_schema import ResolutionRecord
 from nipper_pin.hybrid.motion import integrators
+from nipper_pin.mechanism import from_sources, with_numbers
 from nipper_pin.mechanism.drawing import (
     Body,
     Drawing,
@@ -32,8 +33,9 @@ from nipper_pin.mechanism.drawing import (
     drawn_sources,
 )
 from nipper_pin.mechanism.files import register as registers
-from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS
+from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
 from nipper_pin.mechanism.restitution import Falling
+from nipper_pin.mechanism.stops.screw import ScrewStop
 from nipper_pin.reduced.sampling import unfit
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -43,7 +45,7 @@ GRAVITY = 9.81
 
 def ran(page: str, monkeypatch: pytest.MonkeyPatch) -> Any:
     """A module with the names of the page's program, after it has run."""
-    for register in (DRIVES, FORCES, RESTITUTIONS):
+    for register in (DRIVES, FORCES, RESTITUTIONS, STOPS):
         # What a page adds is gone after its test.
         monkeypatch.setattr(register, "_added", {})
     module = ModuleType(f"page_{page}")
@@ -146,13 +148,44 @@ def test_the_reduced_engine_is_not_used_with_a_law() -> None:
     e62 = nip.load("e62")
     data = copy.deepcopy(dict(e62.description))
     data["stops"]["jaw"]["restitution_law"] = {"law": "falling", "fast": 0.1, "scale": 1.0}
-    machine = nip.mechanism.from_sources("e62", e62.urdf, data, e62.mesh_folder)
+    machine = from_sources("e62", e62.urdf, data, e62.mesh_folder)
     assert "constant restitutions, and stop 'jaw' has a law" in str(unfit(machine))
     plain, soft = (
         nip.simulate(each, nip.Case(speed_rpm=650.0)).collisions for each in (e62, machine)
     )
     assert soft[0].approach_rate == plain[0].approach_rate
     assert soft[0].separation_rate < plain[0].separation_rate
+
+
+def test_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A free fall of h = 20 mm - e (1 - cos phi); at coordinate zero it would take 63.9 ms."""
+    page = ran("extending_stop", monkeypatch)
+    h = 0.020 - 0.005 * (1.0 - math.cos(math.radians(120.0)))
+    struck = page.solution.collisions[0]
+    assert struck.t == pytest.approx(math.sqrt(2.0 * h / GRAVITY), rel=16 * EPS)
+    assert struck.approach_rate == pytest.approx(-math.sqrt(2.0 * h * GRAVITY), rel=16 * EPS)
+    # The key is a number of the model like others: half a turn lifts the stop by 10 mm.
+    lifted = with_numbers(page.solution.mechanism, {"stops.height.adjusted.angle_deg": 180.0})
+    assert lifted.stop("height").at == pytest.approx(0.010, rel=4 * EPS)
+
+
+def test_a_stop_on_a_screw(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At zero_mm + pitch_mm * turns of a slide; a second place, or a hinge, is refused."""
+    page = ran("extending_stop", monkeypatch)
+    urdf, data = drawn_sources(page.FALL)
+    screw = {"law": "screw", "pitch_mm": 1.5, "turns": 4.0, "zero_mm": 1.0}
+    data["stops"]["height"]["adjusted"] = screw
+    machine = from_sources("fall", urdf, data, ".")
+    assert machine.stop("height").at == pytest.approx(0.007, rel=4 * EPS)
+    data["stops"]["height"]["at_mm"] = 3.0
+    with pytest.raises(ModelError, match=r"stops.height.at_mm = 3.0.*either at_mm or adjusted"):
+        from_sources("fall", urdf, data, ".")
+    del data["stops"]["height"]["at_mm"]
+    screw["law"] = "scruw"
+    with pytest.raises(ModelError, match=r"stops.height.adjusted.law.*one of eccentric, screw"):
+        from_sources("fall", urdf, data, ".")
+    with pytest.raises(InputError, match="a screw adjusts no stop of a hinge"):
+        ScrewStop(pitch_mm=1.0, turns=1.0).place("revolute")
 
 
 def test_an_integrator(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -216,7 +249,7 @@ def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPat
     ):
         changed = {**data, "forces": {"gap": {**force, **change}}}
         with pytest.raises((ModelError, InputError), match=words):
-            nip.mechanism.from_sources("buffer", urdf, changed, ".")
+            from_sources("buffer", urdf, changed, ".")
 
 
 def test_an_installed_extension_is_imported_when_its_law_is_met(
@@ -240,7 +273,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
     drawn_mechanism(page.BUFFER)
     assert loaded == []
     data["forces"]["gap"]["law"] = "late"
-    machine = nip.mechanism.from_sources("buffer", urdf, data, ".")
+    machine = from_sources("buffer", urdf, data, ".")
     assert (loaded, machine.forces[0].kind) == (["late"], "late")
 
     def broken() -> None:
@@ -251,7 +284,7 @@ def test_an_installed_extension_is_imported_when_its_law_is_met(
     registers._import_extensions.cache_clear()
     data["forces"]["gap"]["law"] = "never"
     with pytest.raises(InputError, match=r"extension 'my_laws' \(my_laws\) cannot be imported"):
-        nip.mechanism.from_sources("buffer", urdf, data, ".")
+        from_sources("buffer", urdf, data, ".")
     registers._import_extensions.cache_clear()
 
 

@@ -56,7 +56,7 @@ MISTAKES = {
         "restitution = 0.2\nbounce = 3\ncontact",
         "stops.jaw.bounce",
         3,
-        "known here: at_deg, at_mm, contact, joint, restitution, restitution_law, side",
+        "known here: adjusted, at_deg, at_mm, contact, joint, restitution, restitution_law, side",
     ),
     "unknown key below": (
         'lower = "bottom_lip"',

@@ -40,7 +40,7 @@ def test_tables_and_keys_are_those_of_the_structs() -> None:
     """Every struct has its table, every field its key, every key without default is required."""
     laws = {
         kind.__name__: kind
-        for each in (register.DRIVES, register.FORCES, register.RESTITUTIONS)
+        for each in (register.DRIVES, register.FORCES, register.RESTITUTIONS, register.STOPS)
         for kind in each.tables().values()
     }
     structs = laws | {

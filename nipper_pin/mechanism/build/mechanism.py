@@ -267,7 +267,23 @@ def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> fl
         if other != key and value is not None:
             allowed = f"the place of a stop on the {joint.kind} joint {joint.name} is {key}"
             raise ModelError(file=file, key=f"stops.{name}.{other}", value=value, allowed=allowed)
-    return scale * (getattr(stop, key) or 0.0)
+    if stop.adjusted is None:
+        return scale * (getattr(stop, key) or 0.0)
+    where = f"stops.{name}.adjusted"
+    if getattr(stop, key) is not None:
+        allowed = f"either {key} or adjusted: a stop has one place"
+        raise ModelError(
+            file=file, key=f"stops.{name}.{key}", value=getattr(stop, key), allowed=allowed
+        )
+    try:
+        place: float = stop.adjusted.place(joint.kind)
+    except InputError as error:
+        key = str(error.evidence.get("key", "law"))
+        value = getattr(stop.adjusted, key, None)
+        raise ModelError(
+            file=file, key=f"{where}.{key}", value=value, allowed=error.message
+        ) from error
+    return place
 
 
 def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str) -> None:

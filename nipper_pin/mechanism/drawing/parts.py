@@ -205,6 +205,7 @@ class Stop:
         restitution: Coefficient of restitution.
         name: Its name, if it is not that of the joint.
         law: Restitution law with its keys; None if the restitution is constant.
+        adjusted: How the place is adjusted, with its keys; in place of ``at``.
     """
 
     joint: str
@@ -213,6 +214,7 @@ class Stop:
     restitution: float = 0.2
     name: str = ""
     law: Mapping[str, Any] | None = None
+    adjusted: Mapping[str, Any] | None = None
 
 
 Joint = Pin | Slide | Slot

@@ -117,6 +117,8 @@ def _stop(tree: Tree, part: Stop) -> dict[str, Any]:
         found["side"] = part.side
     if part.at:
         found[key] = part.at
+    if part.adjusted is not None:
+        found["adjusted"] = dict(part.adjusted)
     if part.law is not None:
         found["restitution_law"] = dict(part.law)
     return found

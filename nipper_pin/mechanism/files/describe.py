@@ -19,7 +19,7 @@ from .description import (
     StopDescription,
 )
 from .refusal import Refusal, first_refusal, is_table, member_of
-from .register import DRIVES, FORCES, RESTITUTIONS, Register
+from .register import DRIVES, FORCES, RESTITUTIONS, STOPS, Register
 from .toml_types import PlanePoint
 
 _SECTIONS: dict[str, Any] = {
@@ -30,6 +30,7 @@ _SECTIONS: dict[str, Any] = {
     "initial": InitialDescription,
 }
 _LAWS: dict[str, Register[Any]] = {"drives": DRIVES, "forces": FORCES}
+_STOP_LAWS: dict[str, Register[Any]] = {"restitution_law": RESTITUTIONS, "adjusted": STOPS}
 _NOUNS: dict[Any, str] = {
     float: "a number",
     int: "a whole number",
@@ -62,23 +63,29 @@ def describe(data: Mapping[str, object], file: str) -> Description:
 
 
 def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
-    """Convert the stops, each after its restitution law."""
-    entries, laws = data.get("stops", {}), {}
-    if isinstance(entries, Mapping):
-        plain: dict[str, object] = {}
-        for name, entry in entries.items():
-            plain[name] = entry
-            if isinstance(entry, Mapping) and "restitution_law" in entry:
-                table = entry["restitution_law"]
-                kind = RESTITUTIONS.kind(table.get("law") if isinstance(table, Mapping) else None)
-                laws[name] = _convert(table, kind, f"stops.{name}.restitution_law", file)
-                plain[name] = {k: v for k, v in entry.items() if k != "restitution_law"}
-        entries = plain
-    stops = _entries({"stops": entries}, "stops", file)
-    return stops | {
-        name: msgspec.structs.replace(stops[name], restitution_law=law)
-        for name, law in laws.items()
-    }
+    """Convert the stops, each after the tables in it that have laws."""
+    entries = data.get("stops", {})
+    if not isinstance(entries, Mapping):
+        return _entries(data, "stops", file)
+    plain: dict[str, object] = {}
+    laws: dict[str, dict[str, Any]] = {}
+    for name, entry in entries.items():
+        plain[name] = entry
+        if isinstance(entry, Mapping):
+            laws[name] = {
+                key: _convert(entry[key], register.kind(_law(entry[key])),
+                              f"stops.{name}.{key}", file)
+                for key, register in _STOP_LAWS.items()
+                if key in entry
+            }  # fmt: skip
+            plain[name] = {key: value for key, value in entry.items() if key not in laws[name]}
+    stops = _entries({"stops": plain}, "stops", file)
+    return {name: msgspec.structs.replace(stop, **laws[name]) for name, stop in stops.items()}
+
+
+def _law(table: object) -> object:
+    """The law that a table names."""
+    return table.get("law") if isinstance(table, Mapping) else None
 
 
 def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
@@ -96,7 +103,7 @@ def _kind(section: str, entry: object) -> Any:
     """Type of an entry of a section; laws may be added while the program runs."""
     if section not in _LAWS:
         return _SECTIONS[section]
-    return _LAWS[section].kind(entry.get("law") if isinstance(entry, Mapping) else None)
+    return _LAWS[section].kind(_law(entry))
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
@@ -206,6 +213,6 @@ def _allowed(kind: Any) -> str:
 
 def _laws(prefix: str) -> str:
     """Names of the laws of a section, as a choice."""
-    section = prefix.partition(".")[0]
-    register = RESTITUTIONS if section == "stops" else _LAWS[section]
+    section, _, rest = prefix.partition(".")
+    register = _LAWS.get(section) or _STOP_LAWS[rest.rpartition(".")[2]]
     return f"one of {', '.join(register.names())}"

@@ -111,6 +111,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
     Attributes:
         joint: Joint it limits.
         restitution: Coefficient of restitution, 0 to 1; with a law, that of a vanishing rate.
+        adjusted: How its place is adjusted, in place of at_mm and at_deg.
         restitution_law: How it depends on the rate of approach, by a law.
         side: Whether it limits the joint's coordinate from below or from above.
         at_mm: Coordinate of a slide at which the stop is closed, 0 if not given [mm].
@@ -124,6 +125,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
     at_mm: float | None = None
     at_deg: float | None = None
     contact: ContactDescription | None = None
+    adjusted: Any = None
     restitution_law: Any = None
 
 

@@ -144,3 +144,5 @@ FORCES: Register[Any] = Register("force law", "forces", "ForceTable")
 """Force laws."""
 RESTITUTIONS: Register[Any] = Register("restitution law", "restitution", "RestitutionTable")
 """Restitution laws."""
+STOPS: Register[Any] = Register("law of a stop's place", "stops", "StopTable")
+"""Adjustable stops."""

@@ -15,7 +15,7 @@ import msgspec
 
 from . import description
 from .description import Description
-from .register import DRIVES, FORCES, RESTITUTIONS
+from .register import DRIVES, FORCES, RESTITUTIONS, STOPS
 
 SCHEMA_FILE = "model.schema.json"
 """Name of the file beside a model that its first line refers to."""
@@ -25,7 +25,12 @@ _ATTRIBUTE = re.compile(r"(?P<name>\w+): (?P<text>.*?)(?=\n\w+: |\Z)", re.DOTALL
 
 def model_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a model's TOML file."""
-    registers = {"drives": DRIVES, "forces": FORCES, "restitution_law": RESTITUTIONS}
+    registers = {
+        "drives": DRIVES,
+        "forces": FORCES,
+        "restitution_law": RESTITUTIONS,
+        "adjusted": STOPS,
+    }
     laws = {key: list(register.tables().values()) for key, register in registers.items()}
     tables = {kind.__name__: kind for kinds in laws.values() for kind in kinds}
     (whole, *_), parts = msgspec.json.schema_components(

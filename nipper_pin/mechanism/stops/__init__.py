@@ -1,0 +1,12 @@
+"""Stops that are adjusted: where they are closed follows from their adjustment.
+
+A module has the table of the model file that a place is found from. A new one is a module here,
+named like the law, or a class in a user's own program that `register_stop` makes known.
+"""
+
+from ..files.register import STOPS
+from .tables import StopTable
+
+register_stop = STOPS.add
+
+__all__ = ["StopTable", "register_stop"]

@@ -1,0 +1,20 @@
+"""What the tables of adjustable stops in a model file have in common."""
+
+from __future__ import annotations
+
+from ..files.toml_types import TomlTable
+
+
+class StopTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
+    """Where a stop is closed, by how it is adjusted."""
+
+    def place(self, kind: str) -> float:
+        """Return the coordinate at which the stop is closed [m or rad].
+
+        Args:
+            kind: Kind of the joint, ``revolute`` or ``prismatic``.
+
+        Raises:
+            InputError: The values give no place; its evidence ``key`` names the key to change.
+        """
+        raise NotImplementedError
