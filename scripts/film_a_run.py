@@ -19,9 +19,8 @@ def main(file: str | Path = "rebounds.gif") -> None:
         file: The file, ``NAME.gif`` or ``NAME.html``.
     """
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=650.0))
-    # Rebounds are thousandths of a radian: the gap between the lips is drawn ten times as large,
-    # and time runs a thousand times as slowly around the impacts. Forces and motion stay as
-    # simulated.
+    # Rebounds are thousandths of a radian: the gap is drawn ten times as large, and playback is a
+    # thousand times slower around impacts. Forces and motion stay as simulated.
     written = nip.view(solution, file, slow=1000.0, exaggerate=10.0)
     print(f"{written}: {Path(file).stat().st_size / 1e3:.0f} kB")
     # What the film shows, as numbers.

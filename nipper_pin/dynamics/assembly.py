@@ -18,9 +18,8 @@ from .multibody import Multibody
 
 _MAX_ITERATIONS = 25
 _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
-# Largest condition number of the dependent closure columns. Positions are known to 16 eps times
-# that, and rates change with them by that number again: here to 1e-5. Accelerations lose it once
-# more, and a little beyond round-off decides on them.
+# Largest condition number of the dependent closure columns. Positions are exact to 16 eps times it,
+# and each derivative loses that factor once more: 1e-5 of the rates.
 MAX_CONDITION = 5e4
 # The same by the number of rows, in flight, where other coordinates may be dependent instead: what
 # is left unresolved of the independent ones is multiplied by it.

@@ -27,10 +27,8 @@ from ..mechanism import Mechanism
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100
-# The regularisation only has to keep the dead row from dividing by zero; the proximal iteration
-# removes its effect on the live rows. The smallest eigenvalue of G M^-1 G' is that of the heaviest
-# body, divided by the square of the closures' condition near a dead centre: beside it the
-# regularisation must be small, or the iteration does not get there.
+# The regularisation keeps linearly dependent rows from dividing by zero. It is small beside the
+# smallest eigenvalue of G M^-1 G', so that the proximal iteration removing its effect converges.
 _REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
 # A body that resists with less than this share of the heaviest one's mass is light: forces that
 # balance but for round-off accelerate it.

@@ -17,10 +17,8 @@ COLUMNS = 13
 LEVELS = (4, 7, 13, 25)
 EPS = 2.220446049250313e-16
 
-# First index of the operators: from the values at the nodes (second last index) to integrals from
-# 0 and double ones at the nodes, to Chebyshev coefficients of the interpolant and of the integrals,
-# and from the grid below to the nodes of this one; to values, integrals and double ones at
-# probes between the nodes; the nodes themselves and then the probes.
+# Operators on nodal values: integrals at nodes (ONCE, TWICE) and probes, Chebyshev coefficients
+# (VALUE, INTEGRAL, DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.
 (
     ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
 ) = range(10)  # fmt: skip

@@ -40,9 +40,8 @@ from .layout import (
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
-# What a defect d of x'' between n nodes does to the end and to the peak of a panel is at most that
-# of a steady error of 7.9 d / n^2: computed for the first missing polynomials, alone and together
-# with decays of 0.1 to 0.8, on all grids. Half as much again for those that decay otherwise.
+# A defect d of x'' between n nodes acts on end and peak at most as a constant error of 7.9 d / n^2,
+# computed for the first missing polynomials with decays of 0.1 to 0.8; times 1.5 for other decays.
 _MISSING = 12.0
 
 

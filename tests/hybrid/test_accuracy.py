@@ -66,9 +66,8 @@ def test_true_errors_are_at_most_the_stated_ones(tolerance: float) -> None:
         assert np.median(found) > 3e-3
 
 
-# Medians of true over stated errors of the 20 random machines below. They differ by less than a
-# fifth between kernels of BLAS; a factor of 2.5 notices statements that are three times too small
-# or too large.
+# Medians of true over stated errors of the 20 random machines below. Kernels of BLAS change them by
+# less than a fifth; a factor of 2.5 detects stated errors that are wrong by a factor of three.
 MEDIANS = {
     ("direct", "transition", "time of a collision"): 0.034,
     ("direct", "transition", "approach rate"): 0.0165,

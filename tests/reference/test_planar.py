@@ -19,9 +19,8 @@ from events import JAW, STEEVE, Settings, Simulation, cycle, transition  # noqa:
 from planar import Frame, Machine, Motion  # noqa: E402
 from taylor import Series, cross, dot  # noqa: E402
 
-# Figures for 650 r/min, e = 0.2, stated with the parameters of the machine. The first rebound
-# amplitude (1.7e-12 relative off) and the second rebound time (0.7e-12) are not correctly rounded
-# in their last digit, so the agreement to ask for is one unit of the last printed digit.
+# Figures for 650 r/min, e = 0.2, from the description of the machine. Two of them are not correctly
+# rounded (by 1.7e-12 and 0.7e-12 relative), so they agree to one unit of the last printed digit.
 PRINTED = {
     "approach_rate_rad_s": "-16.8260536165104",
     "first_rebound_amplitude_rad": "5.25680465594e-3",

@@ -22,9 +22,8 @@ from itertools import pairwise
 from math import inf
 
 _MOST_POINTS = 8
-# The difference of two orders shows the error of the higher one up to a factor, unless it changes
-# its sign just there: then a part of the difference before stands for it, and of the one before
-# that, but no more than some times what the pace of the differences promises.
+# The difference of two orders estimates the error of the higher one. Where it changes sign, parts
+# of the two differences before replace it, limited by the ratio at which differences decrease.
 _SAFETY, _PART, _EARLIER, _PACE = 3.0, 0.06, 0.1, 10.0
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.

@@ -88,9 +88,8 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
     """Time at which a gap falls through zero on a panel, or None."""
     gap, rate = stop.gap(panel.q[0]), stop.rate(panel.v[0])
     if rate < 0.0 and gap <= 0.0:
-        # A zero on the border of two panels may lie, by round-off, on neither of them: the one
-        # ends before it and the other starts behind it. And a stop may meet its contact in the
-        # same instant in which a collision at another one turns it back.
+        # By round-off a zero on the border of two panels may lie on neither; and a stop may touch
+        # at the instant at which a collision at another one reverses its rate.
         return panel.t
     if panel.integrated:
         return _flight_root(panel, stop, gap, rate)

@@ -18,9 +18,8 @@ from ..motion.residual_check import rows_met
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
-# Quadrature is refined until it misses no more than this share of what a panel exchanges and holds,
-# or of the largest kinetic energy so far, for the time of the panel: where little moves after much
-# has, round-off is more than the first.
+# Quadrature is refined until its error is below this share of the panel's energy or of the largest
+# kinetic energy so far, in proportion to the panel's duration: round-off may exceed the former.
 _MOST_HALVINGS, _AGREED = 7, 1e-12
 
 

@@ -18,9 +18,8 @@ from .table import TransitionTable
 
 Engine = Literal["auto", "direct", "reduced"]
 
-# Cases from which the reduced engine is worth its start, by measure_sweep.py: tables cost
-# what 7 direct cases do and, once a process, loading compiled code what 21 do. A fixed number, so
-# that the engine of a case does not depend on what a process did before.
+# Tables cost 7 direct cases and loading compiled code 21 (measure_sweep.py). A fixed number: the
+# engine of a case does not depend on what the process computed before.
 REDUCED_PAYS_FROM = 32
 
 

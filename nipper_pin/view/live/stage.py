@@ -52,9 +52,8 @@ class Stage:
         self._axis = np.array([axis[0], 0.0, axis[1]]) if axis else np.zeros(3)
         scene = server.scene
         scene.set_up_direction("+z")
-        # viser applies messages as it draws, so a picture that is dear to draw delays the numbers.
-        # Its own lights, shadows and surroundings cost five times as much as these where a
-        # processor draws.
+        # viser applies messages between pictures, so slow pictures delay the numbers. Its default
+        # lights, shadows and surroundings take five times as long without a graphics card.
         scene.configure_environment_map(hdri=None)
         scene.configure_default_lights(enabled=False)
         scene.add_light_ambient("/lights/ambient", intensity=1.6)

@@ -1,0 +1,183 @@
+"""Rules of CONTRIBUTING.md that a program can check: comments, docstrings, sizes."""
+
+import ast
+import io
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = sorted((ROOT / "nipper_pin").rglob("*.py"))
+OTHERS = [path for room in ("scripts", "tests") for path in sorted((ROOT / room).rglob("*.py"))]
+EVERY = [*PACKAGE, *OTHERS]
+COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 300
+
+# What remains above the limits. An entry that no longer exceeds its limit must go.
+LONG = {
+    "bench/peers/drake_witness.py prepare",
+    "bench/peers/exudyn_model.py build",
+    "bench/peers/exudyn_shell.py prepare",
+    "bench/peers/mujoco_shell.py prepare",
+    "bench/peers/pybullet_shell.py prepare",
+    "bench/peers/scipy_pinocchio.py prepare",
+    "hybrid/advance.py advance",
+    "hybrid/motion/kinematics.py kinematic_panel",
+    "mechanism/build/contact.py find_contact",
+    "mechanism/build/elements.py build_elements",
+    "mechanism/build/mechanism.py _stops",
+    "mechanism/build/mechanism.py build_mechanism",
+    "mechanism/drawing/tables.py document",
+    "reduced/flight.py flight",
+    "reduced/kernel.py _transition",
+    "reduced/panel.py solve_panel",
+    "reduced/sampling.py build",
+}
+MANY = {
+    "dynamics/impact.py _still",
+    "dynamics/multipliers.py multipliers",
+    "mechanism/build/contact.py _check_touch",
+    "mechanism/build/contact.py find_contact",
+    "mechanism/build/mechanism.py _stops",
+    "mechanism/build/touch_checks.py check_assembly",
+    "mechanism/drawing/compound.py flap",
+    "mechanism/drawing/visuals.py _box",
+    "mechanism/drawing/visuals.py _shape",
+    "reduced/arriving.py in_flight",
+    "reduced/arriving.py landed",
+    "reduced/errors_of_flight.py flight_errors",
+    "reduced/flight.py _ballistic",
+    "reduced/flight.py _others_open",
+    "reduced/flight.py _zero",
+    "reduced/flight.py flight",
+    "reduced/kernel.py _clamps",
+    "reduced/kernel.py _flown",
+    "reduced/kernel.py _solved",
+    "reduced/kernel.py _transition",
+    "reduced/kernel.py run_batch",
+    "reduced/kernel.py run_one",
+    "reduced/panel.py _defect",
+    "reduced/panel.py _sweep",
+    "reduced/panel.py solve_panel",
+    "reduced/transition.py transition",
+    "reduced/transition.py transitions",
+    "study/calls.py optimise",
+    "study/optimise/run.py optimise",
+    "study/transitions/asking.py transition_table",
+}
+LARGE = {
+    "bench/run_time/skips.py",
+    "bench/stress/invariants.py",
+    "bench/stress/space.py",
+    "dynamics/impact.py",
+    "dynamics/system.py",
+    "hybrid/files/npz.py",
+    "mechanism/build/mechanism.py",
+    "mechanism/files/urdf.py",
+    "mechanism/mechanism.py",
+    "reduced/arriving.py",
+    "reduced/kernel.py",
+    "study/identify/problem.py",
+    "view/paper/tables.py",
+    "view/run/table.py",
+    "view/studies/sweep_plots.py",
+}
+
+
+def comments(text: str) -> Iterator[tuple[int, int]]:
+    """First line and number of lines of each block of comments."""
+    lines = text.splitlines()
+    rows = [
+        token.start[0]
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type == tokenize.COMMENT and lines[token.start[0] - 1].lstrip()[0] == "#"
+    ]
+    first = previous = -1
+    for row in [*rows, len(lines) + 2]:
+        if row != previous + 1:
+            if first > 0:
+                yield first, previous - first + 1
+            first = row
+        previous = row
+
+
+def undocumented(tree: ast.AST) -> Iterator[str]:
+    """Public classes, functions and methods without a docstring."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            if ast.get_docstring(node) is None:
+                yield node.name
+            if isinstance(node, ast.ClassDef):
+                yield from undocumented(node)
+
+
+def functions(text: str) -> Iterator[tuple[str, int, int]]:
+    """Name, lines and parameters of each function; self and cls do not count."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            every = node.args
+            names = [item.arg for item in (*every.posonlyargs, *every.args, *every.kwonlyargs)]
+            yield (
+                node.name,
+                node.end_lineno - node.lineno + 1,
+                len([name for name in names if name not in {"self", "cls"}]),
+            )
+
+
+def beyond(place: int, limit: int) -> set[str]:
+    """Functions of the package whose lines (1) or parameters (2) exceed a limit."""
+    return {
+        f"{path.relative_to(ROOT / 'nipper_pin').as_posix()} {item[0]}"
+        for path in PACKAGE
+        for item in functions(path.read_text(encoding="utf-8"))
+        if item[place] > limit
+    }
+
+
+def test_comments_have_at_most_two_lines() -> None:
+    long = [
+        f"{path.relative_to(ROOT)}:{line}: {count} lines"
+        for path in EVERY
+        for line, count in comments(path.read_text(encoding="utf-8"))
+        if count > COMMENT
+    ]
+    assert not long
+
+
+def test_public_names_have_docstrings() -> None:
+    missing = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in PACKAGE
+        for name in undocumented(ast.parse(path.read_text(encoding="utf-8")))
+    ]
+    assert not missing
+
+
+def test_functions_are_short_and_take_few_parameters() -> None:
+    assert beyond(1, LINES) == LONG
+    assert beyond(2, PARAMETERS) == MANY
+
+
+def test_files_are_short() -> None:
+    large = {
+        path.relative_to(ROOT / "nipper_pin").as_posix()
+        for path in PACKAGE
+        if len(path.read_text(encoding="utf-8").splitlines()) > FILE
+    }
+    assert large == LARGE
+
+
+@pytest.mark.parametrize(("lines", "found"), [
+    (["# a", "# b"], [(1, 2)]),
+    (["x = 1", "# a", "# b", "# c"], [(2, 3)]),
+    (["# a", "", "x = 1  # b", "    # c"], [(1, 1), (4, 1)]),
+])  # fmt: skip
+def test_blocks_of_comments_are_counted(lines: list[str], found: list[tuple[int, int]]) -> None:
+    assert [*comments("\n".join(lines).replace("    #", "#") + "\n")] == found
+
+
+def test_missing_docstrings_long_functions_and_parameters_are_found() -> None:
+    text = "class A:\n    'd'\n    def b(self, c, *, d):\n        pass\n    def _e(self): pass\n"
+    assert [*undocumented(ast.parse(text))] == ["b"]
+    assert [*functions(text)] == [("b", 2, 2), ("_e", 1, 0)]
