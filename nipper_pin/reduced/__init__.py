@@ -1,7 +1,7 @@
-"""The one degree of freedom that held drives leave, sampled from Pinocchio and solved compiled."""
+"""The engine of one degree of freedom: tables of its equation of motion, solved compiled."""
 
-from .kept import reduced_model
 from .model import ReducedModel
+from .model_cache import reduced_model
 from .results import ReducedTransition, Status, TransitionBatch
 from .sampling import build, unfit
 from .transition import transition, transitions

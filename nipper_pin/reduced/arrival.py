@@ -1,9 +1,9 @@
-"""Tables of what a turn does from its opening to the touch, for the premise of a transition.
+"""Tables of a turn from its opening to the touch, for the premise of a transition.
 
 In the phase that clamps (x = 0, the transition stop closed) the other stop, with coordinate y, is
 open until the drives bring it back: the opening. Its collision there throws the transition stop
 open, and from then on y is the one coordinate that is left, a body that bounces on a stop, rests on
-it, and is left behind where y'' at y = y' = 0 changes its sign. Nothing of the past is in that.
+it, and is released where y'' at y = y' = 0 changes its sign. That is independent of the past.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .tables import CELL_RAD, Domain, resolved
 from .tables import Tables as Series
 from .trimmed import trimmed
 
-# Steps in which the opening is looked for [rad].
+# Step of the search for the opening [rad].
 _STEP = math.radians(3.0)
 _ROOT_STEPS = 40
 # Nodes of functions of one variable; cells as in tables of two.
@@ -38,13 +38,13 @@ _EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True, kw_only=True)
 class Arrival:
-    """What is known of a turn from its opening to the touch.
+    """Tables of a turn from its opening to the touch.
 
     Attributes:
         tables: Functions of (u, y), u counted from the opening.
         turn: Functions along stops and at the touch.
-        why: Why these are not known; empty if they are.
-        asked: Whether it can be told at all; without tables by whole turns.
+        why: Reason why there are no tables; empty if there are.
+        asked: Whether the premise can be decided; without tables by simulating whole turns.
     """
 
     tables: Tables = field(repr=False)
@@ -82,7 +82,7 @@ class Waiting(NamedTuple):
 
 
 def unknown(why: str, *, asked: bool = True) -> Arrival:
-    """An arrival of which nothing is known."""
+    """Return an arrival without tables."""
     none = np.zeros((6, 1, 2))
     empty = Tables(
         equation=np.zeros((6, 1, 2, 2)),
@@ -116,7 +116,7 @@ def arrival(
     waiting: Waiting,
     tolerance: float,
 ) -> Arrival:
-    """Sample what a turn does between its opening and the touch.
+    """Sample the functions of a turn between its opening and the touch.
 
     Args:
         system: The held system; its shaft turns at 1 rad/s from the touch configuration.
@@ -187,7 +187,7 @@ def found_opening(sampler: Sampler, stop: Stop) -> Opening | None:
 
 def _root(sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray) -> Opening | None:
     if low <= 0.0:
-        # It does not even open.
+        # The stop does not open.
         return None
     travel = high
     for _ in range(_ROOT_STEPS):

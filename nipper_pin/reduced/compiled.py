@@ -1,4 +1,4 @@
-"""The one place that says how functions are compiled."""
+"""How functions are compiled with numba, and how its cache is kept valid."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
 def compiled(function: _Function) -> _Function:
-    """Compile a function to machine code at its first call, and keep that on disk.
+    """Compile a function to machine code at its first call, cached on disk.
 
     IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
     and in a batch.
@@ -28,10 +28,10 @@ _folders: set[Path] = set()
 
 
 def forget_stale(file: str) -> None:
-    """Remove machine code of a file that is older than a source file of this room.
+    """Remove cached machine code that is older than a source file of this package folder.
 
-    The cache of numba compares the file of a function alone, not those of the functions that it
-    calls, whose code is part of its own.
+    The cache of numba compares only the file of a function, not the files of the functions that are
+    compiled into it.
 
     Args:
         file: The source file whose code includes that of others.

@@ -40,7 +40,7 @@ from .panel import (
 
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
-# Newton steps below this leave the square of it.
+# A Newton step below this leaves an error of about its square.
 _NEWTON = 1e-8
 
 
@@ -88,7 +88,7 @@ def _first_zero(
                 start = max(high - x / (h * v), 0.5 * (before + high))
             return _zero(nodes, count, h, x0, v0, before, high, start)
         if nodes[NODE_V, j - 1] < 0.0 <= nodes[NODE_V, j]:
-            # A dip between two positive nodes: follow it to its lowest point.
+            # A minimum between two positive nodes may be below zero.
             low, high = before, grids[SIGMA, level, 0, j]
             for _ in range(60):
                 middle = 0.5 * (low + high)
@@ -141,7 +141,7 @@ def _others_open(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: F
         for j in range(first, LEVELS[level]):
             place = case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0
             gap = chebyshev(poly, j, column, degree, place)
-            # A dip may be deeper between the nodes, by less than half of what it differs by.
+            # Between nodes a minimum is lower by less than half the difference of its neighbours.
             dip = old < older and old <= gap and old <= 0.5 * max(older - old, gap - old)
             if gap <= 0.0 or dip:
                 return False
@@ -170,7 +170,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
     """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
 
     Returns:
-        Status (AT_REST stands for a flight that came back), time, rate at the end, amplitude,
+        Status (AT_REST: the flight ended at the stop), time, rate at the end, amplitude,
         time of the peak, acceleration at the end, fastest rate, and of all panels the largest
         last change and steady error of x''. Of a flight that leaves the travel, too, with x at its
         end in the place of the amplitude.
@@ -188,7 +188,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         contract(mixed, poly, poly.shape[0] - 1, travel, u)
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
-        # Where a stop is left behind, a0 is nothing but round-off.
+        # At a release a0 is round-off.
         if a0 < 0.0 and (x > 0.0 or v > 0.0):
             h = OVERSHOOT * _ballistic(case, mixed, poly, degree, u, x, v, a0)
         level = -1
@@ -201,7 +201,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
                 break
             h *= 0.5
         if level < 0:
-            # Where the motion leaves the domain the tables say nothing, and nothing converges.
+            # Outside the domain the tables do not hold, and the iteration does not converge.
             highest = 0.0
             for j in range(LEVELS[-1]):
                 highest = max(highest, nodes[NODE_X, j])

@@ -1,4 +1,4 @@
-"""The scalar functions of the one equation of motion that is left, exactly, at points (u, x).
+"""Functions of the scalar equation of motion, exact at points (u, x).
 
 With held drives the velocities are v = n x' + m w: n is the null direction (n_J = 1 at the
 transition stop J, G n = 0, no drive moves) and m the motion by the cylinder alone (m_J = 0,
@@ -153,8 +153,8 @@ class Sampler:
         n, m = self._rates(rates, q, jacobian)
         weight = body.inverse_dynamics(q, zero, zero)
 
-        # At the speed of the machine: at one radian a second the forces of inertia would drown in
-        # the round-off of the weight that is taken away.
+        # At the machine's speed: at 1 rad/s the round-off of the subtracted weight would exceed the
+        # inertial forces.
         fast = rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
 
         def along(w: float, rate: float) -> FloatArray:

@@ -31,7 +31,7 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
 
 
 def number(key: str, value: float, low: float, high: float, *, open_low: bool = False) -> float:
-    """One number, checked; what is not plainly right is judged like a column of a batch."""
+    """Return one number; anything but a valid number is checked like a column of a batch."""
     if isinstance(value, float) and low < value < high:
         return value
     return float(column(key, [value], low, high, open_low=open_low)[0])

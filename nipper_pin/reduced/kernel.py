@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from .arriving import arrives, in_flight, landed, line, prepare, released
+from .arrival_check import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled, forget_stale
-from .errors_of_flight import drift, flight_errors
 from .flight import flight
+from .flight_errors import drift, flight_errors
 from .layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -70,7 +70,7 @@ def _limit(series: FloatArray, count: int, changes: float) -> tuple[float, float
             series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
         last = series[2, size - order - 1]
         # Extrapolations may agree by chance. Each should gain about the ratio of its rates, but
-        # no more than the change of x'' that is ahead: far bounces do not know of it.
+        # no more than the remaining change of x'': far bounces do not depend on it.
         ratio = max(series[1, count - 1] / series[1, count - order], changes)
         error = max(abs(last - previous), ratio * gained)
         if error < best_error:

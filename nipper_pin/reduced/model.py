@@ -51,7 +51,7 @@ class ReducedModel:
         stiffness: Spring rates likewise, shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero likewise, shape (springs,) [m or rad].
         gravity_m_s2: Gravity likewise.
-        tolerance: Relative accuracy asked of the tables.
+        tolerance: Relative accuracy of the tables.
         samples: Points of the domain that were sampled.
         arrival: What a turn does between its opening and the touch.
     """

@@ -27,13 +27,13 @@ class Status(IntEnum):
     OTHER_STOP = 3
     """Another stop closed, or nearly did."""
     NOT_PRESSED = 4
-    """The stop came to rest, and nothing presses it shut."""
+    """The stop came to rest without a contact force that keeps it closed."""
     TOO_MANY_COLLISIONS = 5
-    """More collisions than asked for."""
+    """More collisions than ``max_collisions``."""
     UNRESOLVED = 6
     """A flight could not be resolved."""
     UNTOLD = 7
-    """The transition of the turn was asked for, and the tables cannot tell how that arrives."""
+    """The tables do not determine how the simulated turn arrives at the touch."""
 
 
 REASONS = {

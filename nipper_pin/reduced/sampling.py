@@ -30,21 +30,21 @@ from .trimmed import trimmed
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0
-# Cases that the gap of the domain has to hold if it is not given: multiples of the rated speed,
-# restitution, and a factor for flights higher than ballistic ones.
+# Default gap of the domain: multiple of the rated speed, restitution, and a factor for flights
+# higher than ballistic ones.
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
-# Least part of x'' that the preload of a spring is taken to have.
+# Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
-# Accuracy of the tables of a turn: most of its motion is forgotten.
+# Relative accuracy of the tables of a turn: a rest removes most of their effect.
 _ARRIVING = 1e-10
 # Travel of a domain where no opening is known, and the longest [rad].
 _USUAL, _LONGEST = math.radians(95.0), math.radians(150.0)
-# Accelerations at touch that are none: a quotient of the others by them would overflow.
+# Accelerations at touch below this are zero: dividing by them would overflow.
 _NOTHING = 1e-290
 
 
 def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str | None:
-    """Say why a mechanism cannot be reduced to one degree of freedom.
+    """Return why a mechanism cannot be reduced to one degree of freedom.
 
     Args:
         mechanism: The mechanism.
@@ -107,7 +107,7 @@ def build(
             restitution 0.5 at one and a half times the rated speed.
         tolerance: Relative accuracy of the tables.
         drive: Behaviour of the driven shafts; only held ones can be reduced.
-        turn: Whether to sample the rest of the turn, too, which tells how the machine arrives.
+        turn: Whether to sample the rest of the turn, too, which determines the arrival.
 
     Returns:
         The model.
@@ -208,7 +208,7 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
 def _arrival(
     system: System, sampler: Sampler, opening: Opening | None, gap_max: float, tolerance: float
 ) -> Arrival:
-    """What a turn does between its opening and the touch; flights as high as those after it."""
+    """Sample a turn between its opening and the touch, with the gap of the flights after it."""
     mechanism = system.mechanism
     if not comes_back(system):
         return unknown("the drives do not come back with the cylinder", asked=False)
@@ -290,7 +290,7 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
     a = float(terms.sum())
     gap = 0.0 if a >= 0.0 else _ROOM * 0.5 * w**2 / -a
     size = float(np.abs(terms).sum())
-    # Where nothing accelerates at touch, any measure will do.
+    # Without acceleration at touch the scale is arbitrary.
     weights = np.abs(weights) / (size if size > _NOTHING else 1.0)
     # A spring that is slack in the file may be preloaded in a case.
     for place in range(BY_SPRINGS, len(weights), 2):

@@ -16,10 +16,10 @@ CELL_RAD = 0.5
 _COUNT_U = 16
 _MOST_CELLS = 64
 _MOST_X = 40
-# A doubling that gains less than this has met the round-off of the samples.
+# A refinement that reduces the tail by less than this has reached the round-off of the samples.
 _GAIN = 0.1
 _CHECKS = 96
-# Random points miss the worst one; residuals of smooth tails vary by no more than this.
+# Safety factor for the largest residual, which random points miss.
 _SAFETY = 2.0
 
 

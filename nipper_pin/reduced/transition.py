@@ -57,7 +57,7 @@ def transition(
     Raises:
         InputError: A parameter is out of range, or the case leaves the domain of the model.
         SimulationError: The stop does not come to rest, or another stop takes part; or the
-            transition of the turn is asked for and the tables cannot tell how the machine arrives.
+            tables do not determine how the machine arrives at the transition of the turn.
     """
     run, grids = _compiled()
     check_run(rest_rate, tolerance, max_collisions)

@@ -1,4 +1,4 @@
-"""Tables without the coefficients that no case can feel, and what bounds their errors."""
+"""Tables without negligible coefficients, and bounds on the errors of the remaining series."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from . import series2d
 from .functions import Sampler
 from .tables import Domain, Tables, residuals
 
-# Part of the tolerance that the coefficients left out may have.
+# Share of the tolerance for coefficients that are left out.
 _SHARE = 0.1
 
 

@@ -26,9 +26,9 @@ def reference() -> dict[str, Any]:
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What is compiled as plain Python, also where one function calls another."""
-    from nipper_pin.reduced import arriving, errors_of_flight, flight, kernel, panel
+    from nipper_pin.reduced import arrival_check, flight, flight_errors, kernel, panel
 
-    for module in (arriving, errors_of_flight, flight, kernel, panel):
+    for module in (arrival_check, flight_errors, flight, kernel, panel):
         for name, function in list(vars(module).items()):
             if hasattr(function, "py_func"):
                 monkeypatch.setattr(module, name, function.py_func)

@@ -10,7 +10,7 @@ import pytest
 from nipper_pin import Case, Resolution, simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel
-from nipper_pin.reduced.arriving import prepare
+from nipper_pin.reduced.arrival_check import prepare
 from nipper_pin.reduced.flight import _highest, flight
 from nipper_pin.reduced.kernel import _scratch
 from nipper_pin.reduced.layout import AT_REST, LEVELS, NODE_X, SERIES_ONCE, SIGMA

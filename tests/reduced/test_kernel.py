@@ -10,7 +10,7 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import level, tables_of, turn_of
 
-from nipper_pin.reduced import errors_of_flight, kernel
+from nipper_pin.reduced import flight_errors, kernel
 from nipper_pin.reduced.arrival import unknown
 from nipper_pin.reduced.layout import (
     AMPLITUDE,
@@ -84,12 +84,12 @@ def expected(count: int) -> dict[int, Any]:
     u = SPEED * t
     C = chebyshev.chebval(2.0 * u / 5.0 - 1.0, TABLES["inertia"][0])
     sizes = np.zeros((4, 3))
-    errors_of_flight.sizes_of(tables_of(EQUATION, **TABLES), sizes, SPEED, 1.0, K, P)
+    flight_errors.sizes_of(tables_of(EQUATION, **TABLES), sizes, SPEED, 1.0, K, P)
     dt, dv = np.zeros(count), np.zeros(count)
     duration, height = np.zeros(count), np.zeros(count)
     dv[0] = 3e-8 * SPEED
     for i in range(count):
-        duration[i], rate, height[i] = errors_of_flight.flight_errors(
+        duration[i], rate, height[i] = flight_errors.flight_errors(
             sizes, SPEED, T[i], -w[i], -A, 0.5 * T[i], w[i], 0.0, 0.0, dt[i], E_N * dv[i]
         )
         if i + 1 < count:

@@ -13,7 +13,7 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import tables_of, value, work_of, x_dd
 
-from nipper_pin.reduced import arriving, panel
+from nipper_pin.reduced import arrival_check, panel
 from nipper_pin.reduced.layout import (
     DOUBLE,
     EPS,
@@ -48,7 +48,7 @@ def prepared(count_u: int, count_x: int, cells: int = 3, springs: Any = SPRINGS)
     tables = tables_of(random.normal(size=shape), gaps=gaps, low=-0.3, high=1.7, travel=2.4)
     work = work_of(tables)
     k, p = np.array(springs).reshape(-1, 2).T
-    arriving.prepare(tables, work, SPEED, GRAVITY, k, p)
+    arrival_check.prepare(tables, work, SPEED, GRAVITY, k, p)
     return tables, work
 
 
@@ -210,7 +210,7 @@ def test_a_panel_is_as_accurate_as_it_says(
     """
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
     work, none = work_of(tables), np.zeros(0)
-    arriving.prepare(tables, work, SPEED, GRAVITY, none, none)
+    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
     nodes = work.nodes
     a0 = -(SPEED**2) * (1.5 * x0 + 1.0) - 0.4 * SPEED * v0
     level, length, change, left = panel.solve_panel(
@@ -242,7 +242,7 @@ def test_the_length_of_a_panel_meets_the_next_zero(guess: float, left_over: floa
     """From a guess that is too long or too short, but never beyond the travel."""
     tables, motion = oscillator(1.5, 0.2, -0.5, 2.0)
     work, none = work_of(tables), np.zeros(0)
-    arriving.prepare(tables, work, SPEED, GRAVITY, none, none)
+    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
     level, length, _, _ = panel.solve_panel(
         grids(), work.case, work.mixed, work.poly, work.nodes, 3, 30.0 - left_over, guess, 0.0, 4.0,
         -(SPEED**2) - 0.4 * SPEED * 4.0, True, 1e-10,
@@ -262,7 +262,7 @@ def test_what_cannot_be_resolved_is_said() -> None:
     """A rate of change that no grid follows: no level."""
     tables, _ = oscillator(4e4, 0.2, -0.5, 2.0)
     work, none = work_of(tables), np.zeros(0)
-    arriving.prepare(tables, work, SPEED, GRAVITY, none, none)
+    arrival_check.prepare(tables, work, SPEED, GRAVITY, none, none)
     level, _, change, left = panel.solve_panel(
         grids(), work.case, work.mixed, work.poly, work.nodes, 3, 0.0, 0.3, 0.0, 4.0, -100.0,
         False, 1e-10,

@@ -18,7 +18,7 @@ import pytest
 
 from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
 from nipper_pin.mechanism import Mechanism, from_sources
-from nipper_pin.reduced import ReducedModel, build, kept, reduced_model, transitions
+from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
 from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TransitionTable, transition_table
 
 TESTS = Path(__file__).parents[1]
@@ -118,7 +118,7 @@ def test_tables_are_built_once_for_a_mechanism(monkeypatch: pytest.MonkeyPatch) 
         built.append(id(mechanism))
         return build(mechanism, **options)
 
-    monkeypatch.setattr(kept, "build", counted)
+    monkeypatch.setattr(model_cache, "build", counted)
     first, second = load(), load("e62", {"drives.tension.ratio": 2.25})
     slow = transition_table(first, speed_rpm=np.full(2, 450.0), engine="reduced")
     assert len(built) == 1

@@ -10,7 +10,7 @@ import pytest
 from numpy.polynomial import chebyshev
 from written_tables import level, linear, tables_of, turn_of, work_of
 
-from nipper_pin.reduced import arriving, errors_of_flight
+from nipper_pin.reduced import arrival_check, flight_errors
 from nipper_pin.reduced.layout import EPS, FAILS, HOLDS, UNKNOWN
 from nipper_pin.reduced.machine import grids
 
@@ -48,14 +48,14 @@ def machine(
         waiting[0, cell] = chebyshev.chebfit(nodes, values, count - 1)
     turn = turn_of(restitution=e, waiting=waiting, touch=np.zeros((3, 4)))
     work = work_of(y, most=1, line=(cells, count))
-    arriving.prepare(y, work, SPEED, 0.0, NONE, NONE)
-    arriving.line(waiting, SPEED, 0.0, NONE, NONE, work.line)
+    arrival_check.prepare(y, work, SPEED, 0.0, NONE, NONE)
+    arrival_check.line(waiting, SPEED, 0.0, NONE, NONE, work.line)
     return y, turn, work
 
 
 def arrival(*given: Any, rest_rate: float = 0.0, **more: Any) -> Any:
     y, turn, work = machine(*given, **more)
-    return arriving.arrives(grids(), y, turn, work, SPEED, rest_rate)
+    return arrival_check.arrives(grids(), y, turn, work, SPEED, rest_rate)
 
 
 def test_a_line_of_a_case() -> None:
@@ -63,13 +63,13 @@ def test_a_line_of_a_case() -> None:
     functions = np.random.default_rng(3).normal(size=(8, 2, 5))
     found = np.full((2, 5), np.nan)
     k, p = np.array([20.0, 7.0]), np.array([0.3, -0.2])
-    arriving.line(functions, SPEED, 1.7, k, p, found)
+    arrival_check.line(functions, SPEED, 1.7, k, p, found)
     f = functions
     expected = SPEED**2 * f[0] + 1.7 * f[3] + 20.0 * (0.3 * f[4] + f[5])
     np.testing.assert_allclose(found, expected + 7.0 * (-0.2 * f[6] + f[7]), rtol=1e-13)
     u, place = 1.2, 2.0 * (1.2 - 0.8) / 0.8 - 1.0
     expected = chebyshev.chebval(place, found[1])
-    assert arriving.along(found, 1, 5, 0.8, u) == pytest.approx(expected, rel=1e-13)
+    assert arrival_check.along(found, 1, 5, 0.8, u) == pytest.approx(expected, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -171,13 +171,15 @@ def test_motion_at_the_touch(part: float, wrong: float, sense: float) -> None:
     residual = np.array([wrong, 0.0, 0.0, 0.0, 0.0, 0.0])
     y, turn, work = machine(travel, residual=residual, approach_residual=wrong)
     turn = turn._replace(touch=sense * TOUCH, touch_errors=TOUCH_ERRORS)
-    known, x, v, dx, dv = arriving.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, 0.0, 1e-12)
+    known, x, v, dx, dv = arrival_check.in_flight(
+        grids(), y, turn, work, SPEED, 0.0, THROWN, 0.0, 1e-12
+    )
     assert known
     t, w, dt, dw = travel / SPEED, THROWN, 0.0, E_N * wrong * SPEED
     r = wrong * SPEED**2
     if part > 1.0:
         T = 2.0 * w / A
-        dt, rate, _ = errors_of_flight.flight_errors(
+        dt, rate, _ = flight_errors.flight_errors(
             work.sizes, SPEED, T, -w, -A, 0.5 * T, w, 0.0, 0.0, 0.0, dw
         )
         t, w, dw = t - T, E_N * w, E_N * rate
@@ -210,7 +212,7 @@ def test_no_motion_at_the_touch(part: float, change: dict[str, Any]) -> None:
     """Where the machine is not in flight there, or where it is not known well, nothing is told."""
     rate = change.pop("rest_rate", 0.0)
     y, turn, work = machine(part * FIRST, **change)
-    found = arriving.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, rate, 1e-12)
+    found = arrival_check.in_flight(grids(), y, turn, work, SPEED, 0.0, THROWN, rate, 1e-12)
     assert found == (False, 0.0, 0.0, 0.0, 0.0)
     change["rest_rate"] = rate
 
@@ -228,7 +230,7 @@ def test_errors_of_a_flight_that_starts_above_its_stop(
     }
     sizes = np.zeros((4, 3))
     tables = tables_of(level(-1.0), **rows)
-    errors_of_flight.sizes_of(tables, sizes, SPEED, 0.0, NONE, NONE)
+    flight_errors.sizes_of(tables, sizes, SPEED, 0.0, NONE, NONE)
     T, v, a, fastest = 0.3, -1.4, -9.0, 1.6
     (dx, dw), (changed, left) = given, solver
 
@@ -241,7 +243,7 @@ def test_errors_of_a_flight_that_starts_above_its_stop(
     e = F * changed + bound("residual") + left
     dt = math.exp(F) * (dx + dw * T + 0.5 * e * T**2) / 1.4 + 4.0 * EPS * T
     rate = math.exp(F) * (dw + (e + bound("steepest_x") * dx) * T) + 9.0 * dt
-    found = arriving.landed(sizes, SPEED, T, v, a, fastest, changed, left, dx, dw)
+    found = arrival_check.landed(sizes, SPEED, T, v, a, fastest, changed, left, dx, dw)
     assert found == pytest.approx((dt, rate + 4.0 * EPS * 1.4), rel=1e-12)
 
 
@@ -252,7 +254,7 @@ def test_a_lift_behind_the_end_does_not_count(end: float) -> None:
     # Positive from 2.5 on.
     line[:, 0] = -1.0
     line[2, 0], line[2, 1] = 0.0, 0.7
-    found = arriving.released(line, 3, 3, 3.0, 0.2, end)
+    found = arrival_check.released(line, 3, 3, 3.0, 0.2, end)
     assert found == pytest.approx(2.5 if end > 2.5 else end + 1.0, abs=1e-9)
 
 
@@ -263,7 +265,7 @@ def test_a_line_with_large_terms_that_cancel_is_searched() -> None:
         line = np.array([[-1.0, sign * 0.8, sign * 0.7]])
         values = chebyshev.chebval(2.0 * u - 1.0, line[0])
         positive = np.flatnonzero(values > 0.0)
-        found = arriving.released(line, 1, 3, 1.0, 0.0, 1.0)
+        found = arrival_check.released(line, 1, 3, 1.0, 0.0, 1.0)
         expected = u[positive[0]] if positive.size else 2.0
         assert found == pytest.approx(expected, abs=2e-3)
     assert linear(1.0, 0.0, 2.0).tolist() == [1.0, 1.0, 0.0]
@@ -275,5 +277,5 @@ def test_a_peak_between_the_places_that_are_looked_at_is_found(place: float) -> 
     peak, bent = 1e-3, 4.0
     u = 0.5 + 0.5 * np.cos(np.pi * (np.arange(5) + 0.5) / 5)
     line = chebyshev.chebfit(2.0 * u - 1.0, peak - bent * (u - place) ** 2, 4)[None]
-    found = arriving.released(np.ascontiguousarray(line), 1, 5, 1.0, 0.0, 1.0)
+    found = arrival_check.released(np.ascontiguousarray(line), 1, 5, 1.0, 0.0, 1.0)
     assert found == pytest.approx(place - np.sqrt(peak / bent), abs=1e-9)

@@ -11,7 +11,7 @@ from numpy.polynomial import chebyshev
 from scipy.integrate import quad, solve_ivp
 from written_tables import bounded, level, linear, tables_of, work_of, x_dd
 
-from nipper_pin.reduced import arriving, errors_of_flight, flight
+from nipper_pin.reduced import arrival_check, flight, flight_errors
 from nipper_pin.reduced.layout import (
     AT_REST,
     BY_U,
@@ -98,7 +98,7 @@ def solved(tables: Tables, u: float, x: float, v: float) -> Any:
 def flown(tables: Tables, u: float, x: float, v: float, tolerance: float) -> Any:
     work = work_of(tables)
     k, p = np.array(SPRINGS).T
-    arriving.prepare(tables, work, SPEED, GRAVITY, k, p)
+    arrival_check.prepare(tables, work, SPEED, GRAVITY, k, p)
     found = flight.flight(
         grids(), work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], u, x, v,
         tolerance, x == 0.0,
@@ -116,7 +116,7 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     status, T, rate, top, peak, a, fastest, changed, left = found
     motion, end, back = solved(tables, u, x, v)
     assert status == (AT_REST if back else LEFT_TRAVEL)
-    duration, wrong, height = errors_of_flight.flight_errors(
+    duration, wrong, height = flight_errors.flight_errors(
         work.sizes, SPEED, T, rate, a, peak, fastest, changed, left, 0.0, 0.0
     )
     judged = 1e-11
@@ -179,7 +179,7 @@ def sizes() -> Any:
     }
     found = np.zeros((4, 3))
     k, p = np.array([40.0]), np.array([-0.05])
-    errors_of_flight.sizes_of(tables_of(level(-1.0), **rows), found, SPEED, -0.8, k, p)
+    flight_errors.sizes_of(tables_of(level(-1.0), **rows), found, SPEED, -0.8, k, p)
 
     def bound(name: str, v: float) -> float:
         f = rows[name]
@@ -198,8 +198,8 @@ def test_bounds_of_a_case() -> None:
     found, bound, by_rate = sizes()
     for v in (0.0, 0.3, 2.0):
         for row, name in ((RESIDUAL, "residual"), (BY_X, "steepest_x"), (BY_U, "steepest_u")):
-            assert errors_of_flight.size(found, row, v) == pytest.approx(bound(name, v), rel=1e-14)
-        assert errors_of_flight.size(found, BY_V, v) == pytest.approx(by_rate(v), rel=1e-14)
+            assert flight_errors.size(found, row, v) == pytest.approx(bound(name, v), rel=1e-14)
+        assert flight_errors.size(found, BY_V, v) == pytest.approx(by_rate(v), rel=1e-14)
 
 
 @pytest.mark.parametrize("a", [-40.0, -13.0, -60.0, -3.0, 8.0])
@@ -219,7 +219,7 @@ def test_errors_at_the_end_of_a_flight(
     whole = steady + shifted + left
     lever = quad(lambda s: abs(1.0 - rho * s), 0.0, 1.0, points=[min(max(1.0 / rho, 0.0), 1.0)])[0]
     even = min(abs(1.0 - 0.5 * rho) + 4.0 * SPEED * T * lever, lever)
-    duration, rate, height = errors_of_flight.flight_errors(
+    duration, rate, height = flight_errors.flight_errors(
         found, SPEED, T, v, a, peak, fastest, changed, left, dt, dw
     )
     expected = K * (dw * T + 0.5 * whole * T**2) / abs(v) + 4.0 * EPS * T
@@ -237,13 +237,13 @@ def test_what_is_ahead_of_a_series_drifts(w: float, ahead: float) -> None:
     a = -30.0
     change = SPEED * ahead * bound("steepest_u", w) + 2.0 * w * by_rate(w)
     change += w**2 / (2.0 * 30.0) * bound("steepest_x", w)
-    drift = errors_of_flight.drift(found, SPEED, w, a, ahead)
+    drift = flight_errors.drift(found, SPEED, w, a, ahead)
     assert drift == pytest.approx(min(3.0 * change / 30.0, 1.0), rel=1e-12)
 
 
 def test_without_any_errors_round_off_is_left() -> None:
     """Four units of it, of the time and of the rate."""
-    found = errors_of_flight.flight_errors(
+    found = flight_errors.flight_errors(
         np.zeros((4, 3)), SPEED, 0.1, -2.0, -40.0, 0.05, 2.0, 0.0, 0.0, 0.0, 0.0
     )
     assert found == (4.0 * EPS * 0.1, 4.0 * EPS * 2.0, 0.0)

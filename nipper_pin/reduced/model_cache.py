@@ -13,7 +13,7 @@ _KNOWN: WeakKeyDictionary[Mechanism, ReducedModel] = WeakKeyDictionary()
 
 
 def reduced_model(mechanism: Mechanism, drive: DriveMode = DriveMode.HELD) -> ReducedModel:
-    """The reduced model of a mechanism on its usual domain, sampled when it is first asked for.
+    """Return the reduced model of a mechanism on its default domain, sampled at the first call.
 
     Mechanisms do not change and are known by identity: one with a single other number is another
     one, with tables of its own. A model lives as long as its mechanism.

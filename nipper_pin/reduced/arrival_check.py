@@ -1,8 +1,7 @@
 """How a turn arrives at the touch, compiled: opening, bounces and rests of the waiting stop.
 
-A rest forgets all that was before it. What is decided needs little accuracy and is computed with
-little; only a machine that is still in flight at the touch is followed with all of it, from its
-last rest on.
+Motion after a rest is independent of the motion before it. Whether the machine rests is computed
+with low accuracy; only flight at the touch is computed accurately, from the last rest on.
 """
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from .compiled import compiled, forget_stale
-from .errors_of_flight import drift, flight_errors, size, sizes_of
 from .flight import flight
+from .flight_errors import drift, flight_errors, size, sizes_of
 from .layout import (
     AT_REST,
     BY_U,
@@ -37,11 +36,11 @@ from .layout import (
 )
 from .panel import acceleration, chebyshev, contract, mix
 
-# Accuracy of what is only decided.
+# Relative accuracy where only the phase is decided.
 _DECIDED = 1e-6
 _MOST_FLIGHTS = 64
-# A series is over by this many times the time that constant deceleration gives it, if that changes
-# by no more than this.
+# Safety factor on the duration of a bounce series at constant deceleration, and the largest
+# relative change of the deceleration for which it is used.
 _LATER, _STEADY = 2.0, 0.25
 # A rest lies before the touch, or a force beside zero, by this part of a turn [rad] or of its size.
 _BEFORE, _BESIDE = 1e-5, 1e-9
@@ -65,10 +64,10 @@ def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatAr
 @compiled
 def released(line: FloatArray, cells: int, count: int, length: float, begin: float,
              end: float) -> float:  # fmt: skip
-    """First place in [begin, end] from which on a stop does not push.
+    """First place in [begin, end] from which on the force of a stop is zero or below.
 
     Returns:
-        The place; ``end`` plus 1 if there is none; -1 if that is too close to tell.
+        The place; ``end`` plus 1 if there is none; -1 if round-off hides the sign.
     """
     width = length / cells
     scale = 0.0
@@ -176,7 +175,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
 
     Returns:
         HOLDS, FAILS or UNKNOWN; of a machine that is in flight at the touch the travel and rate at
-        which it has left its stop without anything of the past: at a release, or at the opening.
+        which it left its stop, independent of the motion before: at a release, or at the opening.
     """
     case, mixed, poly, nodes = work.case, work.mixed, work.poly, work.nodes
     degree, cells = y.equation.shape[3], turn.waiting.shape[1]
@@ -228,10 +227,10 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
 def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float, u: float,
               w: float, rest_rate: float, tolerance: float,
               ) -> tuple[bool, float, float, float, float]:  # fmt: skip
-    """Follow a machine that is in flight at the touch, from where it has left its stop.
+    """Solve the flight that is under way at the touch, from where the stop was left.
 
     Returns:
-        Whether that could be done; x and x' at the touch, and bounds on their errors.
+        Whether it was resolved; x and x' at the touch, and bounds on their errors.
     """
     case, mixed, poly, nodes, sizes = work.case, work.mixed, work.poly, work.nodes, work.sizes
     degree = y.equation.shape[3]

@@ -11,14 +11,14 @@ K = exp(F), e = eps + Lt dt and rho = a T / v (2 for a ballistic flight),
     |dT|  <= K (dw T + e T^2 / 2) / |v|,
     |dv|  <= (|1 - rho| + (K - 1) (1 + |rho|)) dw + K e T int_0^1 |1 - rho s| ds,
 
-The solver's part is F times the last change of x'' in the iteration, plus what the grid cannot
-show: the equation of motion is evaluated at three points between the nodes, and a defect d
+The solver's part is F times the last change of x'' in the iteration, plus the defect between
+nodes: the equation of motion is evaluated at three points between the nodes, and a defect d
 there acts like a steady error of less than 12 d / n^2 on n nodes, since polynomials of the
 degrees that are missing nearly cancel when they are integrated. That they do not act alike on
 time and rate is allowed for: this part has 1 in the place of the last integral.
 
-What a late start changes of x'', Lt dt, is nearly the same all along a short flight: in its
-place the last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
+The change of x'' by a late start, Lt dt, is nearly constant along a short flight: for it the
+last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
 radians of that with it.
 
 Lv, Lx, Lt are Lipschitz constants of x'' by rate, coordinate and time from the largest
@@ -33,7 +33,7 @@ from ..arrays import FloatArray
 from .compiled import compiled, forget_stale
 from .layout import BY_U, BY_V, BY_X, EPS, RESIDUAL, Tables
 
-# A bounce's time and the next rate feel a change of x'' once and twice.
+# A change of x'' enters the time of a bounce once and the next rate twice.
 _FELT = 3.0
 # Part of a late start's change of x'' that is not the same all along a flight, by its travel in
 # radians: what drives and links prescribe changes by itself in about one.
@@ -77,7 +77,7 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     Lv, Lx = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
     Lt = speed * size(sizes, BY_U, fastest)
     felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
-    # A flight that starts late has another x'', by nearly the same all the way.
+    # A late start changes x'' by nearly a constant along the flight.
     shifted = Lt * dt
     steady = felt * changed + size(sizes, RESIDUAL, fastest)
     e = steady + shifted + left
@@ -88,7 +88,7 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
     if rho > 1.0:
         lever = (1.0 + (rho - 1.0) ** 2) / (2.0 * rho)
     growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
-    # What a grid misses changes its sign, so that it may act on the rate and not on the time.
+    # The defect of a grid changes its sign, so it may act on the rate without acting on the time.
     even = min(abs(1.0 - 0.5 * rho) + _UNEVEN * speed * T * lever, lever)
     rate = growth * dw + K * (steady * lever + shifted * even + left) * T + 4.0 * EPS * abs(v)
     return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
@@ -96,7 +96,7 @@ def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float,
 
 @compiled
 def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
-    """Bound on the relative error of what is ahead of a series with constant acceleration."""
+    """Bound on the relative error of the remaining duration of a bounce series."""
     by_time = speed * ahead * size(sizes, BY_U, w)
     by_gap = 0.5 * w * w / -a * size(sizes, BY_X, w)
     by_rate = 2.0 * w * size(sizes, BY_V, w)
