@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.impact import collide
-from ...hybrid.advance import Advance, Segment, advance
+from ...hybrid.advance import Advance, advance
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.result.solution import Solution
+from ...hybrid.segment import Segment
 from ...hybrid.simulate import simulate
 from ...hybrid.state import State
 from ...mechanism import Mechanism

@@ -19,10 +19,10 @@ from scipy.integrate import DOP853
 from ...arrays import FloatArray
 from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.system import System
-from ...hybrid.advance import Segment
 from ...hybrid.case import Case, Window
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.trajectory import closure_residuals
+from ...hybrid.segment import Segment
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism, collision_model
 from .imports import left_out

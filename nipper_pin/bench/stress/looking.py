@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.advance import Segment
 from ...hybrid.motion.panel import Panel
 from ...hybrid.result.solution import Solution
+from ...hybrid.segment import Segment
 
 EPS = float(np.finfo(float).eps)
 EVENTS = 100

@@ -17,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
-from ..advance import Segment
 from ..event import Event, EventKind
+from ..segment import Segment
 from .linear_maps import RATE, ImpactMap, LinearMaps, of_rates, pushing
 from .local_error import round_off
 from .release_time import release_error

@@ -15,8 +15,8 @@ from ...dynamics.impact import impact_condition, impulse_sizes
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...mechanism import Stop
-from ..advance import Segment
 from ..event import Event, EventKind
+from ..segment import Segment
 from .local_error import independent_round_off, of_closures, unresolved
 from .saltation import impact_map
 from .truncated_bounces import left_out

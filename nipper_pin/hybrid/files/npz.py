@@ -26,12 +26,12 @@ from ...dynamics.assembly import Partition
 from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
 from ...mechanism import Mechanism, from_sources
-from ..advance import Segment
 from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
 from ..result.solution import Solution
 from ..run.outcome import Outcome
+from ..segment import Segment
 from . import npz_schema
 
 FORMAT = 2

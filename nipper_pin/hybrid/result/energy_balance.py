@@ -11,10 +11,10 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.impact import drive_impulses
 from ...dynamics.system import ConstraintSet, System
-from ..advance import Segment
 from ..event import Event, EventKind
 from ..motion.panel import Panel, forces_at
 from ..motion.residual_check import rows_met
+from ..segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..advance import Segment
 from ..error_estimate.event_errors import EventError
 from ..error_estimate.linear_maps import LinearMaps
 from ..event import EventKind
+from ..segment import Segment
 from .solution import Solution
 from .tables import Collision
 

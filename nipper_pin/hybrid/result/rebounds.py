@@ -9,12 +9,13 @@ import numpy as np
 
 from ...dynamics.system import System
 from ...mechanism import Stop
-from ..advance import Segment, advance
+from ..advance import advance
 from ..case import Resolution
 from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
 from ..motion.chebyshev import Series, nodes
 from ..motion.panel import Panel
+from ..segment import Segment
 from ..state import State
 
 

@@ -10,10 +10,10 @@ from ...arrays import FloatArray
 from ...dynamics.shaft import ShaftMotion
 from ...dynamics.system import System
 from ...mechanism import Mechanism
-from ..advance import Segment
 from ..case import Case
 from ..event import Event
 from ..run.outcome import Outcome
+from ..segment import Segment
 from .tables import (
     Collision,
     PhaseInterval,

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...dynamics.system import System
-from ..advance import Segment
 from ..case import Resolution
 from ..event import Event, EventKind
+from ..segment import Segment
 from .rebounds import Rebounds
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...errors import InputError
-from ..advance import Segment
 from ..motion.panel import Panel, forces_at, state_at
+from ..segment import Segment
 
 
 @dataclass(frozen=True, eq=False)

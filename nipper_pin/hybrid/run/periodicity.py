@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...mechanism import Mechanism
-from ..advance import Segment
+from ..segment import Segment
 from ..state import State
 
 # [rad or m]

@@ -11,7 +11,7 @@ from ...dynamics.impact import Impact, collide, no_impact
 from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
-from ..advance import Segment, advance
+from ..advance import advance
 from ..case import Case
 from ..contact.complementarity import (
     Closed,
@@ -23,6 +23,7 @@ from ..contact.complementarity import (
 from ..event import Event, EventKind
 from ..event_location.guards import SIMULTANEOUS, TriggerKind
 from ..motion.panel import Panel
+from ..segment import Segment
 from ..state import State
 from .diagnosis import located
 from .event_log import EventLog

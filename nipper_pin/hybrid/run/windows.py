@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...errors import InputError
-from ..advance import Segment
 from ..event import EventKind
+from ..segment import Segment
 from .outcome import Outcome
 from .periodicity import repeats
 from .phase_manager import PhaseManager

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...hybrid.advance import Segment
 from ...hybrid.event import Event
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import PhaseInterval
+from ...hybrid.segment import Segment
 from ..reading import shown_phases, shown_until
 
 _FEWEST = 49
