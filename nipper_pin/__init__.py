@@ -1,6 +1,6 @@
 """Simulation of impact mechanisms on Pinocchio: the nipper of a comber and its bouncing jaw.
 
-This module is the one public door; everything else may move. What is behind it, Pinocchio and numpy
+All public names are here; other modules may change. What they need, Pinocchio and numpy
 included, is imported when it is first asked for (PEP 562): a worker that only waits for work, or a
 command that only says how it is used, does without.
 """
@@ -58,12 +58,12 @@ else:
         "study.sweep": ("read_sweep",),
         "study.transitions": ("TransitionTable", "transition_table"),
     }
-    # Rooms that can be called; whoever imports from one puts it here anyway.
+    # Public functions with the name of a subpackage, which an import would put in their place.
     _ROOMS = ("view",)
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
-        """Import what is behind a name when it is first asked for."""
+        """Import the module of a public name at its first use."""
         if name in _ROOMS:
             return import_module(f".{name}", __name__)
         if name not in _PLACE_OF:
@@ -74,7 +74,7 @@ else:
         return value
 
     def __dir__() -> list[str]:
-        """What is public, there already or not."""
+        """Return the public names, imported already or not."""
         return sorted([*__all__, "__version__"])
 
 

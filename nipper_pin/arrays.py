@@ -7,7 +7,7 @@ FloatArray = NDArray[np.float64]
 
 
 def product(left: FloatArray, right: FloatArray) -> FloatArray:
-    """Product of matrices and vectors; of small ones at half of what the operator ``@`` costs.
+    """Product of matrices and vectors; for small ones in half the time of the operator ``@``.
 
     Args:
         left: Shape (m, n) or (n,).

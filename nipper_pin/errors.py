@@ -143,5 +143,5 @@ class InfeasibleError(SimulationError):
     """No design within its bounds meets all limits.
 
     Evidence: ``limits`` (each that is broken, with what was reached and by how much it is missed),
-    ``numbers`` (the design that comes nearest).
+    ``numbers`` (the nearest design).
     """

@@ -1,4 +1,4 @@
-"""Columns as a data frame of the library that the user has; none of them is a dependency."""
+"""Columns as a data frame of an installed library; none of them is a dependency."""
 
 from __future__ import annotations
 

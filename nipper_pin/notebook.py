@@ -1,4 +1,4 @@
-"""What a notebook shows of a value: a heading, facts and a table, as HTML."""
+"""The HTML of a value in a notebook: a heading, facts and a table."""
 
 from __future__ import annotations
 

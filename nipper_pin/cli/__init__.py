@@ -19,13 +19,13 @@ _RIGHT = 0
 _NOT_SIMULATED = 1
 _UNUSABLE = 2
 _INTERRUPTED = 130
-# Named, not imported: the bench stands above this room.
+# By name, not imported: the bench imports this package.
 _COMMANDS = {
     "simulate": (".simulate", "simulate a transition or whole cycles"),
     "view": (".view", "show a run in the browser, or write it as one page"),
     "live": (".live", "a page with sliders whose numbers and picture follow them"),
     "new": (".new", "write a commented model to start from"),
-    "check": (".check", "say what a model is, and what is wrong with it"),
+    "check": (".check", "report what a model is, and what is wrong with it"),
     "study": (".study", "do the published study again and write its report"),
     "identify": (".identify", "find numbers of a model from published ratios or measured rebounds"),
     "optimise": (".optimise", "find the least rebound or transition time inside limits"),
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _INTERRUPTED
     except BrokenPipeError:
-        # The reader of a pipe may stop early; that is not a fault of the run.
+        # The reader of a pipe may stop early; that is no error.
         sys.stderr.close()
     return _RIGHT
 
@@ -74,7 +74,7 @@ def _complain(error: NipperError, status: int) -> int:
 
 
 def _parser(command: str | None = None) -> argparse.ArgumentParser:
-    """Parser of the arguments of one command, or of all: a start imports what it runs alone."""
+    """Return the parser of one command or of all; only the modules of that command are imported."""
     parser = argparse.ArgumentParser(
         prog="nipper-pin",
         description="Simulate impact mechanisms: the nipper of a comber and its bouncing jaw.",

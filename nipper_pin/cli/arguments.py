@@ -1,4 +1,4 @@
-"""What several commands share: model arguments, the mechanism they mean, JSON output."""
+"""Arguments of several commands: the model and changes of it, and JSON output."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..errors import InputError
 from ..mechanism import Mechanism, load
 
 MODEL = "e62"
-"""The model of a command that names none."""
+"""Default model."""
 
 _SHORT = ("restitution", "stiffness")
 
 
 def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> None:
-    """Arguments that name a model, change its numbers and, if any is written, place JSON."""
+    """Define the arguments for a model, changes of its numbers and the file of JSON output."""
     parser.add_argument(
         "model",
         nargs="?",
@@ -48,7 +48,7 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
 
 
 def load_mechanism(options: argparse.Namespace) -> Mechanism:
-    """Load the mechanism that the arguments mean.
+    """Load the mechanism of the arguments.
 
     Raises:
         InputError: A value or the model cannot be used.
@@ -101,7 +101,7 @@ def speed(options: argparse.Namespace, mechanism: Mechanism) -> float:
 
 
 def refuse_beside(options: argparse.Namespace, what: str, names: dict[str, str]) -> None:
-    """Refuse options that another one leaves without effect.
+    """Refuse options that have no effect beside another one.
 
     Args:
         options: The arguments; one that was not given is None, False or not there.
@@ -119,7 +119,7 @@ def refuse_beside(options: argparse.Namespace, what: str, names: dict[str, str])
 
 
 def check_outputs(folder: str | None, document: str | None) -> None:
-    """Refuse what cannot be written before anything is computed for it.
+    """Refuse files that cannot be written, before anything is computed.
 
     Args:
         folder: Folder of files, or None.

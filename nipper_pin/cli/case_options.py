@@ -1,4 +1,4 @@
-"""Options that make a case: one file for every command that simulates.
+"""Options of a case, for all commands that simulate.
 
 None of them has a default of argparse, so that an option that is given can be told from one that is
 not: beside a saved case only those that are given change it.
@@ -21,7 +21,7 @@ _OF_TURNS = {"cycles": "--cycles", "start_index": "--start-index", "reuse_cycles
 
 
 def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
-    """Arguments that every simulation has."""
+    """Define the arguments of all simulations."""
     parser.add_argument(
         "--window",
         choices=[item.value for item in Window],
@@ -32,7 +32,7 @@ def add_window(parser: argparse.ArgumentParser, default: Window) -> None:
 
 
 def add_start(parser: argparse.ArgumentParser) -> None:
-    """The argument that says where whole turns start."""
+    """Define the argument for the start of whole turns."""
     parser.add_argument(
         "--start-index",
         type=float,
@@ -43,7 +43,7 @@ def add_start(parser: argparse.ArgumentParser) -> None:
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
-    """Arguments of how a simulation is done."""
+    """Define the arguments of the method: window, rest, tolerance, drive."""
     parser.add_argument(
         "--cycles",
         type=int,
@@ -82,7 +82,7 @@ def add_case(parser: argparse.ArgumentParser) -> None:
 
 
 def new_case(options: argparse.Namespace, mechanism: Mechanism, window: Window) -> Case:
-    """The case that the arguments mean.
+    """Return the case of the arguments.
 
     Args:
         options: The arguments.
@@ -96,7 +96,7 @@ def new_case(options: argparse.Namespace, mechanism: Mechanism, window: Window) 
 
 
 def changed_case(case: Case, options: argparse.Namespace) -> Case:
-    """A case with what the arguments change of it.
+    """Return a case with the changes of the arguments.
 
     Raises:
         InputError: A value is out of range, or an option has nothing to change.

@@ -82,7 +82,7 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.studies.identify_report import print_fit
 
         print_fit(fit, judged, known, profiles, Console())
-    # The result is written, and is no success.
+    # The result is written, but the fit contradicts the data.
     fit.check()
 
 

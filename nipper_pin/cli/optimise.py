@@ -93,7 +93,7 @@ def _run(options: argparse.Namespace) -> None:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
-    """A bar on a terminal; in any case a word about what is kept after an interrupt."""
+    """Show progress on a terminal; after an interrupt report the finished parts."""
     from rich.console import Console
     from rich.progress import Progress
 

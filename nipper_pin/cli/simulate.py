@@ -69,7 +69,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _whole_turns(words: Sequence[str]) -> str:
-    """The command of the user for whole turns, ready to be pasted."""
+    """Return the command line of the same run for whole turns."""
     kept = shlex.join(["nipper-pin", *words])
     for given in ("--window transition", "--window=transition"):
         kept = kept.replace(f" {given}", "")
@@ -77,7 +77,7 @@ def _whole_turns(words: Sequence[str]) -> str:
 
 
 def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
-    """Machine and case of the arguments: new ones, or saved ones with what is given beside them.
+    """Return machine and case: of the arguments, or saved ones changed by the arguments.
 
     Raises:
         InputError: Arguments contradict one another, or a file or value cannot be used.

@@ -111,7 +111,7 @@ def _with_report(
     from ..study.paper.published import conditions
     from ..study.sensitivity import sensitivities
 
-    # Sensitivities are half of the work and need nothing of the rest.
+    # Sensitivities are half of the work and independent of the rest.
     with ThreadPoolExecutor(1) as beside:
         found = beside.submit(
             sensitivities,

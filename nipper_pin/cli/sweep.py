@@ -109,7 +109,7 @@ def _bounds(text: str | None) -> tuple[int, int] | None:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
-    """A bar on a terminal, a line now and then elsewhere; a word of what an interrupt leaves."""
+    """Show a bar on a terminal or lines elsewhere; an interrupt reports the finished chunks."""
     stored = [0, 0]
     with _bar() if sys.stderr.isatty() else _lines() as show:
 
@@ -129,7 +129,7 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
 
 @contextmanager
 def _lines() -> Iterator[Callable[[int, int, int], None]]:
-    """A line on stderr every half minute: how far, how fast, how long still."""
+    """Write progress, rate and remaining time to stderr every half minute."""
     began = told = time.monotonic()
 
     def show(done: int, found: int, total: int) -> None:
@@ -149,7 +149,7 @@ def _lines() -> Iterator[Callable[[int, int, int], None]]:
 
 @contextmanager
 def _bar() -> Iterator[Callable[[int, int, int], None]]:
-    """A bar that goes on."""
+    """Advance the bar."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,

@@ -21,10 +21,10 @@ _ROUND_OFF = 16.0 * float(np.finfo(float).eps)
 # Largest condition number of the dependent closure columns. Positions are exact to 16 eps times it,
 # and each derivative loses that factor once more: 1e-5 of the rates.
 MAX_CONDITION = 5e4
-# The same by the number of rows, in flight, where other coordinates may be dependent instead: what
-# is left unresolved of the independent ones is multiplied by it.
+# Limit in flight, by the number of rows, beyond which other coordinates become dependent: it
+# multiplies the error of the independent ones.
 GOOD_CONDITION = 25.0
-# A coordinate takes part in a dead centre with at least this share of the largest one.
+# Least share of the largest component with which a coordinate belongs to a dead centre.
 _PART = 0.3
 
 
@@ -99,7 +99,7 @@ def partition(
 def condition_number(matrix: FloatArray) -> float:
     """Condition number of a matrix without more rows than columns; infinite if it loses rank.
 
-    Of a square one, which is what nearly all are, as :func:`inverted`; in the 2-norm otherwise.
+    Of a square matrix, the usual case, as :func:`inverted`; in the 2-norm otherwise.
     """
     if len(matrix) in (0, matrix.shape[1]):
         return inverted(matrix)[0]
@@ -108,7 +108,7 @@ def condition_number(matrix: FloatArray) -> float:
 
 
 def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int]]:
-    """How near the closures are to a dead centre, and which coordinates stand in it.
+    """Condition number of the closures, and the coordinates of the nearest dead centre.
 
     Args:
         jacobian: Closure Jacobian G, shape (m, nv).
@@ -151,7 +151,7 @@ def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
         chosen.append(candidates[pivot])
         direction = residual[:, pivot] / np.sqrt(max(sizes[pivot], np.finfo(float).tiny))
         residual -= np.outer(direction, direction @ residual)
-        # A column is chosen once, even where all that is left is round-off.
+        # A column is chosen once, even where the remaining ones are round-off.
         candidates = [*candidates[:pivot], *candidates[pivot + 1 :]]
         residual = np.delete(residual, pivot, axis=1)
     return chosen

@@ -16,7 +16,7 @@ from .multibody import INFINITE_INERTIA
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
-    """What neither speed nor time changes, shapes (drives,) or (nv,).
+    """Coefficients independent of speed and time, shapes (drives,) or (nv,).
 
     Attributes:
         driven: Places of the driven coordinates.
@@ -67,7 +67,7 @@ def coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
 
 
 def _need_shafts(mechanism: Mechanism) -> None:
-    """Refuse drives that can only be held."""
+    """Refuse a drive without an inertia, which can only be held."""
     missing = [f"drives.{item.name}.{key}" for item in mechanism.drives for key in item.missing]
     if missing:
         allowed = "an inertial drive needs a number; the others that are missing: "
@@ -116,7 +116,7 @@ def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
 
 
 def _columns(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
-    """Rising places at one distance from one another as a slice; others as they are."""
+    """Return equally spaced, increasing indices as a slice, and other ones unchanged."""
     steps = set(np.diff(places).tolist()) or {1}
     step = min(steps)
     if not places.size or len(steps) > 1 or step < 1:

@@ -19,7 +19,7 @@ from ..mechanism import COINCIDENT_M, Mechanism
 from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 
-# A root of a gap at the end of a table may lie, by round-off, beyond it: in parts of its length.
+# Allowance for round-off beyond the end of a table, as a share of its length.
 _ROUND_OFF = 1e-9
 
 
@@ -105,7 +105,7 @@ class Elements:
         return self._pulls(q, v)[0]
 
     def runs_off(self, q: FloatArray) -> bool:
-        """True if a motion that starts where tables give the forces goes to where none is known.
+        """Return whether a motion that starts within the tables leaves one.
 
         Args:
             q: Configurations in order of time, shape (N, nv).

@@ -19,17 +19,17 @@ from ..mechanism import Stop
 from .system import System
 
 _EPS = float(np.finfo(float).eps)
-# Gap rates that are round-off, as shares of the fastest one before an impact: after it, in the
-# law, and where the impact matrix has to tell how much it is.
+# Gap rates below these shares of the fastest one before an impact are round-off: after it, in the
+# law, and where the impact matrix scales them.
 _NO_RATE, _SLACK, _FAINT = 1e-13, 1e-12, 1e-6
-# Rates along the rows after an impact that are round-off, as a share of those before, and the
-# repetitions that have to get there.
+# Rates along the constraint rows after an impact that are round-off, as a share of those before,
+# and the largest number of refinements.
 _REFINED, _REFINEMENTS = 1e-13, 3
 
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """Outcome of one collision, whatever number of stops takes part in it.
+    """Outcome of one collision at one or more stops.
 
     Attributes:
         v_after: Velocity after, shape (nv,).
@@ -98,7 +98,7 @@ def arrest(
     jacobian: FloatArray,
     stops: Sequence[Stop],
 ) -> Impact:
-    """Take away the last rates of stops: what a series of bounces does at its limit.
+    """Bring the gap rates of stops to zero, as a bounce series does at its limit.
 
     Args:
         system: The system.
@@ -110,7 +110,7 @@ def arrest(
 
     Returns:
         The change as an impact whose impulse, a negative one, is not a contact impulse: the
-        bounces that it stands for push a stop by e w / (1 - e) against gravity and springs.
+        bounces of the series push a stop by e w / (1 - e) against gravity and springs.
 
     Raises:
         ImpactError: They cannot come to rest together.
@@ -134,15 +134,15 @@ def _still(
     wanted: Sequence[float],
     delta: FloatArray,
 ) -> list[int] | None:
-    """Coordinates of the contacts that an impact at others leaves in touch; None if it may not.
+    """Return the contacts that stay closed beside an impact at others; None if one approaches.
 
-    A contact that an impact does not reach neither separates nor approaches by its round-off.
+    A contact that the impact does not move neither separates nor approaches by round-off.
     """
     if len(chosen) == len(contacts):
         return []
     others = [i for i in range(len(contacts)) if i not in chosen]
     after = [contacts[i].rate(v) + contacts[i].rate(delta) for i in others]
-    # xi is zero by construction where chosen; what is left there is round-off.
+    # At active contacts xi is zero by construction, up to round-off.
     xi = [rate - wanted[i] for i, rate in zip(others, after, strict=True)]
     fastest = max(abs(stop.rate(v)) for stop in contacts)
     nothing = [_NO_RATE * fastest] * len(others)
@@ -185,7 +185,7 @@ def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
 
 
 def no_impact(system: System, v: FloatArray) -> Impact:
-    """Return the impact that changes nothing, for events without one."""
+    """Return an impact of zero impulse, for events without one."""
     return Impact(v, np.zeros(system.body.nv), np.zeros(system.body.closure_rows), {}, 0.0)
 
 

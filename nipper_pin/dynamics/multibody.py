@@ -5,10 +5,10 @@ This module and ``open_tree`` own all ``pin.Data``: every call of Pinocchio's al
 Two facts of Pinocchio shape it. A planar pin as a 3-D point constraint has one dead row (out of the
 plane), so the proximal form of the constrained dynamics is used, and explicit Jacobians keep the
 two planar rows only. And the explicit-Jacobian algorithms (impulse dynamics) share buffers with the
-constraint-model algorithms, so each family has a model and a data object of its own.
+constraint-model algorithms, so each family has its own model and data object.
 
 Prescribed coordinates (held drives, closed stops) are joints of infinite inertia: with armature I
-and force I * a the joint accelerates with a, whatever pulls at it. I is a power of two, so that the
+and force I * a the joint accelerates with a under any force. I is a power of two, so that the
 product and the quotient are exact and a is met to the last bit but one.
 """
 
@@ -30,8 +30,8 @@ INFINITE_INERTIA = 2.0**100
 # The regularisation keeps linearly dependent rows from dividing by zero. It is small beside the
 # smallest eigenvalue of G M^-1 G', so that the proximal iteration removing its effect converges.
 _REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
-# A body that resists with less than this share of the heaviest one's mass is light: forces that
-# balance but for round-off accelerate it.
+# A body with less than this share of the heaviest one's effective mass is light: the round-off of
+# balanced forces accelerates it.
 _LIGHT = 1e-7
 _OF_THREAD = threading.local()
 
@@ -162,11 +162,11 @@ class Multibody(OpenTree):
     def refined(
         self, q: FloatArray, v: FloatArray, a: FloatArray, armature: FloatArray
     ) -> FloatArray:
-        """Accelerations without what round-off leaves of the closures in them.
+        """Accelerations refined until G a + G_dot v = 0 to round-off.
 
-        One step of iterative refinement, a - M^-1 G' (G M^-1 G')^-1 (G a + G_dot v): a light body
-        moves as the heavy ones let it, which their accelerations tell better than its forces. Of
-        machines with light bodies :meth:`accelerations` does so itself.
+        One step of iterative refinement, a - M^-1 G' (G M^-1 G')^-1 (G a + G_dot v): the
+        closures give the acceleration of a light body more accurately than its forces do. With
+        light bodies :meth:`accelerations` includes this step.
 
         Args:
             q: Configurations, shape (N, nv).

@@ -10,13 +10,13 @@ from ..mechanism import Mechanism
 
 PLANAR_ROWS_OF_A_POINT = (0, 2)
 _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
-# A joint may have the name of a link.
+# Joints and links may share a name.
 _LINK = pin.FrameType.BODY
 _NO_FORCES = np.empty((0, 2))
 
 
 class OpenTree:
-    """Kinematics and dynamics of a mechanism's links as if its cut joints were open.
+    """Kinematics and dynamics of a mechanism's links without its cut joints.
 
     It owns the ``pin.Data`` of the plain algorithms. Arrays of states have shape (N, nv): one row a
     configuration. Coordinates are [rad] or [m].
@@ -74,7 +74,7 @@ class OpenTree:
         matrices = np.empty((len(q), self.nv, self.nv))
         for row, matrix in zip(q, matrices, strict=True):
             matrix[:] = pin.crba(self._plain, self._plain_data, row)
-        # What lies below the diagonal is not filled in.
+        # Pinocchio fills the upper triangle only.
         return np.where(self._upper, matrices, np.swapaxes(matrices, 1, 2))
 
     def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
@@ -166,7 +166,7 @@ class OpenTree:
         twists = np.empty((len(q), 3, self.nv))
         for q_row, place, twist in zip(q, places, twists, strict=True):
             pin.computeJointJacobians(model, data, q_row)
-            # Of one column the binding makes a vector.
+            # The binding returns one column as a vector.
             data.J.reshape(6, self.nv).take(_PLANAR_ROWS_OF_A_TWIST, 0, twist)
             for number, (joint, placement) in enumerate(self._points):
                 x, _, z = data.oMi[joint].act(placement.translation).tolist()

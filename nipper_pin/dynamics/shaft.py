@@ -68,7 +68,7 @@ class ShaftMotion:
         return values[0], values[1], values[2]
 
     def driven_at(self, t: float) -> Driven:
-        """What :meth:`driven` gives at one time [s], as one row; numbers are faster than arrays."""
+        """Return :meth:`driven` at one time [s], as one row; numbers are faster than arrays."""
         psi = np.asarray(self.start_angle_rad + self.rate * t)
         values = self.mechanism.drive_offsets
         for law, factors in self._trains:
@@ -82,12 +82,12 @@ class ShaftMotion:
             return np.inf
         sense = 1.0 if self.rate > 0.0 else -1.0
         ahead = np.remainder(sense * (knots - float(self.angle(t))), 2.0 * np.pi)
-        # A time that was computed from a knot may lie, by round-off, before it.
+        # The computed time of a knot may be before it by round-off.
         ahead[ahead <= _AT_KNOT] += 2.0 * np.pi
         return float(ahead.min()) / self.speed_rad_s
 
     @cached_property
     def _trains(self) -> list[tuple[DriveLaw, FloatArray]]:
-        """Laws that stand on their own, each with what turns it into motion: (3, 1, drives)."""
+        """Independent laws and their factors of the motion, shape (3, 1, drives)."""
         by_rate = self.rate ** np.arange(3.0)[:, None, None]
         return [(law, ratios * by_rate) for law, ratios in self.mechanism.drive_trains]

@@ -1,4 +1,4 @@
-"""A mechanism set in motion: its shaft, its forces and the constraint sets of its phases."""
+"""A mechanism at one speed: its shaft, its forces and the constraint sets of its phases."""
 
 from __future__ import annotations
 
@@ -70,18 +70,18 @@ class ConstraintSet:
     moving: FloatArray
 
 
-# The stiffness is laid out for so many states, the most nodes that a panel has: arrays of one shape
-# are multiplied three times as fast as a row is repeated.
+# The stiffness is repeated for the largest number of nodes of a panel: products of arrays of one
+# shape take a third of the time of broadcasting.
 _ROWS = 64
-# A choice of dependent coordinates is given up for one with less than this part of its condition.
+# Dependent coordinates are chosen anew if that lowers the condition number below this share.
 _BETTER = 0.5
-# Constraint sets know neither speed nor time, so all runs of a mechanism share them.
+# Constraint sets depend on neither speed nor time, so all runs of a mechanism share them.
 _SETS: WeakKeyDictionary[Mechanism, dict[tuple[DriveMode, frozenset[str]], ConstraintSet]]
 _SETS = WeakKeyDictionary()
 
 
 class System:
-    """What the solver sees: accelerations, multipliers and impulses of one mechanism at one speed.
+    """Accelerations, multipliers and impulses of one mechanism at one speed.
 
     Args:
         mechanism: The mechanism.
@@ -117,8 +117,8 @@ class System:
             shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
             stops = tuple(stop.index for stop in shut)
             drives = tuple(drive.index for drive in self.mechanism.drives)
-            # Shafts that give way are prescribed nothing: with all stops closed they may have to
-            # follow from one another.
+            # Elastic drive trains prescribe nothing: with all stops closed their coordinates may
+            # depend on one another.
             given, yielding = ((*drives, *stops), ()) if self.held else (stops, drives)
             numbers = self._numbers
             armature, stiffness = numbers.armature.copy(), numbers.stiffness.copy()
@@ -154,7 +154,7 @@ class System:
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
     ) -> Partition:
-        """Dependent coordinates here: those of the last choice as long as they serve.
+        """Dependent coordinates here: those of the last choice while well conditioned.
 
         Arguments, value and errors are those of :func:`partition`.
         """
@@ -167,7 +167,7 @@ class System:
     def good_split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
     ) -> Partition:
-        """Dependent coordinates of a flight: as :meth:`split`, with others where these are bad.
+        """Dependent coordinates of a flight: as :meth:`split`, others where ill-conditioned.
 
         Arguments and errors are those of :func:`partition`.
         """
@@ -188,14 +188,14 @@ class System:
         return np.abs(moved) * self._numbers.turning
 
     def lift(self, jacobian: FloatArray, split: Partition, v: FloatArray) -> FloatArray:
-        """One velocity that meets the closures, shape (nv,): dependent rates from independent ones.
+        """Velocity with G v = 0, shape (nv,): dependent rates from independent ones.
 
         Args:
             jacobian: Closure Jacobian G, shape (m, nv).
             split: What :meth:`split` gives for it.
             v: Velocity, shape (nv,); its dependent rates count for nothing.
         """
-        # What `split` has chosen serves; this leaves the inverse for it.
+        # Caches the inverse of the dependent block.
         self._serves(split, jacobian)
         lifted = v.copy()
         lifted[split.columns] = 0.0
@@ -203,7 +203,7 @@ class System:
         return lifted
 
     def closed_velocity(self, v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
-        """Solve G v = 0 for the dependent rates of one velocity that nearly meets it already.
+        """Solve G v = 0 for the dependent rates of one velocity that nearly satisfies it.
 
         Args:
             v: Velocity, shape (nv,); the independent rates are kept.
@@ -217,12 +217,12 @@ class System:
             closed: FloatArray = close_velocities(v[None], jacobian[None], split)[0]
             return closed
         closed = v.copy()
-        # The correction is small, so the inverse, less exact than a solution, is exact enough.
+        # The correction is small, so the accuracy of the inverse suffices.
         closed[split.columns] -= product(self._inverse, product(jacobian, v))
         return closed
 
     def condition(self, split: Partition, jacobian: FloatArray) -> float:
-        """Condition number of the dependent block of the closures; asked often for one place.
+        """Condition number of the dependent block of the closures, cached for one configuration.
 
         Args:
             split: Dependent and independent coordinates.
@@ -299,7 +299,7 @@ class System:
     def dissipation(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Power that the dampers of the mechanism turn into heat [W], shape (N,).
 
-        Drive trains are not among them: what they take is work of the drives.
+        Drive trains are excluded: their losses are work of the drives.
 
         Args:
             q: Configurations, shape (N, nv).
