@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .hybrid.run.outcome import Outcome
     from .hybrid.simulate import simulate
     from .mechanism import Mechanism, load
-    from .study.calls import check, identify, optimise, sweep
+    from .study.entry_points import check, identify, optimise, sweep
     from .study.sweep import read_sweep
     from .study.transitions import TransitionTable, transition_table
     from .view.show import view
@@ -54,7 +54,7 @@ else:
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.result.trajectory": ("Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),
-        "study.calls": ("check", "identify", "optimise", "sweep"),
+        "study.entry_points": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),
         "study.transitions": ("TransitionTable", "transition_table"),
     }

@@ -22,7 +22,6 @@ LONG = {
     "bench/peers/mujoco_shell.py prepare",
     "bench/peers/pybullet_shell.py prepare",
     "bench/peers/scipy_pinocchio.py prepare",
-    "hybrid/advance.py advance",
     "hybrid/motion/kinematics.py kinematic_panel",
     "mechanism/build/contact.py find_contact",
     "mechanism/build/elements.py build_elements",
@@ -62,9 +61,9 @@ MANY = {
     "reduced/panel.py solve_panel",
     "reduced/transition.py transition",
     "reduced/transition.py transitions",
-    "study/calls.py optimise",
+    "study/entry_points.py optimise",
     "study/optimise/run.py optimise",
-    "study/transitions/asking.py transition_table",
+    "study/transitions/engine_choice.py transition_table",
 }
 LARGE = {
     "bench/run_time/skips.py",

@@ -175,8 +175,9 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
         with pytest.raises(SimulationError, match=why):
             transition(narrow, assumed=False, **one)
     # A table of many cases asks the direct engine for them.
-    monkeypatch.setattr("nipper_pin.study.transitions.asking.REDUCED_PAYS_FROM", 2)
-    monkeypatch.setattr("nipper_pin.study.transitions.asking.reduced_model", lambda _one: low)
+    chosen = "nipper_pin.study.transitions.engine_choice"
+    monkeypatch.setattr(f"{chosen}.REDUCED_PAYS_FROM", 2)
+    monkeypatch.setattr(f"{chosen}.reduced_model", lambda _one: low)
     table = transition_table(e62, **{key: value[flying][:2] for key, value in named(cases).items()})
     assert table.engine.tolist() == ["turn"] * len(table)
     assert f"{len(table)} that its tables do not cover: direct" in table.why

@@ -15,7 +15,7 @@ from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import Status, layout
 from nipper_pin.study.cases import cases_of, spring_values
-from nipper_pin.study.transitions import asking
+from nipper_pin.study.transitions import engine_choice
 from nipper_pin.study.transitions import run as module
 from nipper_pin.study.transitions.run import Run, Settings
 
@@ -105,19 +105,20 @@ def test_the_engine_that_is_chosen(
     monkeypatch: pytest.MonkeyPatch, e62: Mechanism, engine: Any, count: int, unfit: str | None,
     numba: bool, why: str, reduced: bool,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(asking, "unfit", lambda *_: unfit)
-    monkeypatch.setattr(asking, "installed", lambda name: numba and name == "numba")
-    monkeypatch.setattr(asking, "reduced_model", lambda *_: "tables")
-    found = asking._chosen(e62, DriveMode.HELD, count, engine)
+    monkeypatch.setattr(engine_choice, "unfit", lambda *_: unfit)
+    monkeypatch.setattr(engine_choice, "installed", lambda name: numba and name == "numba")
+    monkeypatch.setattr(engine_choice, "reduced_model", lambda *_: "tables")
+    found = engine_choice._chosen(e62, DriveMode.HELD, count, engine)
     assert found == ("tables" if reduced else None, why)
 
     def refused(*_: Any) -> None:
         words = "no tables"
         raise SimulationError(words)
 
-    monkeypatch.setattr(asking, "reduced_model", refused)
+    monkeypatch.setattr(engine_choice, "reduced_model", refused)
     if engine == "auto" and reduced:
-        assert asking._chosen(e62, DriveMode.HELD, count, engine) == (None, "direct: no tables")
+        found = engine_choice._chosen(e62, DriveMode.HELD, count, engine)
+        assert found == (None, "direct: no tables")
 
 
 def batch(chosen: np.ndarray, status: list[Status], columns: int) -> Any:

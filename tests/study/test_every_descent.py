@@ -12,7 +12,7 @@ import pytest
 from polynomial_problem import Quantities, Source, problem
 
 from nipper_pin.errors import InfeasibleError
-from nipper_pin.study.optimise import binding, descend, front, search, unmet
+from nipper_pin.study.optimise import binding, descend, front, infeasible, search
 from nipper_pin.study.optimise import design as design_module
 from nipper_pin.study.optimise.points.point import Point
 from nipper_pin.study.optimise.problem import Aim, Limit, read_text
@@ -41,7 +41,7 @@ def polynomials(monkeypatch: pytest.MonkeyPatch) -> list[Source]:
 
     for module in (descend, search):
         monkeypatch.setattr(module, "evaluator", evaluator)
-    for module in (binding, front, unmet):
+    for module in (binding, front, infeasible):
         monkeypatch.setattr(module, "Evaluator", lambda asking: Source(asking, VALUES))
     return made
 
@@ -159,7 +159,7 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert near.rank == (near.violation, near.aim)
     assert sources
     with pytest.raises(InfeasibleError) as caught, work() as parts:
-        unmet.mended(asking, by, [near], "first", parts)
+        infeasible.mended(asking, by, [near], "first", parts)
     one, two = caught.value.evidence["limits"]
     assert (one["limit"], two["limit"]) == ("duration_s >= 4", "duration_s <= 2")
     assert one["reached"] == two["reached"] == pytest.approx(3.0, abs=1e-5)
@@ -173,7 +173,7 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert f"the nearest (one = {numbers['one']:.6g}, two = " in caught.value.message
     wide = problem(Limit(quantity=TIME, side="low", value=3.0))
     with work() as parts:
-        (again,) = unmet.mended(wide, Scales(2.0, (0.5,)), [near], "first", parts)
+        (again,) = infeasible.mended(wide, Scales(2.0, (0.5,)), [near], "first", parts)
     assert again.feasible
     assert again.aim == pytest.approx(4.25, abs=1e-4)
 

@@ -28,7 +28,7 @@ from nipper_pin.study import cases, processes
 from nipper_pin.study.folders import make_folder
 from nipper_pin.study.identify import problem, profiles, suspects, targets, working, write
 from nipper_pin.study.identify.targets import Condition, Target
-from nipper_pin.study.optimise import quantities, run, searches, unmet
+from nipper_pin.study.optimise import infeasible, quantities, run, searches
 from nipper_pin.study.optimise.points import bounces, evaluate
 from nipper_pin.study.optimise.work import Work
 from nipper_pin.study.sweep import local
@@ -459,10 +459,12 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
                                "__str__": lambda self: f"{self.quantity} <= 1"})  # fmt: skip
     limits = tuple(Limit(name) for name in ("a", "b", "c"))  # type: ignore[call-arg]
     point = SimpleNamespace(
-        slacks=(0.5, -3.0, -0.5 * unmet.FEASIBLE * 2.0), values={"a": 0.5, "b": 4.0, "c": 1.0}
+        slacks=(0.5, -3.0, -0.5 * infeasible.FEASIBLE * 2.0), values={"a": 0.5, "b": 4.0, "c": 1.0}
     )
-    monkeypatch.setattr(unmet, "Evaluator", lambda _: SimpleNamespace(at=lambda _z: point))
-    monkeypatch.setattr(unmet, "replace", lambda _, limits: SimpleNamespace(text=lambda: limits))
+    monkeypatch.setattr(infeasible, "Evaluator", lambda _: SimpleNamespace(at=lambda _z: point))
+    monkeypatch.setattr(
+        infeasible, "replace", lambda _, limits: SimpleNamespace(text=lambda: limits)
+    )
     tasks: dict[str, Any] = {}
 
     def do_all(_kind: Any, given: Any) -> list[Any]:
@@ -472,10 +474,10 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
     asked: Any = SimpleNamespace(
         limits=limits, units={"a": "", "b": "N", "c": ""}, numbers=lambda z: {"x": float(z[0])}
     )
-    scales: Any = unmet.Scales(1.0, (1.0, 8.0, 2.0))
+    scales: Any = infeasible.Scales(1.0, (1.0, 8.0, 2.0))
     nearest: Any = SimpleNamespace(z=(0.75,))
     work: Any = SimpleNamespace(all=do_all)
-    error = unmet._infeasible(asked, scales, nearest, "name", work)
+    error = infeasible._infeasible(asked, scales, nearest, "name", work)
     assert "nearest (x = 0.75) breaks b <= 1: 4 is reached, missed by 3 N (alone it is still" in (
         error.message
     )
@@ -488,7 +490,7 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
     assert error.evidence["numbers"] == {"x": 0.75}
     (name,) = tasks
     assert name == "name_alone_1"
-    assert tasks[name].args == ((limits[1],), unmet.Scales(1.0, (8.0,)), (0.75,))
+    assert tasks[name].args == ((limits[1],), infeasible.Scales(1.0, (8.0,)), (0.75,))
 
 
 class Store:

@@ -10,7 +10,7 @@ from polynomial_problem import Quantities, Source, problem
 from scipy.stats import qmc
 
 from nipper_pin.errors import InputError
-from nipper_pin.study.optimise import binding, descend, front, run, search, unmet
+from nipper_pin.study.optimise import binding, descend, front, infeasible, run, search
 from nipper_pin.study.optimise.descend import Descent
 from nipper_pin.study.optimise.problem import Aim, Limit, read_text
 from nipper_pin.study.optimise.search import Seen
@@ -39,7 +39,7 @@ def polynomials(monkeypatch: pytest.MonkeyPatch) -> list[Source]:
 
     for module in (descend, search):
         monkeypatch.setattr(module, "evaluator", evaluator)
-    for module in (binding, front, unmet):
+    for module in (binding, front, infeasible):
         monkeypatch.setattr(module, "Evaluator", lambda asking: Source(asking, VALUES))
     return made
 

@@ -12,9 +12,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin.bench.stress import interpolants, looking, model_invariants, rebound_invariants
-from nipper_pin.bench.stress.from_text import Text
+from nipper_pin.bench.stress import interpolants, model_invariants, observations, rebound_invariants
 from nipper_pin.bench.stress.mirror import mirrored
+from nipper_pin.bench.stress.model_text import Text
 from nipper_pin.bench.stress.parts import Source
 
 INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
@@ -245,16 +245,16 @@ def test_what_has_no_mirror_image(change: str) -> None:
      (9, 4, [0, 3, 5, 8]), (2, 9, [0, 1])],
 )  # fmt: skip
 def test_places_that_are_looked_at(count: int, most: int, places: list[int]) -> None:
-    found = looking.some(count, most)
+    found = observations.some(count, most)
     assert len(found) == len(places)
     assert found[:1] + found[-1:] == places[:1] + places[-1:]
     assert all(abs(one - other) <= 1 for one, other in zip(found, places, strict=True))
 
 
 def test_what_is_beyond_a_limit() -> None:
-    assert [*looking.beyond("x", 1.0, 1.0)] == []
-    assert [*looking.beyond("x", 1.25, 1.0)] == ["x: 1.25, at most 1"]
-    assert [*looking.beyond("x", math.nan, 1.0)] == ["x: nan, at most 1"]
+    assert [*observations.beyond("x", 1.0, 1.0)] == []
+    assert [*observations.beyond("x", 1.25, 1.0)] == ["x: 1.25, at most 1"]
+    assert [*observations.beyond("x", math.nan, 1.0)] == ["x: nan, at most 1"]
 
 
 def test_panels_that_are_looked_at() -> None:
@@ -264,7 +264,7 @@ def test_panels_that_are_looked_at() -> None:
     one = SimpleNamespace(pieces=lambda: iter(pieces[:5]))
     copy = SimpleNamespace(pieces=lambda: iter(pieces[4:]))
     run: Any = SimpleNamespace(segments=[one, copy])
-    found = [*looking.looked_at(run)]
+    found = [*observations.looked_at(run)]
     assert [(item[0] is one, panels.index(item[1])) for item in found] == [
         (True, 0), (True, 2), (True, 4), (False, 5), (False, 6),
     ]  # fmt: skip
@@ -302,7 +302,7 @@ def test_segments_that_are_looked_at() -> None:
         SimpleNamespace(pieces=lambda n=n: iter([(panels[n], n + 1.0, n + 2.0)])) for n in range(70)
     ]
     run: Any = SimpleNamespace(segments=segments)
-    found = [*looking.looked_at(run)]
+    found = [*observations.looked_at(run)]
     places = [panels.index(panel) for _, panel, _ in found]
     assert (len(places), places[0], places[-1]) == (24, 0, 69)
     assert set(np.diff(places)) == {3}
@@ -328,7 +328,7 @@ def test_what_a_solution_shows(parts: int) -> None:
         trajectory=SimpleNamespace(**given),
         mechanism=SimpleNamespace(stops=[SimpleNamespace(name=name) for name in "cba"]),
     )
-    found = looking.shown(run, frozenset("ac"), t)
+    found = observations.shown(run, frozenset("ac"), t)
     assert np.array_equal(found.q, t[:, None] + numbers)
     assert np.array_equal(found.v, 2.0 * numbers)
     assert np.array_equal(found.a, 3.0 * numbers)

@@ -10,7 +10,7 @@ import pytest
 from made_up_runs import EPS, STOPS, Body, Said, compared, mechanism, watched
 
 from nipper_pin.bench.stress import invariants
-from nipper_pin.bench.stress.looking import Shown
+from nipper_pin.bench.stress.observations import Shown
 
 STRUTS = (SimpleNamespace(stiffness=4e9), SimpleNamespace(stiffness=3e8))
 # What follows moves in the same way, at other speeds and lengths of panels.

@@ -20,7 +20,7 @@ from machine_of_all_elements import CASE, everything
 import nipper_pin.bench.stress as stress
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.bench.stress import CHECKS, invariants, violations
-from nipper_pin.bench.stress.looking import Shown, looked_at
+from nipper_pin.bench.stress.observations import Shown, looked_at
 from nipper_pin.mechanism import from_sources
 
 _FILES = ("invariants", "impact_invariants", "element_invariants", "model_invariants",

@@ -236,8 +236,8 @@ def test_failed_case_is_a_row() -> None:
 
 def test_without_numba(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the compiler of the reduced engine the direct one does all, and says why."""
-    monkeypatch.setattr("nipper_pin.study.transitions.asking.installed", lambda _name: False)
-    monkeypatch.setattr("nipper_pin.study.transitions.asking.REDUCED_PAYS_FROM", 2)
+    monkeypatch.setattr("nipper_pin.study.transitions.engine_choice.installed", lambda _name: False)
+    monkeypatch.setattr("nipper_pin.study.transitions.engine_choice.REDUCED_PAYS_FROM", 2)
     table = transition_table(e62, speed_rpm=[450.0, 500.0])
     assert "numba" in table.why
     assert (table.engine == "direct").all()

@@ -10,7 +10,7 @@ from ...hybrid.error_estimate.event_errors import EventError
 from ...hybrid.event import Event, EventKind
 from ...hybrid.result.solution import Solution
 from .invariants import Violation
-from .looking import EPS
+from .observations import EPS
 
 # Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
 _AGREED = 2.0

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
 from .chain_sizes import ChainSizes
-from .looking import EPS
+from .observations import EPS
 from .plain_tree import PlainTree
 
 

@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...hybrid.result.solution import Solution
 from ...mechanism import Strut
-from .looking import EPS, beyond, looked_at
+from .observations import EPS, beyond, looked_at
 
 # Share of a power that its terms may miss.
 _POWER = 1e-9

@@ -7,7 +7,7 @@ import numpy as np
 from ...errors import InputError
 from ...hybrid.result.solution import Solution
 from .invariants import Violation
-from .looking import EPS
+from .observations import EPS
 
 # Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
 _AGREED = 2.0

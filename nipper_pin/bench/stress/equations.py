@@ -15,7 +15,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
 from .applied_forces import AppliedForces
 from .chain_sizes import ChainSizes
-from .looking import EPS
+from .observations import EPS
 from .plain_tree import PlainTree
 
 # Turning into the axes of a link, shifting to its joint, adding: so many roundings a link.

@@ -11,7 +11,7 @@ from ...hybrid.motion.panel import Panel
 from ...hybrid.result.solution import Solution
 from .equations import Equations
 from .interpolants import farthest, halfway, interpolated
-from .looking import EPS, beyond, looked_at
+from .observations import EPS, beyond, looked_at
 
 # Twice integrated, the coefficient of degree k is divided by (2 k)^2; the defect of an interpolant
 # between its nodes is a few times the coefficients that are left out, more at kinks of tables.

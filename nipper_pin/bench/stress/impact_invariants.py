@@ -8,7 +8,7 @@ import numpy as np
 
 from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
-from .looking import EPS, EVENTS, beyond, some
+from .observations import EPS, EVENTS, beyond, some
 
 
 def impulses(solution: Solution) -> Iterator[str]:

@@ -21,8 +21,8 @@ from .equations import Equations
 from .flight_invariants import flights
 from .impact_invariants import impulses
 from .interpolants import slope
-from .looking import EPS, EVENTS, Shown, beyond, looked_at, shown, some
 from .model_invariants import built
+from .observations import EPS, EVENTS, Shown, beyond, looked_at, shown, some
 from .rebound_invariants import rebounds
 
 # Share of its largest force that the equation of a coordinate may be off by.

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...hybrid.result.solution import Solution
 from ...mechanism import Mechanism
-from .from_text import Text
-from .looking import EPS, beyond, looked_at
+from .model_text import Text
+from .observations import EPS, beyond, looked_at
 
 # Two ways to one number differ by round-off of the places and angles on the way.
 _SAME = 1e-10

@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
 from ...mechanism import Stop
-from .looking import EPS, beyond, some
+from .observations import EPS, beyond, some
 
 _LOOKED_AT = 12
 # Round-off that closures hand on: they are sums of some eight terms, each with half a last digit of

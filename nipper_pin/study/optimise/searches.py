@@ -8,10 +8,10 @@ from functools import partial
 
 from ...errors import SimulationError
 from .descend import Descent, descend
+from .infeasible import mended
 from .problem import Aim, Problem
 from .search import SHARE, Found, Seen, begins, evolve, look, samples, scales
 from .trace import Scales
-from .unmet import mended
 from .work import Work
 
 

@@ -7,7 +7,7 @@ case, and the result says which engine computed what.
 
 from __future__ import annotations
 
-from .asking import REDUCED_PAYS_FROM, Engine, table_of, transition_table
+from .engine_choice import REDUCED_PAYS_FROM, Engine, table_of, transition_table
 from .retuned import retuned
 from .table import FAILED, REDUCED, TURN, TransitionTable
 
