@@ -1,4 +1,4 @@
-"""The input shaft: its angle, its sense of rotation and the comber's index scale."""
+"""The input shaft: angle, sense of rotation and the comber's index scale."""
 
 from __future__ import annotations
 

@@ -166,7 +166,7 @@ class Strut:
 
     @property
     def directed(self) -> bool:
-        """True if its force has no direction where the points coincide.
+        """True if the force has no direction where the points coincide.
 
         The force of a spring of free length zero is proportional to the line itself, and
         vanishes with it.

@@ -1,7 +1,7 @@
 """From model files to a validated mechanism.
 
 Parsers and schemas are imported by the functions that read a model: together they take as long as
-a load itself, and whoever only imports the package should not wait for them.
+a load itself, so importing the package alone does not import them.
 """
 
 from __future__ import annotations

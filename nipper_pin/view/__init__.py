@@ -1,7 +1,7 @@
-"""What people look at: tables and plots. Import the module you need; each brings its library.
+"""Tables, plots, films and pages of solutions and studies.
 
-``nipper_pin.view(solution)`` shows a solution: the room carries the name of what it is for, so it
-can be called.
+Each module imports only the library that it needs. ``nipper_pin.view(solution)`` shows a solution:
+the package is callable, like the public function of its name.
 """
 
 import sys
@@ -11,7 +11,7 @@ from .show import view
 
 
 class _Room(ModuleType):
-    """A module that shows what it is called with."""
+    """A module that shows a solution when it is called."""
 
     __call__ = staticmethod(view)
 

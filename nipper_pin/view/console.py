@@ -23,7 +23,7 @@ def plain_table(first: str, *others: str) -> Table:
 
 
 def add_row(table: Table, *cells: str) -> None:
-    """Add a row to a table as it stands: brackets and colons in names are the user's.
+    """Add a row to a table without markup: brackets and colons in names are printed.
 
     Args:
         table: The table.
@@ -43,7 +43,7 @@ def paste(console: Console, command: str) -> None:
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:
-    """Print a sentence as it stands: what looks like markup or an emoji is the user's text.
+    """Print a sentence without markup: brackets and colons in it are printed.
 
     Args:
         console: Where to print.

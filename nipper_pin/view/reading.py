@@ -1,4 +1,4 @@
-"""How people read a solution: units of its coordinates, digits of its numbers, turns shown."""
+"""Units of coordinates, digits of numbers and the turns shown, in tables and figures."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def stop_place(mechanism: Mechanism, stop: Stop) -> str:
 
 
 def gap_noun(mechanism: Mechanism, stop: Stop) -> str:
-    """What the gap of a stop is called: it is the joint's coordinate, or counts from the stop."""
+    """Name of the gap of a stop: the joint's coordinate, or a distance from the stop."""
     return units_of(mechanism, stop.index).noun if stop.plain else "gap"
 
 
@@ -198,6 +198,6 @@ def phase_name(mechanism: Mechanism, closed: frozenset[str]) -> str:
 
 
 def force_name(mechanism: Mechanism, stop: str) -> str:
-    """What the force of a closed stop is called, with its unit."""
+    """Name and unit of the force of a closed stop."""
     noun = "clamping force" if stop == mechanism.transition_stop else "stop force"
     return f"{noun} [{force_unit(mechanism, mechanism.stop(stop))}]"

@@ -1,4 +1,4 @@
-"""One look for all figures: sizes, colours that the colour-blind can tell apart, axes, shading."""
+"""Common style of figures: sizes, colours safe for colour-blind readers, axes, shading."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ def find_contact(
     closing, gap = _close(bodies[0], bodies[1], joint, frame, axis, sense=sense, at=at)
     pair = f"{contact.lower} and {contact.upper}"
     _check_touch(closing, start, joint, pair, key, file, sense=sense, at=at)
-    # The search stands at the closing coordinate; the bodies meet there, at one common point.
+    # The search ends at the closing coordinate, where the bodies have one common point.
     point = 0.5 * (gap.first + gap.second)
     point[1] = 0.0
     normal = gap.normal * np.array([1.0, 0.0, 1.0])
@@ -134,9 +134,9 @@ def _shapes(
 def _planar(item: pin.GeometryObject) -> coal.CollisionGeometry:
     """Shape to search with: the same section in the plane, found as precisely as possible.
 
-    The search stops at about 1e-6 m on the flank of a cylinder, because it feels its way along a
-    curve. It is exact to round-off for a capsule, which is a segment with a radius, and the two
-    have the same section if their axis is y.
+    The search is iterative and stops at about 1e-6 m on the flank of a cylinder. It is exact to
+    round-off for a capsule, which is a segment with a radius, and the two have the same section
+    if their axis is y.
     """
     solid = item.geometry
     axis = item.placement.rotation[:, 2]
@@ -250,7 +250,7 @@ def _check_touch(
 
 
 def _place(coordinate: float, joint: UrdfJoint) -> str:
-    """A coordinate as people read it."""
+    """Return a coordinate as text, in mm or degrees."""
     if joint.kind == "revolute":
         return f"{math.degrees(coordinate):.6g} deg"
     return f"{MM_PER_M * coordinate:.6g} mm"

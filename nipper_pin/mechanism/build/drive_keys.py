@@ -47,7 +47,7 @@ def check_drive(name: str, drive: DriveTable, joint: Joint, file: str) -> None:
 
 
 def _joints_of_laws() -> str:
-    """Which laws move which joints, as a sentence."""
+    """Return as a sentence which laws move which joints."""
     laws: dict[tuple[str, ...], list[str]] = defaultdict(list)
     for tag, kind in DRIVES.tables().items():
         laws[kind.moves].append(tag)

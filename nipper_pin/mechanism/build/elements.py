@@ -43,7 +43,7 @@ _OF_JOINT = {
     ),
 }
 DYNAMICS = "<dynamics> of "
-"""Begins the name of a damper that a joint of the URDF has; its joint's name follows."""
+"""Prefix of the name of a damper from the URDF; the name of its joint follows."""
 
 _POINTS = ("frame_a", "frame_b")
 _SPRING_OF_POINTS = (*_POINTS, "stiffness_N_per_m", "free_length_mm")
@@ -90,7 +90,7 @@ def build_elements(
         if _between_points(spring):
             _check_keys(spring, _SPRING_OF_POINTS, None, where, file)
             values = {
-                # The check leaves neither of them None.
+                # The check above excludes None.
                 "stiffness": spring.stiffness_N_per_m or 0.0,
                 "free_length": M_PER_MM * (spring.free_length_mm or 0.0),
             }

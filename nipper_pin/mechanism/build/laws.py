@@ -81,7 +81,7 @@ def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float |
         return None
     best = int(np.argmin(values))
     low, high = grid[best] - grid[1], grid[best] + grid[1]
-    # Bisection on the rate: safe next to an extreme, and a load is not a hot loop.
+    # Bisection on the rate is safe next to an extreme; its speed does not matter while loading.
     for _ in range(64):
         middle = 0.5 * (low + high)
         if sign * float(law.evaluate(np.array([middle]))[1][0]) < 0.0:

@@ -1,4 +1,4 @@
-"""Putting the parts of a mechanism together and checking the names that join them."""
+"""Assembly of a mechanism from its parts, with checks of the names that refer to one another."""
 
 from __future__ import annotations
 
@@ -235,7 +235,7 @@ def _stops(
 def _forces(
     description: Description, joints: Mapping[str, Joint], file: str
 ) -> tuple[JointForce, ...]:
-    """Force elements with a law of their own, which few machines have."""
+    """Build the force elements with a registered law."""
     if not description.forces:
         return ()
     from .forces import build_forces
@@ -246,7 +246,7 @@ def _forces(
 def _restitution_law(
     name: str, stop: StopDescription, joint: Joint, file: str
 ) -> RestitutionLaw | None:
-    """How the restitution of a stop depends on the rate; None if it does not."""
+    """Return the restitution law of a stop by the rate; None for a constant."""
     if stop.restitution_law is None:
         return None
     try:
@@ -287,7 +287,7 @@ def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> fl
 
 
 def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str) -> None:
-    """A joint has room between two stops, the lower one below the upper one."""
+    """Refuse two stops of a joint of which the lower one is not below the upper one."""
     for other in others:
         allowed = ""
         if other.sense == stop.sense:
@@ -310,7 +310,7 @@ def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str)
 
 
 def _phases(description: Description, file: str) -> tuple[Phase, ...]:
-    """Phases with different numbers and different sets of closed stops."""
+    """Return the phases; numbers and sets of closed stops must differ."""
     phases: list[Phase] = []
     for place, phase in enumerate(description.phases):
         key = f"phases[{place}]"
@@ -337,7 +337,7 @@ def _phases(description: Description, file: str) -> tuple[Phase, ...]:
 
 
 def _check_shortcut(key: str, path: str, data: Mapping[str, object], urdf: Urdf, file: str) -> None:
-    """A shortcut leads to a number of the document or to a link value."""
+    """Refuse a shortcut that is not the path of a number."""
     value: object = data
     steps = path.split(".")
     if steps[0] == "links" and len(steps) == 3 and steps[1] in urdf.links:

@@ -107,7 +107,7 @@ def with_blocks(
         ElementTree.SubElement(joint, "child", link=block)
         ElementTree.SubElement(joint, "origin", xyz=text_of(along * np.array(axis)), rpy="0 0 0")
         ElementTree.SubElement(joint, "axis", xyz=text_of(np.array(axis)))
-        # A URDF demands limits; here they never act.
+        # A URDF requires limits; these are never reached.
         ElementTree.SubElement(
             joint, "limit", lower="-1e9", upper="1e9", effort="1e9", velocity="1e9"
         )

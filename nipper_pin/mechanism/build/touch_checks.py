@@ -208,7 +208,7 @@ def _check_guides(
     placements: list[pin.SE3],
     file: str,
 ) -> None:
-    """A guide bar is fixed to the link that it turns, so its axis is that of the joint."""
+    """Refuse a guide whose axis is not that of the joint it drives."""
     for drive in drives:
         if not isinstance(drive.law, OscillatingGuide):
             continue
@@ -239,7 +239,7 @@ def _check_drives(
     joints: Sequence[Joint],
     file: str,
 ) -> None:
-    """Drives must be independent of the closures and of one another."""
+    """Refuse drives that depend on the closures or on one another."""
     driven = _unit([drive.index for drive in drives], len(joints))
     labels = [*names, *(f"drive {drive.name}" for drive in drives)]
     clash = dependent_rows(np.vstack([jacobian, driven]), labels)
@@ -260,7 +260,7 @@ def _check_phases(
     phases: Sequence[Phase],
     file: str,
 ) -> None:
-    """In each phase the closed stops must be compatible with closures and drives."""
+    """Refuse a phase whose closed stops contradict closures and drives."""
     size = jacobian.shape[1]
     driven = _unit([drive.index for drive in drives], size)
     labels = [*names, *(f"drive {drive.name}" for drive in drives)]

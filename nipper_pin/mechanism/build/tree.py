@@ -26,7 +26,7 @@ def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:
         ModelError: Pinocchio refuses the URDF.
     """
     if "continuous" in text:
-        # Pinocchio gives an unbounded hinge two coordinates, cosine and sine; one is wanted here.
+        # Pinocchio gives an unbounded hinge two coordinates, cosine and sine, not one angle.
         text = _bounded(text)
     try:
         model = pin.buildModelFromXML(text)
@@ -114,7 +114,7 @@ def collision_geometry(
     Returns:
         Geometry model whose objects carry the names of the collision elements.
     """
-    # Meshes that are only drawn are no concern of Pinocchio, and need not be there.
+    # Pinocchio does not need meshes that are only drawn; their files may be missing.
     solids = (part.partition("</collision>")[0] for part in text.split("<collision")[1:])
     if any("<mesh" in solid for solid in solids):
         text = _absolute_meshes(text, mesh_folder, file)
@@ -136,7 +136,7 @@ def collision_geometry(
 
 
 def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> str:
-    """Write absolute paths of collision meshes, which is what Pinocchio finds without a package."""
+    """Write absolute paths of collision meshes: Pinocchio resolves no others without a package."""
     root = ElementTree.fromstring(text)
     for mesh in root.iterfind(".//collision//mesh"):
         mesh.set("filename", str(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file)))

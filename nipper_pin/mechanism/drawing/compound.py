@@ -1,4 +1,4 @@
-"""Groups of parts that machines with stops have again and again."""
+"""Groups of parts that are common in machines with stops."""
 
 from __future__ import annotations
 

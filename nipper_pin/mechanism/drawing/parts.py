@@ -166,7 +166,7 @@ class Damper:
 
 @dataclass(frozen=True)
 class Force:
-    """A force element with a law of its own on a joint, of the same name in the model.
+    """A force element with a registered law on a joint, of the same name in the model.
 
     Attributes:
         joint: The joint.

@@ -16,7 +16,7 @@ _GROUND = (0.55, 0.57, 0.6)
 
 
 def body_visuals(tree: Tree, body: Body, number: int) -> list[str]:
-    """Bars of a body, in a layer of its own; a block if it has one point.
+    """Bars of a body, in a separate layer; a block if it has one point.
 
     Args:
         tree: The drawing's tree.

@@ -1,7 +1,7 @@
 """Drive laws: the coordinate of a driven joint as a function of the cylinder angle.
 
 Each module has a law and the table of the model file that it is built from. A new one is a module
-here, named like the law, or a class in a user's own program that `register_drive` makes known.
+here, named like the law, or a class in a user's own program, registered by `register_drive`.
 """
 
 from importlib import import_module
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     register_drive = DRIVES.add
 else:
-    # The tables bring the parser of model files, which whoever has a mechanism does without.
+    # The tables import the parser of model files, which a built mechanism does not need.
     _PLACES = {
         "cam": ("Cam", "CamDrive"),
         "fourier": ("Fourier", "FourierDrive"),
@@ -36,7 +36,7 @@ else:
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
-        """Import what is behind a name when it is first asked for."""
+        """Import the module of a public name at its first use."""
         if name == "register_drive":
             return import_module("..files.register", __name__).DRIVES.add
         if name not in _PLACE_OF:

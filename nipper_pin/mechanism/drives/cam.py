@@ -113,7 +113,7 @@ class Cam:
         rising, falling = place < self.rise_rad, (beyond >= 0.0) & (beyond < self.return_rad)
         up = np.where(beyond < 0.0, 1.0, 0.0)
         width = np.where(rising, self.rise_rad, self.return_rad)
-        # What moves is evaluated inside of 0 to 1; what dwells is at an end, where it stands still.
+        # Moving parts are evaluated within 0 to 1; dwells at an end, where the rate is zero.
         u = np.where(rising, place / self.rise_rad, np.where(falling, 1.0 - beyond / width, up))
         value, first, second = _MOTIONS[self.motion](u)
         sense = np.where(rising, 1.0, np.where(falling, -1.0, 0.0))

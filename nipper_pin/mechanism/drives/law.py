@@ -45,7 +45,7 @@ class Geared:
 
     @property
     def knots_rad(self) -> tuple[float, ...]:
-        """Those of the law of the other shaft."""
+        """Cylinder angles at which a higher derivative of the other shaft's law jumps [rad]."""
         return self.of.knots_rad
 
     def evaluate(self, psi: FloatArray) -> Evaluation:

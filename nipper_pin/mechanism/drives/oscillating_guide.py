@@ -41,7 +41,7 @@ class OscillatingGuide:
     _direction: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Refuse a guide that does not oscillate and keep what does not change."""
+        """Refuse a guide that does not oscillate, and compute the constants."""
         dx = self.crank_axis[0] - self.guide_axis[0]
         dz = self.crank_axis[1] - self.guide_axis[1]
         distance = math.hypot(dx, dz)
@@ -127,7 +127,7 @@ class OscillatingGuideDrive(ShaftTable, frozen=True, kw_only=True, tag="oscillat
         )
 
     def culprit(self) -> tuple[str, object]:
-        """A guide that does not oscillate has too long a crank, one that jams too much offset."""
+        """Return the crank where the guide does not oscillate, the offset where it jams."""
         if self.crank_radius_mm < math.dist(self.crank_axis_mm, self.guide_axis_mm):
             return "guide_offset_mm", self.guide_offset_mm
         return "crank_radius_mm", self.crank_radius_mm

@@ -10,7 +10,7 @@
   inertia goes with the mass, as that of a body of one shape does;
 * ``urdf. ...``: one number of the file in its own words (:mod:`.urdf_paths`), nothing else moves.
 
-Points come first, then raw numbers, then links, so that a centre of mass is where it was asked for.
+Points are changed first, then raw numbers, then links, so that a given centre of mass is exact.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def _split(path: str, known: Sequence[str], kind: str) -> tuple[str, str]:
 def _places(
     found: Layout, points: Mapping[str, Mapping[str, float]]
 ) -> dict[str, tuple[float, float]]:
-    """New places of points; polar ones are seen from where their hinge goes."""
+    """New places of points; polar coordinates count from the new place of the hinge."""
     places: dict[str, tuple[float, float]] = {}
     waiting = []
     for name, new in points.items():

@@ -148,11 +148,11 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
 
 
 def _meeting(points: Mapping[str, str], document: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
-    """Points that are one pin; ends of closures that are no points are for the loader to refuse."""
+    """Groups of points that are one pin; the loader refuses ends of closures that are no points."""
     meeting: dict[str, tuple[str, ...]] = {name: (name,) for name in points}
     for closure in document.get("closures", {}).values():
         if closure.get("slot_axis") is not None:
-            # A pin goes its own way along its slot.
+            # A pin moves along its slot.
             continue
         ends = (closure["frame_a"], closure["frame_b"])
         if all(name in points for name in ends):

@@ -16,14 +16,14 @@ from .dimensions import HEADS, change_dimensions
 from .toml_paths import number_at, number_from, replace_value
 from .urdf_paths import steps_of
 
-# Squares and products of what is larger leave the range of a float before anything can be checked.
+# Squares and products of larger numbers overflow before they can be checked.
 _LARGEST = 1e12
 
 
 def by_path(
     overrides: Mapping[str, object], data: Mapping[str, object], file: str
 ) -> dict[str, object]:
-    """Overrides by the paths that their shortcuts stand for.
+    """Overrides by their paths, shortcuts replaced.
 
     Args:
         overrides: New values by path, or by a shortcut that the document defines.
@@ -118,7 +118,7 @@ def apply_overrides(
             written.append(path)
     _close_turns(changed, written, file)
     if dimensions:
-        # Points follow closures, guides and contacts, which have to be what they should be.
+        # Points follow closures, guides and contacts, so the document is checked first.
         describe(changed, file)
         root = parse_xml(urdf, urdf_file)
         changed = change_dimensions(root, changed, dimensions, urdf_file)
@@ -127,7 +127,7 @@ def apply_overrides(
 
 
 def _close_turns(document: dict[str, object], written: Iterable[str], file: str) -> None:
-    """Let the other end of a drive table follow: its first and last row are one, a turn apart."""
+    """Change the other end of a drive table too: its first and last row are equal, a turn apart."""
     ends = {tuple(steps_of(path)): path for path in written}
     for steps, path in ends.items():
         if len(steps) != 4 or steps[0] != "drives":

@@ -72,7 +72,7 @@ def move_points(
     place = {link: where + shifts.get(link, 0.0) for link, where in found.place.items()}
     slides = [joint for joint in found.order if joint.get("type") == "prismatic"]
     for slide in slides:
-        # A slide has no place of its own: it goes with what its far link is pinned to.
+        # A slide has no fixed place: it moves with the pin of its far link.
         far = [link for link in pins.get(end(slide, "child"), ()) if link in shifts]
         for pinned in far:
             place[end(slide, "child")] = found.place[end(slide, "child")] + shifts[pinned]
@@ -159,7 +159,7 @@ def _swing(
 def _keep_contacts(
     swings: dict[str, _Swing], found: Layout, document: Mapping[str, object]
 ) -> None:
-    """Leave links alone whose shapes meet at a stop: they meet where they did."""
+    """Leave links unchanged whose shapes meet at a stop, so that the contact stays."""
     stops: Any = document.get("stops", {})
     meet = {name for stop in stops.values() for name in stop.get("contact", {}).values()}
     for link in found.root.findall("link"):

@@ -91,7 +91,7 @@ def number_from(value: object, path: str, file: str) -> float:
 
 
 def _holder(document: object, steps: Sequence[str], path: str, where: str) -> object:
-    """What holds the last step of a path."""
+    """Return the table or list that holds the last step of a path."""
     if not steps:
         known = document if isinstance(document, Mapping) else ()
         raise UnknownNameError(kind="key", name=path, known=known, where=where)
@@ -129,7 +129,7 @@ def _item(holder: object, steps: Sequence[str], where: str) -> object:
 
 
 def _unwritten(holder: object, steps: Sequence[str]) -> dict[str, float]:
-    """Numbers that the holder of the last step may have and does not, as they are then."""
+    """Defaults of omitted numbers of the table that holds the last step."""
     if len(steps) == 3 and steps[0] in _OPTIONAL and isinstance(holder, Mapping):
         return optional_numbers(steps[0], holder)
     return {}
@@ -137,7 +137,7 @@ def _unwritten(holder: object, steps: Sequence[str]) -> dict[str, float]:
 
 def _convert(value: object, old: object, path: str, file: str) -> object:
     """Convert a string to the type of the value that it replaces, a foreign number to Python's."""
-    # What is validated and saved is plain Python, not a number of numpy or the like.
+    # Only plain Python numbers are validated and saved, not those of numpy.
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
         value = int(value)
     elif isinstance(value, numbers.Real) and not isinstance(value, bool):

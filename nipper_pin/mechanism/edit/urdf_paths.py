@@ -1,4 +1,4 @@
-"""Single values of a URDF by paths in its own words.
+"""Single values of a URDF by paths of its elements and attributes.
 
 ``urdf.<element>.<name>.<element>...<attribute>`` follows the elements of the file; an element that
 can occur more than once is followed by its name, and an attribute of several numbers by x, y, z or
@@ -29,7 +29,7 @@ _STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
 
 
 def steps_of(path: str) -> list[str]:
-    """Steps of a dotted path; a place in a list is a step of its own, such as ``[0]``."""
+    """Steps of a dotted path; an index of a list is a separate step, such as ``[0]``."""
     return _STEP.findall(path)
 
 
@@ -121,7 +121,7 @@ def find_value(root: ElementTree.Element, path: str) -> UrdfValue:
 
 
 def _write_out(element: ElementTree.Element, step: str) -> None:
-    """Write a placement that the file leaves out, and means."""
+    """Write the default placement that the file omits."""
     if step == "origin" and element.tag in _PLACED and element.find(step) is None:
         ElementTree.SubElement(element, step)
     elif element.tag == "origin" and step in ("xyz", "rpy") and step not in element.attrib:

@@ -51,7 +51,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """
     _refuse_unusable(data, "", file)
-    # What is wrong with an element is told before what is wrong with the whole.
+    # Errors of single elements are reported before errors of the whole.
     extended = {section: _entries(data, section, file) for section in _LAWS}
     for section in _SECTIONS:
         if section != "stops":
@@ -107,7 +107,7 @@ def _kind(section: str, entry: object) -> Any:
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
-    """Numbers that an entry may have and does not, and what they are then.
+    """Defaults of the numbers that an entry omits.
 
     Args:
         section: Name of a table of entries, such as ``drives``.
@@ -190,7 +190,7 @@ def _keys(kind: Any) -> list[str]:
 
 
 def _allowed(kind: Any) -> str:
-    """What a value of this type may be, in words; empty if the converter says it well enough."""
+    """Return the allowed values of a type in words; empty if the converter's message suffices."""
     arguments = typing.get_args(kind)
     if type(None) in arguments:
         return _allowed(next(item for item in arguments if item is not type(None)))

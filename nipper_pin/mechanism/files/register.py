@@ -35,12 +35,12 @@ class Register(Generic[_T]):
     """
 
     def __init__(self, noun: str, room: str, base: str) -> None:
-        """Begin without any: those of the package are imported when they are named."""
+        """Start empty: laws of the package are imported when a model names them."""
         self._noun, self._room, self._base = noun, f"{_MECHANISM}.{room}", base
         self._added: dict[str, type[TomlTable]] = {}
 
     def add(self, kind: _T) -> _T:
-        """Let model files name a table.
+        """Register a table under the name of its law.
 
         Args:
             kind: The table.
@@ -123,7 +123,7 @@ def _place(kind: type) -> tuple[str, str]:
 @functools.cache
 def _import_extensions() -> None:
     """Import the modules that installed packages name as extensions, once a process."""
-    # It brings archives and more, and few programs meet a law that is not there.
+    # importlib.metadata is slow to import, and only an unknown law needs it.
     from importlib.metadata import entry_points
 
     for point in entry_points(group=GROUP):

@@ -77,7 +77,7 @@ def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:
         del value["default"]
     inner = value.get("additionalProperties")
     if isinstance(inner, dict):
-        # A keyword of another standard; the constant "law" of each choice says the same.
+        # Not a keyword of JSON schema; the constant "law" of each choice has the same effect.
         inner.pop("discriminator", None)
     return {"description": words, **value} if words else value
 

@@ -9,7 +9,7 @@ from msgspec import Meta
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
-# What is larger belongs to no machine, and its products and squares leave the range of a float.
+# Products and squares of larger numbers overflow.
 Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
 Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
 Length = Annotated[float, Meta(ge=0.0, le=1e15)]

@@ -96,7 +96,7 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
 
 
 def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
-    """Check a URDF for everything that Pinocchio would accept in silence or report obscurely.
+    """Check a URDF for errors that Pinocchio would not report, or not clearly.
 
     Args:
         root: The ``robot`` element.
@@ -169,7 +169,7 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
         ends.append(link)
     _, rpy = origin(element, key, file)
     rotation = rotation_from_rpy(rpy)
-    # The y axis itself must survive: a half turn about x keeps the plane but mirrors every angle.
+    # The direction of y must be kept: a half turn about x keeps the plane but mirrors angles.
     if abs(rotation[1, 1] - 1.0) > _TOLERANCE:
         raise ModelError(
             file=file,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     register_force = FORCES.add
 else:
-    # The tables bring the parser of model files, which whoever has a mechanism does without.
+    # The tables import the parser of model files, which a built mechanism does not need.
     _PLACES = {
         "law": ("ForceLaw", "JointForce"),
         "orifice": ("Orifice", "OrificeForce"),
@@ -24,7 +24,7 @@ else:
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
-        """Import what is behind a name when it is first asked for."""
+        """Import the module of a public name at its first use."""
         if name == "register_force":
             return import_module("..files.register", __name__).FORCES.add
         if name not in _PLACE_OF:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     register_restitution = RESTITUTIONS.add
 else:
-    # The tables bring the parser of model files, which whoever has a mechanism does without.
+    # The tables import the parser of model files, which a built mechanism does not need.
     _PLACES = {
         "falling": ("Falling", "FallingRestitution"),
         "law": ("RestitutionLaw",),
@@ -25,7 +25,7 @@ else:
     _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 
     def __getattr__(name: str) -> object:
-        """Import what is behind a name when it is first asked for."""
+        """Import the module of a public name at its first use."""
         if name == "register_restitution":
             return import_module("..files.register", __name__).RESTITUTIONS.add
         if name not in _PLACE_OF:

@@ -1,4 +1,4 @@
-"""What the page says of one setting: numbers, plots, or why there are none."""
+"""The result of one setting on the page: numbers and plots, or the reason why there are none."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ..reading import digits, units_of
 from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed
 
-# A series comes to its limit with fewer; what has more cannot be shown as rebounds anyway.
+# A bounce series converges with fewer collisions.
 _MOST_COLLISIONS = 400
 
 
@@ -70,7 +70,7 @@ def answer(mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, f
     try:
         case = Case(speed_rpm=values[SPEED], max_collisions=_MOST_COLLISIONS)
         solution = simulate(changed(mechanism, values), case)
-        # Rebounds are found when they are asked for, and may fail like a run.
+        # Rebounds are computed at their first use and may fail like a run.
         return _numbers(setting, solution)
     except NipperError as error:
         return Answer(setting, error.message)
@@ -124,7 +124,7 @@ def _rows(
     if others:
         rows.append(("others", "other stops", _also(solution, others).strip()))
     if solution.premise_holds is False:
-        # Numbers of a motion that no turn has must not stand alone.
+        # Numbers of a transition that no turn reaches are shown with a remark.
         rows.insert(0, ("premise", "no turn has this transition", solution.premise.why))
     rows.append(("engine", "engine", f"direct, {MS_PER_S * solution.wall_s:.1f} ms"))
     return rows

@@ -1,4 +1,4 @@
-"""What there is to see at one moment of a transition: phase, impulses and numbers."""
+"""Phase, impulses and numbers at one time of a transition."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
     Returns:
         Size of the arrow of each stop struck so far that has one, by the largest impulse [-].
     """
-    # A moment's impulse has another unit, and no arrow.
+    # An impulse of a moment has another unit, and no arrow.
     hits = drawn_collisions(solution, math.inf)
     largest = max((item.impulse for item in hits), default=0.0)
     found = {}

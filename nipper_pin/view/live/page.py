@@ -138,7 +138,7 @@ class Page:
         solution, larger = self._answer.solution, self._larger.value
         end = 0.0 if solution is None else solution.segments[-1].t_end
         self._clock += passed / self._slow.value
-        # Where the film begins, all settings look alike: one that stands at its end stays there.
+        # At the start of the film all settings look alike, so a film at its end stays there.
         if passed > 0.0 and self._clock > end + _PAUSE / self._slow.value:
             self._clock = 0.0
         t = min(self._clock, end)

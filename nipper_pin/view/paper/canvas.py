@@ -63,14 +63,14 @@ def plate(name: str, title: str, caption: str, figure: Figure) -> Plate:
     picture, document = io.StringIO(), io.BytesIO()
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": name, "pdf.fonttype": 42}):
         figure.savefig(picture, format="svg", metadata={"Date": None, "Title": title})
-        # What the first drawing has laid out holds for the second.
+        # The layout of the first drawing holds for the second.
         figure.set_layout_engine("none")
         figure.savefig(document, format="pdf", metadata={"CreationDate": None})
     return Plate(name, title, caption, figure, picture.getvalue(), document.getvalue())
 
 
 def new_figure(height_in: float, mark: str) -> Figure:
-    """Return an empty figure that says what its numbers are.
+    """Return an empty figure with a line on the kind of its numbers.
 
     Args:
         height_in: Height [in].

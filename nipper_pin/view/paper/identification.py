@@ -1,4 +1,4 @@
-"""What an identification found, as a figure and tables."""
+"""Results of an identification as a figure and tables."""
 
 from __future__ import annotations
 

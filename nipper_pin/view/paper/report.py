@@ -1,4 +1,4 @@
-"""The study as one page that needs nothing else: no network, no files, figures inside."""
+"""The study as one self-contained page: figures included, no network and no other files."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         supplements: Results of other studies.
         content: Their figures and tables.
     """
-    # Templates are loaded by those who write a report, not by those who draw a figure.
+    # Imported here: drawing a figure does not need templates.
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -161,7 +161,7 @@ def numbers(names: Sequence[str]) -> dict[str, str]:
 
 
 def _facts(study: PaperStudy) -> dict[str, Any]:
-    """Numbers that the text needs and no table holds."""
+    """Numbers of the text that are in no table."""
     studies, given = study.studies, study.published
     common = given.speeds_rpm.index(given.common_speed_rpm)
     worst = max(study.ratios, key=lambda item: abs(item.relative_deviation), default=None)

@@ -1,4 +1,4 @@
-"""What other studies add to the report: sensitivities, and the outcome of an identification."""
+"""Results of other studies in the report: sensitivities and an identification."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
     panels = figure.subplots(len(QUANTITIES), 1)
     for place, (axes, quantity) in enumerate(zip(panels, QUANTITIES, strict=True)):
         ranked = found.ranked(quantity)
-        # Per cent beside millimetres: each kind in its own group, or the shorter bars get lost.
+        # Percent and millimetres are grouped apart, since their bars differ in length.
         sized = [row for row in ranked if row.unit != "%"][:_SHOWN]
         relative = [row for row in ranked if row.unit == "%"][:_SHOWN]
         rows = [*sized, *relative][::-1]

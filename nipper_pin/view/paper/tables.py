@@ -74,7 +74,7 @@ class Table:
 
 def percent(value: float, decimals: int = 1) -> str:
     """Signed percentage."""
-    # Round-off below zero does not show as minus zero.
+    # Negative round-off is written as zero without a sign.
     return f"{round(100.0 * value, decimals) + 0.0:+.{decimals}f} %"
 
 
@@ -245,7 +245,7 @@ def drive_table(study: PaperStudy) -> Table:
 
 
 def stop_table(study: PaperStudy) -> Table:
-    """What the stop that is closed in phase 1 does in a turn at the speeds of the study."""
+    """Releases of the stop that is closed in phase 1, by speed."""
     stop, words = study.phase_one, terms(study)
     stroke = words.stroke
     return Table(

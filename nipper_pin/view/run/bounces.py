@@ -36,7 +36,7 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
         if item.stop == stop.name
         and transition.t_start <= item.t <= transition.t_start + transition.duration
     ]
-    # Beyond the last collision the motion is its limit: at rest.
+    # After the last collision the stop is at rest, the limit of the series.
     t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
     gap = units.coordinate_factor * stop.gaps(q)
     figure = new_figure(solution, f"Transition: bounces of stop {stop.name}", 5.6)
@@ -98,7 +98,7 @@ def impulse_figure(solution: Solution) -> Figure:
 
 
 def _visible(t: FloatArray, gap: FloatArray, collisions: list[float]) -> FloatArray:
-    """Gap with the feet of every bounce left out, which no logarithmic axis can hold."""
+    """Gap without the ends of bounces, which a logarithmic axis cannot show."""
     shown = gap.copy()
     for begin, end in pairwise(collisions):
         bounce = (t >= begin) & (t <= end)

@@ -51,7 +51,7 @@ _DECIMALS = {"index": 4, "time_s": 5}
 def print_solution(
     solution: Solution, console: Console, *, forces: bool = False, turns: str = ""
 ) -> None:
-    """Print what a run found.
+    """Print the results of a run.
 
     Times count from the first collision. Of many turns the first two are printed.
 
@@ -122,7 +122,7 @@ def _collisions(solution: Solution, console: Console) -> None:
 
 
 def _shown(item: Quantity[Collision], units: Units) -> tuple[str, float]:
-    """Unit of a column, and what turns the SI value into it."""
+    """Unit of a column and the factor from the SI value."""
     by_unit = {
         "s": ("ms", MS_PER_S),
         "J": ("mJ", MJ_PER_J),
@@ -146,7 +146,7 @@ def _cell(solution: Solution, hit: Collision, item: Quantity[Collision], units: 
 
 
 def _copies(solution: Solution, console: Console) -> None:
-    """Say so if all later turns are equal."""
+    """Print a remark if all later turns are equal."""
     turn, cycles = solution.repeated_from, solution.case.cycles
     if turn is not None and turn < cycles:
         later = f"Turn {cycles} is" if turn + 1 == cycles else f"Turns {turn + 1} to {cycles} are"
@@ -195,20 +195,20 @@ def _transitions(solution: Solution, console: Console) -> None:
 
 
 def _premise(solution: Solution, console: Console, turns: str) -> None:
-    """Say so if no turn of the machine has this transition."""
+    """Print a remark if no turn of the machine reaches this transition."""
     if solution.premise_holds is not False:
         return
     _say(console, f"No turn has this transition: {solution.premise.why}", style="bold")
     if turns:
         _say(console, "The one that turns have:")
-        # In one line, however narrow the terminal is: it is there to be pasted.
+        # One line on any terminal, so that it can be pasted.
         console.print(Text(turns), soft_wrap=True)
     else:
         _say(console, "The one that turns have is found by simulating them (window cycle).")
 
 
 def _how_ended(solution: Solution) -> str:
-    """Why a series of infinitely many bounces has an end."""
+    """Print a remark on the finite duration of infinitely many bounces."""
     mechanism, threshold = solution.mechanism, solution.case.rest_rate
     stop = mechanism.stop(mechanism.transition_stop)
     if stop.restitution == 0.0:
@@ -253,7 +253,7 @@ def _release_text(solution: Solution, event: Event) -> str:
 
 
 def _shafts(solution: Solution, console: Console) -> None:
-    """Speeds of shafts that give way, and what they would be with held drives."""
+    """Speeds of elastically driven shafts, beside those of held drives."""
     rates = shaft_rates(solution)
     if not rates:
         return

@@ -1,7 +1,7 @@
 """A solution seen in the browser: solids, animation, arrows and the page that carries them.
 
-Nothing here is imported by a run that is not looked at. ``page`` needs meshcat, ``gif`` Matplotlib
-and pillow; each is imported by those who write such a file.
+A run that is not shown imports nothing of this. ``page`` needs meshcat, ``gif`` Matplotlib
+and pillow; each is imported where such a file is written.
 """
 
 from .film import Film, Look, film

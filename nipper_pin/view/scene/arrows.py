@@ -1,4 +1,4 @@
-"""Arrows of impulses: which stops have one, where it stands, how large it is and how long."""
+"""Arrows of impulses: stops that have one, place, size and duration."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def arrow_scale(share: FloatArray | float) -> FloatArray:
     Returns:
         Scale, shape (3,) or (K, 3) [-].
     """
-    # Nothing at all would leave a matrix that cannot be inverted.
+    # A scale of zero would make a singular matrix.
     long = np.maximum(share, 1e-6)
     # Length shows the impulse; width shrinks less, so that small arrows stay arrows.
     return np.stack([np.sqrt(long), long, np.sqrt(long)], axis=-1)

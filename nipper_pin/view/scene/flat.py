@@ -1,7 +1,7 @@
-"""Solids seen from the side: what of them is drawn in the plane of the mechanism, far things first.
+"""Faces and edges of solids in side view, in the order of their depth (painter's algorithm).
 
-All motion is parallel to that plane, so what stands before what never changes, and neither does the
-light on a face: both are found once, and a picture only moves the corners.
+All motion is parallel to the plane of the mechanism, so depth and shading are constant: both are
+computed once, and only the corners move from picture to picture.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Flat:
 
 
 def flat(shown: Film, drawn: Sequence[Solid]) -> Flat:
-    """What is seen of solids from the side.
+    """Return the visible faces and edges of solids in side view.
 
     Args:
         shown: The film.
@@ -86,7 +86,7 @@ def flat(shown: Film, drawn: Sequence[Solid]) -> Flat:
             light.append(np.broadcast_to(shade, len(group)))
             solid.append(np.full(len(group), place))
         first += len(at)
-    # Of one depth, edges come after faces: those of the front of a plate lie in its plane.
+    # At equal depth edges follow faces: the edges of a plate's front lie in its plane.
     every, bright = np.concatenate(depth), np.concatenate(light)
     order = np.lexsort((bright == 0.0, -every.round(6)))
     return Flat(
@@ -131,7 +131,7 @@ def placed(shown: Film, frame: int, body: NDArray[np.intp] | int, local: FloatAr
         Points in the world (x, z), shape (N, 2) [m].
     """
     axis = cylinder_axis(shown.solution.mechanism) or (0.0, 0.0)
-    # The two bodies that are no links stand last, where their negative places find them.
+    # Cylinder and frame come last, where their negative indices find them.
     angle = np.concatenate([shown.angle[frame], [shown.turned[frame], 0.0]])[body]
     origin = np.concatenate([shown.position[frame], [axis, (0.0, 0.0)]])[body]
     cos, sin = np.cos(angle), np.sin(angle)

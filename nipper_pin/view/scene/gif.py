@@ -99,7 +99,7 @@ def _write(painter: _Painter, partial: Path) -> None:
 
 
 def _palette(samples: list[Image.Image], exact: list[str]) -> Image.Image:
-    """One palette for all pictures, so that what stands still is stored once."""
+    """Return one palette for all pictures, so that constant parts are stored once."""
     width, height = _SIZE
     sheet = Image.new("RGB", (width, height * len(samples)))
     for place, sample in enumerate(samples):
@@ -107,7 +107,7 @@ def _palette(samples: list[Image.Image], exact: list[str]) -> Image.Image:
     made = sheet.quantize(256 - len(exact), Image.Quantize.MEDIANCUT).getpalette() or []
     found = np.array(made, dtype=int).reshape(-1, 3)
     kept = np.array([tuple(bytes.fromhex(colour.removeprefix("#"))) for colour in exact])
-    # Pillow looks colours up in steps of four and would take a close one for one of these.
+    # Pillow rounds colours to steps of four, so colours close to an exact one are left out.
     apart = np.abs(found[:, None] - kept).max(axis=-1).min(axis=1) > _NEAR
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.concatenate([kept, found[apart]]).ravel().tolist())
@@ -123,7 +123,7 @@ class _Painter:
     """
 
     def __init__(self, shown: Film) -> None:
-        """Find what all pictures have in common."""
+        """Compute the parts that all pictures have in common."""
         self._shown, mechanism = shown, shown.solution.mechanism
         pace = shown.pace
         times = np.arange(0.0, pace.playback[-1], 1.0 / PER_SECOND)
@@ -177,7 +177,7 @@ class _Painter:
         return image.reduce(_SHARP)
 
     def _common(self) -> Image.Image:
-        """Title, phases along the film, and note."""
+        """Draw title, phases along the film, and note."""
         shown, solution = self._shown, self._shown.solution
         mechanism, pace = solution.mechanism, shown.pace
         image = Image.new("RGB", (_SHARP * _SIZE[0], _SHARP * _SIZE[1]), "white")
@@ -194,7 +194,7 @@ class _Painter:
         return image
 
     def _title(self, text: str) -> str:
-        """As much of a title as stands in one line."""
+        """Return a title shortened to one line."""
         room, count = _SHARP * (_BAR[2] - _LEFT), len(text)
         while self._strong.getlength(text) > room:
             count -= 1
@@ -202,7 +202,7 @@ class _Painter:
         return text
 
     def _say(self, draw: ImageDraw.ImageDraw, frame: int, colour: str) -> None:
-        """Phase, numbers, last collision, and the place in the film."""
+        """Write phase, numbers and last collision, and mark the time in the film."""
         shown, solution = self._shown, self._shown.solution
         mechanism, pace = solution.mechanism, shown.pace
         top = _BOX[1]
@@ -226,7 +226,7 @@ class _Painter:
         draw.rectangle([_SHARP * part for part in mark], fill=_INK)
 
     def _arrows(self, draw: ImageDraw.ImageDraw, frame: int) -> None:
-        """The impulses that have just been."""
+        """Draw arrows for the most recent impulses."""
         shown, mechanism = self._shown, self._shown.solution.mechanism
         shaft, thick, head, wide = arrow_sizes(mechanism)
         outline = np.array([(-thick, 0.0), (-thick, shaft), (-wide, shaft), (0.0, shaft + head),
@@ -241,7 +241,7 @@ class _Painter:
                 draw.polygon(self._pixels(placed(shown, frame, body, local)), fill=ARROW)
 
     def _share(self, stop: Stop, frame: int) -> float:
-        """Size of an arrow by the largest one: whole for a moment, then shrinking."""
+        """Size of an arrow relative to the largest one: constant at first, then decreasing."""
         pace = self._shown.pace
         hits = drawn_collisions(self._shown.solution, pace.machine[-1])
         now, largest = pace.machine[frame], max((item.impulse for item in hits), default=0.0)

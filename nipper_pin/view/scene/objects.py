@@ -128,7 +128,7 @@ def _transform(path: str, place: FloatArray) -> dict[str, object]:
 
 
 class _Path:
-    """The one thing that meshcat's commands ask of a path."""
+    """The method of a path that meshcat's commands call."""
 
     def __init__(self, text: str) -> None:
         self._text = text
