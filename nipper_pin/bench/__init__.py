@@ -1,1 +1,1 @@
-"""What measures the package: run time, accuracy, stress campaigns, other simulators."""
+"""Measurements of the package: run time, accuracy, stress campaigns, other simulators."""

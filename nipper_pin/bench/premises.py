@@ -51,7 +51,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Judged:
-    """What was said of a transition, and what the turn does.
+    """The stated premise of a transition, and the simulated turn.
 
     Attributes:
         drawn: The case.
@@ -118,7 +118,7 @@ def draw(count: int, seed: int) -> Iterator[tuple[Mechanism, list[Drawn]]]:
 
 
 def judged(mechanism: Mechanism, drawn: list[Drawn]) -> list[Judged]:
-    """Ask both engines, and compare with simulated turns.
+    """Compare the premise of both engines with simulated turns.
 
     Args:
         mechanism: The machine.

@@ -127,7 +127,7 @@ def _refuse_failures(result: Campaign, *, one: bool) -> None:
         count = f"{len(wrong)} of {len(result.verdicts)} cases are wrong"
         message = f"{count}, the first one number {wrong[0].number}: {wrong[0].detail[:300]}"
         raise SimulationError(message, numbers=[item.number for item in wrong])
-    # One case that is judged again says nothing about shares.
+    # A single case repeated gives no share of refusals.
     if not one and (found := excesses(result.verdicts)):
         worst = found[0]
         message = (
@@ -140,7 +140,7 @@ def _refuse_failures(result: Campaign, *, one: bool) -> None:
 
 @contextmanager
 def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], None]]:
-    """A bar on a terminal; in any case a word about what is kept after an interrupt."""
+    """Show progress on a terminal; after an interrupt report the finished trials."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""The mechanism in Exudyn: seven planar bodies, joints and prescribed shafts of its own."""
+"""The mechanism in Exudyn: seven planar bodies, joints and prescribed shafts."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def build(mechanism: Mechanism, p: Planar) -> tuple[Any, Any]:
 
 
 def _law(p: Planar, ratio: float) -> tuple[Any, Any]:
-    """Angle and rate of a shaft as Exudyn asks for them."""
+    """Angle and rate of a shaft, in the signature that Exudyn calls."""
 
     @compiled
     def shaft(t: float) -> tuple[float, float]:

@@ -43,7 +43,7 @@ def _settings() -> Any:
     settings.timeIntegration.verboseMode = 0
     settings.timeIntegration.newton.useModifiedNewton = True
     settings.timeIntegration.newton.relativeTolerance = 1e-8
-    # No numerical dissipation: there is nothing stiff to damp, and it costs accuracy.
+    # No numerical dissipation: nothing is stiff, and it would reduce the accuracy.
     settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0
     return settings
 

@@ -1,4 +1,4 @@
-"""MuJoCo's own contact: the jaw's stop is a joint limit, steps are fixed, nobody looks for events.
+"""MuJoCo's own contact: the jaw's stop is a joint limit, fixed steps, no event location.
 
 MuJoCo has no coefficient of restitution. A limit with damping (1 + e) / h and no stiffness turns a
 closing rate v into -e v within one semi-implicit Euler step h, which is what is used here.

@@ -1,4 +1,4 @@
-"""Where all seven bodies are and how fast, in closed form, for packages that are set there."""
+"""Places and velocities of all seven bodies in closed form, to initialise other packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every peer offers, and the bookkeeping that those with an event loop in Python share.
+"""The interface of a peer, and the bookkeeping of those with an event loop in Python.
 
 The scene is one transition: from the first collision, in the touch configuration with the steeve
 on its stop, to rest of the jaw. Unless a peer says otherwise rest is the limit of the bounces.

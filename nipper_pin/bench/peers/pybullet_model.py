@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pybullet
 
 STRONG = 1e9
-"""Largest force of motors and pins [N or N m]: they shall never give way."""
+"""Largest force of motors and pins [N or N m], never reached."""
 
 
 def bare_urdf(urdf: str) -> str:
@@ -35,7 +35,7 @@ def bare_urdf(urdf: str) -> str:
 def pin_frames(
     body: int, places: dict[str, int], model: Any, a: Any, b: Any, here: dict[str, int]
 ) -> None:
-    """Pin two frames to each other; points are given from the centres of mass, as Bullet wants."""
+    """Pin two frames to each other; points count from the centres of mass, as Bullet requires."""
 
     def end(frame: Any) -> tuple[int, list[float]]:
         if not frame.parentJoint:

@@ -1,1 +1,1 @@
-"""Run time against error, and what each part of a run costs."""
+"""Run time against error, and the run time of each part."""

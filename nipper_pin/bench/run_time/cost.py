@@ -1,4 +1,4 @@
-"""Where the time of a simulation goes, and how it grows."""
+"""Run time of the parts of a simulation, and its growth with the size of the problem."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def link_cost(counts: tuple[int, ...], repeats: int, budget_s: float) -> Rows:
     """Growth with the number of links: chains of N four-bars over one turn of the drive.
 
     Held, the drive determines the motion and nothing is integrated; inertial, the crank's shaft
-    has a degree of freedom of its own, so that the same chain is integrated.
+    has a degree of freedom, so that the same chain is integrated.
     """
     rows = []
     with tempfile.TemporaryDirectory() as folder:

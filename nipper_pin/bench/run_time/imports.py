@@ -1,4 +1,4 @@
-"""What imports cost: the package's own beside Pinocchio's, and those of libraries it leaves out."""
+"""Times of imports: of the package beside Pinocchio's, and of libraries imported only if used."""
 
 from __future__ import annotations
 

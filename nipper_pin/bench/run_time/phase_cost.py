@@ -1,4 +1,4 @@
-"""Where the time of a run goes: its phases, and in a transition the dynamics and the rest."""
+"""Run time of the phases of a turn, and of dynamics and other parts in a transition."""
 
 from __future__ import annotations
 

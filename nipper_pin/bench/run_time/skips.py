@@ -1,7 +1,7 @@
-"""What a simulation leaves out, and what that saves: each thing measured with and without.
+"""Computations that a simulation skips, each measured with and without the skip.
 
 ``with`` is the time with the skip in force, as the package runs; ``without`` the same work with the
-thing done after all. What cannot be measured honestly is not in the list.
+thing done after all. A skip without a comparable version is not listed.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def _repeating(mechanism: Mechanism, turns: int, repeats: int) -> Skip:
 
 
 def _asked_for(mechanism: Mechanism, repeats: int) -> list[Skip]:
-    """What a solution computes only when it is asked for."""
+    """Properties of a solution that are computed at their first use."""
     transition = Case(speed_rpm=SPEED_RPM)
     turn = Case(speed_rpm=SPEED_RPM, window=Window.CYCLE)
 

@@ -19,8 +19,8 @@ from ...units import MS_PER_S
 _PACKAGES = (
     "nipper-pin", "pin", "coal", "numpy", "scipy", "numba", "msgspec", "rich", "matplotlib",
 )  # fmt: skip
-# Repeats last at least so long [s]: the first ones of a short run are slower than the others, and
-# ten of them say what the machine did in a hundredth of a second.
+# Least duration of all repeats [s]: the first repeats of a short run are slower, and ten of them
+# would sample the machine for a hundredth of a second only.
 _SHORTEST_S = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 

@@ -62,7 +62,7 @@ class Observed:
 
 @dataclass(frozen=True)
 class Row:
-    """One engine, or peer, at one setting; None where it cannot say.
+    """One engine, or peer, at one setting; None where it gives no result.
 
     Attributes:
         engine: Name.
@@ -114,7 +114,7 @@ def direct_rows(certified: Certified, *, quick: bool, repeats: int) -> list[Row]
 
         def solve(case: Case = case) -> Solution:
             solution = simulate(mechanism, case)
-            # Tables and rebounds are found when they are asked for.
+            # Tables and rebounds are computed at their first use.
             first, second = solution.collisions[:2]
             _ = first.rebound_amplitude, first.rebound_time, second.rebound_time
             _ = solution.transitions
@@ -156,7 +156,7 @@ def graded(
 ) -> Row:
     """One row of the table."""
     times, late = observed.times, certified.times[1:]
-    # With fewer than two rebounds a setting has missed what is asked for.
+    # A setting with fewer than two rebounds has no errors to compare.
     rebounds = np.full(2, np.nan)
     rebounds[: len(times) - 1] = np.diff(times)[:2]
     four = np.array([*rebounds, observed.amplitudes[0], observed.transition_time])

@@ -1,4 +1,4 @@
-"""What must hold between two solutions of one case: twice the same, twice as fine, mirrored."""
+"""Checks between two solutions of a case: repeated, with a finer tolerance, mirrored."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .observations import EPS
 _AGREED = 2.0
 # Mirror images have the same errors but for round-off.
 _MIRRORED = 0.25
-# Where two solutions part, the next events of both are known less well than those before.
+# After two solutions differ, the next events of both are less accurate than those before.
 _PARTED = 10.0
 # Round-off of impulses, as a share of the largest one in the same instant.
 _ROUND_OFF = 1e-9
@@ -74,7 +74,7 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
         one, other = first[i], second[j]
         errors = coarse.errors[i], fine.errors[j]
         if max(error.impulse for error in errors) >= 1.0:
-            # Of a rate that is all error nobody knows whether the stop is reached at all.
+            # With a rate below its error it is undecided whether the stop is reached.
             return
         allowed = share * (errors[0].time + errors[1].time) + 16.0 * EPS * max(one.t, other.t)
         apart = abs(one.t - other.t)
@@ -82,10 +82,10 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             if not apart <= allowed:
                 text = f"event {one.number}: times differ by {apart:.3g} s"
                 yield Violation(kind, f"{text}, stated {allowed:.3g} s")
-            # What has moved for no more than round-off of the clock strikes with round-off.
+            # After a flight as short as the round-off of time the rate is round-off.
             counts = one.kind is EventKind.COLLISION and max(one.t, other.t) > clock
             texts = list(_impulses(one, other, errors, share)) if counts else []
-            # Two events nearer than the clock tells them apart are in one instant.
+            # Events closer than the round-off of time are simultaneous.
             if texts and not _left_over(one, first, clock):
                 yield from (Violation(kind, text) for text in texts)
             i, j = i + 1, j + 1
@@ -133,7 +133,7 @@ def _left_over(hit: Event, events: list[Event], instant: float) -> bool:
 def _impulses(
     one: Event, other: Event, errors: tuple[EventError, EventError], share: float
 ) -> Iterator[str]:
-    """Impulses of one collision in two solutions: each has a stated error of its own."""
+    """Compare the impulses of one collision in two solutions, with the stated error of each."""
     for name, impulse in one.P_N.items():
         against = other.P_N.get(name, 0.0)
         stated = share * sum(error.impulses.get(name, 0.0) for error in errors)

@@ -14,7 +14,7 @@ from .plain_tree import PlainTree
 
 
 class AppliedForces:
-    """Forces that are known of a state and its time.
+    """Forces that depend on state and time alone.
 
     Args:
         solution: The solution; its elements, drives and shaft are taken, not its motion.

@@ -1,4 +1,4 @@
-"""How large the terms are that the dynamics of a tree adds up, whatever they leave of one another.
+"""Sizes of the terms in the sums of a tree's dynamics, without cancellation.
 
 Of a chain of joints k that carries a link: its acceleration is a sum of a_k times the length of the
 way from the joint, of W^2 L of all that turns and of 2 W U of what slides on it; its force is its

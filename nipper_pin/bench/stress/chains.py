@@ -225,7 +225,7 @@ class Chain:
         self.parts.append(frame(f"{name}_b", second, relative))
         points = {"frame_a": f"{name}_a", "frame_b": f"{name}_b"}
         if stiffness is not None:
-            # A free length that pulls, one that pushes, or none at all.
+            # A free length in tension, one in compression, or zero.
             free = hypot(near, 0.0) * one_of(rng, 0.0, 1.0, rng.uniform(0.0, 2.0))
             self.tables["springs"][name] = {
                 **points, "stiffness_N_per_m": stiffness, "free_length_mm": 1e3 * free

@@ -59,7 +59,7 @@ def _chain(rng: Generator) -> Draft:
         machine.add_link(rng, bool(rng.random() < 0.6), log(rng, 0.2, 5.0))
     tied = str(rng.choice(["none", "none", "links", "slot"])) if count > 1 else "none"
     machine.tie(rng, tied)
-    # A loop has to close wherever the stops let the chain go.
+    # The loop must close at all positions between the stops.
     widest = 0.05 if tied == "links" else 0.8
     closed = machine.add_stops(rng, int(rng.integers(1, 5)), (1e-3 * widest, widest))
     for joint in machine.joints:
@@ -178,7 +178,7 @@ def _slots(rng: Generator) -> Draft:
     machine.spring("s flap", "flap", log(rng, 1e-2, 1e3), float(rng.normal(0.0, 0.2)))
     if rng.random() < 0.5:
         machine.damper("d flap", "flap", log(rng, 1e-4, 1.0))
-    # The block has a coordinate of its own, and may have a spring and a damper there.
+    # The block has a coordinate, which may have a spring and a damper.
     machine.joints["slot"] = False
     if rng.random() < 0.3:
         machine.spring("s slot", "slot", log(rng, 1.0, 1e4), float(rng.normal(0.0, 0.1)))

@@ -1,4 +1,4 @@
-"""What must hold of springs and dampers: found anew from places, rates and tables."""
+"""Checks of springs and dampers, recomputed from places, rates and tables."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ...hybrid.result.solution import Solution
 from ...mechanism import Strut
 from .observations import EPS, beyond, looked_at
 
-# Share of a power that its terms may miss.
+# Largest relative error of a power.
 _POWER = 1e-9
 
 
 def elements(solution: Solution) -> Iterator[str]:
-    """Springs and dampers give and take the power that places and rates of their points say.
+    """Check the power of springs and dampers against places and rates of their points.
 
     Places come from the placements of the links and rates from their angular and centroid
     velocities, where the engine has Jacobians. Tables stay between their rows and their ends.

@@ -1,4 +1,4 @@
-"""What must hold between the two engines: they give the same transition."""
+"""Check that the two engines give the same transition."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ class Equations:
         gaps, jacobian = self.tree.closures(q)
         loose = self.loose(closed)
         off = np.zeros(self.nv)
-        # Beside what is open stands the round-off of the places whose difference it is.
+        # A closure gap has the round-off of the places whose difference it is.
         open_by = np.abs(gaps) + self._roundings() * self._sizes.reach(q)
         off[loose] = np.abs(np.linalg.pinv(jacobian[:, loose])) @ open_by
         return off
@@ -135,7 +135,7 @@ class Equations:
         count, loose = len(found.loose), found.loose
         forces, opened = self._sizes.of(q, v, found.a)
         pulled = np.abs(found.jacobian.T) @ np.abs(found.unknowns[count:])
-        # One system solves all: what stands still has the round-off of what moves.
+        # In one linear system coordinates at rest have the round-off of moving ones.
         opened = np.full(len(opened), opened.max(initial=0.0))
         pushed = (forces + found.applied + pulled)[loose]
         # Closures may be met by forces, as the difference of what these and the others do alone.

@@ -1,4 +1,4 @@
-"""What must hold of flights: the equations of motion, at places where no node lies."""
+"""Check of flights: the equations of motion hold between the nodes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ADDED = 4.0
 
 
 def flights(solution: Solution) -> Iterator[str]:
-    """Between their nodes flights obey the equations of motion as well as they are resolved."""
+    """Check the equations of motion between nodes, to the tolerance of the run."""
     equations, tolerance = Equations(solution), solution.case.resolution.tolerance
     for segment, panel, t in looked_at(solution):
         if not panel.integrated:

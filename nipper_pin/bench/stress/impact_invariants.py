@@ -1,4 +1,4 @@
-"""What must hold of impacts: momentum, closures, the impact law and the energy that is lost."""
+"""Checks of impacts: momentum, closures, the impact law and the energy lost."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def impulses(solution: Solution) -> Iterator[str]:
             sizes.append(np.abs(row))
         left, size = sum(terms), sum(sizes)
         if system.held:
-            # What is left in the driven coordinates is the drives' impulse.
+            # The residual in the driven coordinates is the impulse of the drives.
             left, size = np.delete(left, system.driven), np.delete(size, system.driven)
             yield from beyond(f"{where}: change of the drives' rates",
                                float(np.abs(event.delta[system.driven]).max(initial=0.0)),
@@ -45,7 +45,7 @@ def impulses(solution: Solution) -> Iterator[str]:
         # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13 of
         # them; closures that move by drives alone see round-off of the others.
         widest = float(np.abs(G).max(initial=0.0))
-        # Several impacts in one instant: what the first has left open, the next does not close.
+        # Simultaneous impacts: a later one does not close a contact that an earlier one opened.
         latest = solution.events[max(place - 2, 0) : place]
         first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
         open_before = float(np.abs(G @ event.v_before).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""What must hold of any solution, without a reference.
+"""Checks of any solution, without a reference.
 
 Each check yields violations: what was found and the most that is allowed. Limits are round-off
 times the size of the terms where equations are met exactly, and the tolerance of the run where
@@ -88,7 +88,7 @@ def _times(solution: Solution) -> Iterator[str]:
 
 
 def _outcome(solution: Solution) -> Iterator[str]:
-    """The outcome is what the events show."""
+    """Check the outcome against the events."""
     case, events = solution.case, solution.events
     collisions = sum(event.kind is EventKind.COLLISION for event in events)
     end = solution.segments[-1].t_end if solution.segments else 0.0
@@ -115,7 +115,7 @@ def _outcome(solution: Solution) -> Iterator[str]:
 
 
 def _phases(solution: Solution) -> Iterator[str]:
-    """Sets of closed stops follow one another as the events say."""
+    """Check the sequence of closed stops against the events."""
     mechanism = solution.mechanism
     closed = mechanism.phase(mechanism.initial_phase).closed
     chain = [closed]
@@ -185,7 +185,7 @@ def _motion(solution: Solution) -> Iterator[str]:
         yield from _forces(solution, where, equations, seen, G)
         # A panel of one unit in the last place of time has no slope.
         if segment.kinematic and panel.h > 1e-9 * solution.shaft.period:
-            # Each node is solved on its own: velocities know nothing of accelerations.
+            # Nodes are solved one by one: velocities do not depend on accelerations.
             rising = slope(panel.v) / panel.h
             size = np.abs(panel.a).max() + np.abs(panel.v).max() / panel.h
             # Of a machine at rest only what round-off of its coordinates would make of it.
@@ -217,7 +217,7 @@ def _forces(
     spring = np.stack([tau for tau, _ in applied])
     left = inverse - spring - np.einsum("nij,ni->nj", G, seen.closures)
     size = np.abs(inverse) + np.abs(spring)
-    # In free fall inertia and weight are all there is, and make up for one another.
+    # In free fall inertia and weight are the only forces and cancel.
     size += np.abs(system.body.inverse_dynamics(q, v, np.zeros_like(a)))
     size += np.einsum("nij,ni->nj", np.abs(G), np.abs(seen.closures)) + 1e-300
     stops = [solution.mechanism.stop(name) for name in seen.stops]
@@ -276,7 +276,7 @@ def _continuity(solution: Solution) -> Iterator[str]:
 
 
 def _energy(solution: Solution) -> Iterator[str]:
-    """What goes in through the drives and gravity is stored or lost."""
+    """Check the energy balance: work of drives and gravity is stored or lost."""
     energy = solution.energy
     terms = (
         energy.drive_work, energy.drive_impulse_work, energy.gravity_work, energy.spring_change,
@@ -285,7 +285,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     scale = sum(map(abs, terms)) + energy.kinetic_peak
     system, equations, condition = solution.system, Equations(solution), 1.0
     heights = []
-    # Tables count from their first row, so what is stored may be negative.
+    # The energy of a table counts from its first row, so it may be negative.
     stored = 0.0
     # Near a dead centre panels are short. Copies of a turn share theirs.
     known = {id(s.panels[0].a): s for s in solution.segments}
@@ -296,7 +296,7 @@ def _energy(solution: Solution) -> Iterator[str]:
         heights.append(system.body.gravity_energy(panel.q))
         for q in panel.q[:: max(len(panel.q) // 4, 1)]:
             condition = max(condition, equations.condition(q, segment.closed))
-    # What goes to and fro has its round-off, too.
+    # Energy that is exchanged repeatedly adds round-off, too.
     scale += float(np.ptp(np.concatenate(heights))) if heights else 0.0
     # Forces lose the digits that the impact matrix loses.
     lost = min(32.0 * EPS * condition, 1e-5)
@@ -316,7 +316,7 @@ def _energy(solution: Solution) -> Iterator[str]:
 
 
 def _tables(solution: Solution) -> Iterator[str]:
-    """Rebounds, phases and stated errors can be had and are what numbers they can be."""
+    """Check that rebounds, phases and stated errors can be computed and have possible values."""
     yield from rebounds(solution)
     for hit in solution.collisions[:EVENTS]:
         amplitude, time = hit.rebound_amplitude, hit.rebound_time

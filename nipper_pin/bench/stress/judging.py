@@ -28,13 +28,13 @@ TIME_LIMIT_S = 600.0
 _FINER, _FINEST = 16.0, 1e-14
 # Trials with more evaluations than this are run once only, at their own tolerance.
 _LONG = 100_000
-# Words of messages that own up to a fault of the package: never a good reason to refuse.
+# Words of messages about faults of the package: never a valid reason to refuse.
 _CONFESSION = "please report"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of one trial.
+    """Verdict on one trial.
 
     Attributes:
         number: Number of the trial.
@@ -77,7 +77,7 @@ def judge(item: Trial, time_limit_s: float = TIME_LIMIT_S) -> Verdict:
 
     try:
         with _limited(time_limit_s), warnings.catch_warnings():
-            # A warning of numpy on the way is a wrong turn that nobody has thought of.
+            # A warning of numpy is an unforeseen case, and counts as a violation.
             warnings.simplefilter("error")
             outcome, fingerprint, found = _run(item)
     except NipperError as error:
@@ -118,7 +118,7 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
         try:
             seen = simulate(image, case)
         except SimulationError:
-            # What is at the limit of the possible may be refused from one side only.
+            # Cases at the limit of what can be solved may be refused in one of two runs only.
             seen = None
         if seen is not None:
             found += mirror_images(solution, seen)

@@ -1,4 +1,4 @@
-"""What must hold of the machine that was built: it is the one that the texts describe."""
+"""Check that the built machine is the one that its texts describe."""
 
 from __future__ import annotations
 

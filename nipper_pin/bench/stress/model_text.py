@@ -1,4 +1,4 @@
-"""A machine as the texts of its model say, read and moved without the package's reader.
+"""A machine read from the texts of its model, without the package's reader.
 
 The URDF is read here anew, by textbook formulae for rotations, so that a wrong mass, place or axis
 in the building of a model is seen.

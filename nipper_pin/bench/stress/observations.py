@@ -1,4 +1,4 @@
-"""What checks of a solution look at, and how they say what is wrong."""
+"""Samples of a solution for its checks, and messages about violations."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SEGMENTS, _PANELS, _POINTS = 24, 3, 5
 
 
 class Shown(NamedTuple):
-    """What a solution shows at K times, as it shows it to anybody.
+    """Public values of a solution at K times.
 
     Attributes:
         q: Configurations, shape (K, nv).
@@ -55,7 +55,7 @@ def shown(solution: Solution, closed: frozenset[str], t: FloatArray) -> Shown:
 
 
 def beyond(what: str, found: float, most: float) -> Iterator[str]:
-    """Say what is found if it exceeds the most that is allowed."""
+    """Yield a message if a value exceeds its limit."""
     # A comparison with a number that is none is false: such a number is beyond every limit.
     if not found <= most:
         yield f"{what}: {found:.3g}, at most {most:.3g}"
@@ -70,7 +70,7 @@ def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]
         for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
             if id(panel.a) not in seen:
                 seen.add(id(panel.a))
-                # The end itself belongs to what follows.
+                # The end belongs to the next segment.
                 yield segment, panel, np.linspace(begin, np.nextafter(end, begin), _POINTS)
 
 

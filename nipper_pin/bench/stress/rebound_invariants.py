@@ -1,4 +1,4 @@
-"""What must hold of the table of collisions: rebounds are those of the motion that is shown."""
+"""Check the table of collisions against the motion of the solution."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def rebounds(solution: Solution) -> Iterator[str]:
             continue
         end = following[0]
         if np.array_equal(end.q, hit.event.q) or end.t > span[1] or end.t <= hit.t:
-            # It was not followed: rest was known already.
+            # The flight was not integrated: rest followed from the series.
             continue
         clock = 16.0 * EPS * end.t
         yield from beyond(f"{where}: rebound time is not that to the next event [s]",

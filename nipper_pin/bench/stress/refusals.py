@@ -1,4 +1,4 @@
-"""How many cases of a family may be refused: an engine that refuses everything is never wrong."""
+"""Largest share of refused cases of a family, since refusing all would pass all checks."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ MEASURED = {
     "spring tables": 79, "near points": 68, "slots": 153, "nipper with elements": 148,
     "linkage": 0,
 }  # fmt: skip
-# A share that is measured on 385 cases is known to a few per cent; two more are allowed.
+# A share measured on 385 cases is accurate to a few percent; two more are allowed.
 _MORE, _ROOM = 1.2, 0.02
-# Chance of an alarm where nothing is wrong, for each family.
+# Probability of a false alarm for each family.
 _CHANCE = 1e-6
 
 

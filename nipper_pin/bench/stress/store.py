@@ -1,4 +1,4 @@
-"""A campaign on disk: what it is of, and each verdict as soon as it is known."""
+"""A campaign on disk: its settings, and each verdict as soon as it is computed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _CAMPAIGN, _VERDICTS = "campaign.json", "verdicts.jsonl"
 
 @dataclass(frozen=True)
 class _Line:
-    """What is kept of a verdict.
+    """The stored part of a verdict.
 
     Attributes:
         verdict: The verdict.
@@ -71,11 +71,11 @@ class Store:
         self.elapsed_s = max((line.elapsed_s for line in lines.values()), default=0.0)
 
     def look(self) -> tuple[Verdict, ...]:
-        """What is kept by now."""
+        """The verdicts stored so far."""
         return tuple(line.verdict for line in self._lines().values())
 
     def _lines(self) -> dict[int, _Line]:
-        """Read what is whole, and leave out what an interrupt has cut."""
+        """Read complete lines; a line cut by an interrupt is left out."""
         if self._folder is None:
             return {}
         lines: dict[int, _Line] = {}

@@ -1,4 +1,4 @@
-"""What makes a random linkage free: rods that give way, spring-held levers and boxes, and stops."""
+"""Freedoms of a random linkage: sprung rods, spring-held levers and boxes, and stops."""
 
 from __future__ import annotations
 

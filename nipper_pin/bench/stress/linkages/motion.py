@@ -15,7 +15,7 @@ from ....arrays import FloatArray
 from ....mechanism.drawing import FRAME
 
 ANGLES = np.radians(np.arange(0.0, 360.0, 3.0))
-"""Angles of the crank at which everything is known [rad]."""
+"""Angles of the crank at which the motion is tabulated [rad]."""
 
 
 class NoAssemblyError(Exception):

@@ -123,7 +123,7 @@ def _struck_stops(rng: Generator, stops: list[Struck], touch: int) -> list[Part]
 
 
 def _elements(rng: Generator, linkage: Growing, touch: int, force: float) -> list[Part]:
-    """Springs and dampers where nothing needs them."""
+    """Add springs and dampers that the motion does not need."""
     found: list[Part] = []
     arm = 1e-3 * linkage.size
     for output in linkage.outputs:
