@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from .dynamics.system import DriveMode
     from .hybrid.case import Case, Resolution, Window
     from .hybrid.event import Event, EventKind
-    from .hybrid.files.json_document import record
     from .hybrid.files.npz import load_case, load_solution, save, save_case
+    from .hybrid.result.json_document import record
     from .hybrid.result.solution import Solution
     from .hybrid.result.tables import Collision, PhaseInterval, Transition
     from .hybrid.result.trajectory import Motion, Reactions
@@ -47,7 +47,7 @@ else:
         "hybrid.case": ("Case", "Resolution", "Window"),
         "hybrid.result.tables": ("Collision", "PhaseInterval", "Transition"),
         "hybrid.event": ("Event", "EventKind"),
-        "hybrid.files.json_document": ("record",),
+        "hybrid.result.json_document": ("record",),
         "hybrid.simulate": ("simulate",),
         "hybrid.result.solution": ("Solution",),
         "hybrid.run.outcome": ("Outcome",),

@@ -12,7 +12,7 @@ from typing import Any
 from ..errors import InputError
 from ..extras import require
 from ..hybrid.case import Case, Window
-from ..hybrid.files.json_document import record
+from ..hybrid.result.json_document import record
 from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism

@@ -68,7 +68,7 @@ def _run(options: argparse.Namespace) -> None:
         check_outputs(None, file)
     solution = _solution(options)
     if options.json is not None:
-        from ..hybrid.files.json_document import record
+        from ..hybrid.result.json_document import record
 
         write_json(record(solution), options.json)
     if options.html is not None:

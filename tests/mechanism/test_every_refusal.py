@@ -187,9 +187,8 @@ def test_contacts_of_links_without_shapes() -> None:
     urdf: Any = SimpleNamespace(shapes={"arm": ("one", "three"), "bare": (), "hand": ("two",)})
 
     def find(name: str) -> Any:
-        return contact._shapes(
-            name, urdf, geometry, file="x.toml", key="stops.a.contact", urdf_file="x.urdf"
-        )
+        among = tree.Tree(None, [], urdf, geometry, "x.toml", "x.urdf")
+        return contact._shapes(name, among, "stops.a.contact")
 
     assert find("two") == ["2nd"]
     assert find("arm") == ["1st", "3rd"]

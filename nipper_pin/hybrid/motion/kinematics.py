@@ -80,19 +80,38 @@ def kinematic_panel(
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    left_over = np.maximum(tail(q_nodes) - round_off, 0.0)
+    excess = max(
+        _excess(panel, forces, round_off, moving, resolution), float(rough_a.max(initial=0.0))
+    )
+    if system.mechanism.struts:
+        excess = max(excess, _rough_pulls(system, panel, resolution))
+    return judged(panel, forces, excess, resolution.kinematic_nodes)
+
+
+def _excess(
+    panel: Panel,
+    forces: FloatArray,
+    round_off: FloatArray,
+    moving: FloatArray,
+    resolution: Resolution,
+) -> float:
+    """What a panel leaves unresolved of positions and stop forces, in units of the tolerance.
+
+    Stop forces are second derivatives: they are resolved less far than positions, and their roots
+    are polished on the exact motion.
+    """
+    left_over = np.maximum(tail(panel.q) - round_off, 0.0)
     rough = left_over / (resolution.tolerance * moving + SMALLEST)
-    # Stop forces are second derivatives: they are resolved less far than positions, and their
-    # roots are polished on the exact motion.
     size = np.abs(forces).max(axis=0) + SMALLEST
     rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
-    excess = float(max(item.max(initial=0.0) for item in (rough, rough_force, rough_a)))
-    if system.mechanism.struts:
-        # Where points of a strut pass one another closely, its force is rougher than all motion.
-        pulls = system.point_forces(q_nodes, v_nodes).reshape(len(q_nodes), -1)
-        rough_pull = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
-        excess = max(excess, float(rough_pull.max()))
-    return judged(panel, forces, excess, resolution.kinematic_nodes)
+    return float(max(item.max(initial=0.0) for item in (rough, rough_force)))
+
+
+def _rough_pulls(system: System, panel: Panel, resolution: Resolution) -> float:
+    """The same of forces between points, which are rough where the points pass closely."""
+    pulls = system.point_forces(panel.q, panel.v).reshape(panel.order, -1)
+    rough = tail(pulls) / (np.sqrt(resolution.tolerance) * np.abs(pulls).max() + SMALLEST)
+    return float(rough.max())
 
 
 def _rough_accelerations(

@@ -56,7 +56,7 @@ def columns(solution: Solution) -> dict[str, Column]:
         Numbers as arrays, shape (collisions,), NaN where the document has none; names as lists.
         Without collisions nothing.
     """
-    from ..files.json_document import record
+    from .json_document import record
 
     hits = record(solution)["collisions"]
     names = dict.fromkeys(name for hit in hits for name in hit)

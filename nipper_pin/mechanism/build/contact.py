@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import coal
 import numpy as np
@@ -14,9 +15,9 @@ from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
 from ...units import MM_PER_M
 from ..files.description import ContactDescription
-from ..files.urdf import Urdf, UrdfJoint
+from ..files.urdf import UrdfJoint
 from ..mechanism import Contact
-from .tree import supports
+from .tree import Tree, supports
 
 TOUCH_TOLERANCE_M = 1e-6
 """Largest gap or overlap of the bodies at coordinate zero [m]."""
@@ -42,32 +43,34 @@ class _Gap:
     normal: FloatArray
 
 
+class _Asked(NamedTuple):
+    """Where a stop is to be closed, and how messages name it.
+
+    Attributes:
+        pair: Names of both bodies.
+        key: Path of the contact in the TOML file.
+        file: Name of that file.
+        sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
+        at: Coordinate at which the stop is closed [rad or m].
+    """
+
+    pair: str
+    key: str
+    file: str
+    sense: float
+    at: float
+
+
 def find_contact(
-    contact: ContactDescription,
-    joint: UrdfJoint,
-    model: pin.Model,
-    placements: list[pin.SE3],
-    urdf: Urdf,
-    geometry: pin.GeometryModel,
-    *,
-    key: str,
-    file: str,
-    urdf_file: str,
-    sense: float,
-    at: float,
+    contact: ContactDescription, joint_name: str, tree: Tree, *, key: str, sense: float, at: float
 ) -> Contact:
     """Find the contact of the two bodies of a stop.
 
     Args:
         contact: Names of the bodies.
-        joint: Joint of the stop; it moves the upper body and not the lower one.
-        model: The Pinocchio model.
-        placements: World placement of every joint at q = 0.
-        urdf: The checked URDF.
-        geometry: Collision shapes named like their elements.
+        joint_name: Joint of the stop; it moves the upper body and not the lower one.
+        tree: The tree with its collision shapes.
         key: Path of the contact in the TOML file, for messages.
-        file: Name of the TOML file, for messages.
-        urdf_file: Name of the URDF file, for messages.
         sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
         at: Coordinate at which the stop is closed, all others being zero [rad or m].
 
@@ -75,29 +78,15 @@ def find_contact(
         UnknownNameError: A body does not exist.
         ModelError: The bodies do not touch at that coordinate or opening does not part them.
     """
-    identity = model.getJointId(joint.name)
-    bodies = []
-    for side, name, moved in (
-        ("lower", contact.lower, False),
-        ("upper", contact.upper, True),
-    ):
-        where = f"{key}.{side}"
-        shapes = _shapes(name, urdf, geometry, file=file, key=where, urdf_file=urdf_file)
-        if any((identity in supports(model, item.parentJoint)) != moved for item in shapes):
-            allowed = f"a body that joint {joint.name} {'moves' if moved else 'does not move'}"
-            raise ModelError(file=file, key=where, value=name, allowed=allowed)
-        bodies.append(
-            [
-                _Shape(_planar(item), placements[item.parentJoint] * item.placement)
-                for item in shapes
-            ]
-        )
-    frame = placements[identity]
+    joint = tree.urdf.joints[joint_name]
+    lower = _body(contact.lower, joint, tree, f"{key}.lower", moved=False)
+    upper = _body(contact.upper, joint, tree, f"{key}.upper", moved=True)
+    frame = tree.placements[tree.model.getJointId(joint.name)]
     axis = frame.rotation @ np.array(joint.axis)
-    start = _nearest(bodies[0], bodies[1], _motion(at, joint, frame, axis))
-    closing, gap = _close(bodies[0], bodies[1], joint, frame, axis, sense=sense, at=at)
+    start = _nearest(lower, upper, _motion(at, joint, frame, axis))
+    closing, gap = _close(lower, upper, joint, frame, axis, sense=sense, at=at)
     pair = f"{contact.lower} and {contact.upper}"
-    _check_touch(closing, start, joint, pair, key, file, sense=sense, at=at)
+    _check_touch(closing, start, joint, _Asked(pair, key, tree.file, sense, at))
     # The search ends at the closing coordinate, where the bodies have one common point.
     point = 0.5 * (gap.first + gap.second)
     point[1] = 0.0
@@ -107,10 +96,21 @@ def find_contact(
     return Contact(point=point, normal=normal, lever_m=lever, closing_coordinate=closing)
 
 
-def _shapes(
-    name: str, urdf: Urdf, geometry: pin.GeometryModel, *, file: str, key: str, urdf_file: str
-) -> list[pin.GeometryObject]:
+def _body(name: str, joint: UrdfJoint, tree: Tree, key: str, *, moved: bool) -> list[_Shape]:
+    """Shapes of a body, which the joint of the stop moves or does not."""
+    identity = tree.model.getJointId(joint.name)
+    shapes = _shapes(name, tree, key)
+    if any((identity in supports(tree.model, item.parentJoint)) != moved for item in shapes):
+        allowed = f"a body that joint {joint.name} {'moves' if moved else 'does not move'}"
+        raise ModelError(file=tree.file, key=key, value=name, allowed=allowed)
+    return [
+        _Shape(_planar(item), tree.placements[item.parentJoint] * item.placement) for item in shapes
+    ]
+
+
+def _shapes(name: str, tree: Tree, key: str) -> list[pin.GeometryObject]:
     """Geometry objects of a collision element, or of all elements of a link."""
+    urdf, geometry, file = tree.urdf, tree.geometry, tree.file
     elements = {item for names in urdf.shapes.values() for item in names}
     if name in elements:
         names: Iterable[str] = (name,)
@@ -118,7 +118,7 @@ def _shapes(
         names = urdf.shapes[name]
         if not names:
             raise ModelError(
-                file=urdf_file,
+                file=tree.urdf_file,
                 key=f"link {name} collision",
                 value=None,
                 allowed=f"{key} in {file} needs a collision shape on this link",
@@ -219,34 +219,24 @@ def _close(
     return coordinate, gap
 
 
-def _check_touch(
-    closing: float,
-    start: _Gap,
-    joint: UrdfJoint,
-    pair: str,
-    key: str,
-    file: str,
-    *,
-    sense: float,
-    at: float,
-) -> None:
+def _check_touch(closing: float, start: _Gap, joint: UrdfJoint, asked: _Asked) -> None:
     """Refuse bodies that do not touch where the stop is closed."""
     if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
         return
     apart = MM_PER_M * start.distance
-    value = f"{pair}, {apart:.6g} mm apart at {joint.name} = {_place(at, joint)}"
+    value = f"{asked.pair}, {apart:.6g} mm apart at {joint.name} = {_place(asked.at, joint)}"
     if not math.isfinite(closing):
         allowed = (
-            f"a {'growing' if sense > 0.0 else 'falling'} coordinate of {joint.name} must move the "
-            "upper body away from the lower one"
+            f"a {'growing' if asked.sense > 0.0 else 'falling'} coordinate of {joint.name} must "
+            "move the upper body away from the lower one"
         )
     else:
         allowed = (
             f"the bodies must touch within {MM_PER_M * TOUCH_TOLERANCE_M:g} mm where the "
-            f"coordinate is {_place(at, joint)}; their shapes in the URDF touch at {joint.name} = "
-            f"{_place(closing, joint)}"
+            f"coordinate is {_place(asked.at, joint)}; their shapes in the URDF touch at "
+            f"{joint.name} = {_place(closing, joint)}"
         )
-    raise ModelError(file=file, key=key, value=value, allowed=allowed)
+    raise ModelError(file=asked.file, key=asked.key, value=value, allowed=allowed)
 
 
 def _place(coordinate: float, joint: UrdfJoint) -> str:

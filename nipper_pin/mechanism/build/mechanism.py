@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
@@ -10,27 +10,24 @@ from xml.etree import ElementTree
 import numpy as np
 import pinocchio as pin
 
-from ...errors import InputError, ModelError, UnknownNameError
-from ...units import M_PER_MM, RAD_PER_DEG
+from ...errors import ModelError, UnknownNameError
 from ..drives import DriveLaw
 from ..files.describe import describe
-from ..files.description import Description, StopDescription
+from ..files.description import Description
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
-from ..mechanism import Closure, Drive, Joint, Mechanism, Phase, Stop
-from .contact import find_contact
+from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
 from .drive_keys import check_drive
 from .elements import build_elements
 from .laws import build_cylinder, build_laws
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
+from .stops import build_stops
 from .touch_checks import check_assembly
-from .tree import build_model, collision_geometry, joint_placements, tree_joints
+from .tree import Tree, build_model, collision_geometry, joint_placements, tree_joints
 
 if TYPE_CHECKING:
     from ..forces.law import JointForce
-    from ..restitution.law import RestitutionLaw
 
-_STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
 _REFLECTED = {"prismatic": "reflected_mass_kg", "revolute": "reflected_inertia_kg_m2"}
 _ELASTIC = ("shaft_frequency_hz", "shaft_damping_ratio")
 
@@ -68,10 +65,11 @@ def build_mechanism(
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
     elements = build_elements(description, by_name, urdf, model, file)
     phases = _phases(description, file)
-    geometry = None
+    geometry = pin.GeometryModel()
     if any(stop.contact for stop in description.stops.values()):
         geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)
-    stops = _stops(description, by_name, model, placements, urdf, geometry, file, urdf_file)
+    tree = Tree(model, placements, urdf, geometry, file, urdf_file)
+    stops = build_stops(description, by_name, tree)
     for key, path in description.shortcuts.items():
         _check_shortcut(key, path, data, urdf, file)
     check_assembly(
@@ -169,69 +167,6 @@ def _drives(
     return tuple(drives)
 
 
-def _stops(
-    description: Description,
-    joints: Mapping[str, Joint],
-    model: pin.Model,
-    placements: list[pin.SE3],
-    urdf: Urdf,
-    geometry: pin.GeometryModel | None,
-    file: str,
-    urdf_file: str,
-) -> tuple[Stop, ...]:
-    """Stops on joints that no drive moves, at most two to a joint, contacts found."""
-    stops: list[Stop] = []
-    driven = {drive.joint for drive in description.drives.values()}
-    for name, stop in description.stops.items():
-        key = f"stops.{name}.joint"
-        joint = _joint(stop.joint, joints, f"{file}: {key}")
-        if stop.joint in driven:
-            allowed = "a joint without a drive"
-            raise ModelError(file=file, key=key, value=stop.joint, allowed=allowed)
-        sense = 1.0 if stop.side == "lower" else -1.0
-        place = _stop_place(name, stop, joint, file)
-        contact = None
-        if stop.contact is not None:
-            contact = find_contact(
-                stop.contact,
-                urdf.joints[stop.joint],
-                model,
-                placements,
-                urdf,
-                geometry,
-                key=f"stops.{name}.contact",
-                file=file,
-                urdf_file=urdf_file,
-                sense=sense,
-                at=place,
-            )
-        found = Stop(
-            name=name,
-            index=joint.index,
-            restitution=stop.restitution,
-            law=_restitution_law(name, stop, joint, file),
-            contact=contact,
-            sense=sense,
-            at=place,
-        )
-        _check_opposite(found, [item for item in stops if item.index == joint.index], joint, file)
-        stops.append(found)
-    if description.stops and not description.transition_stop:
-        allowed = (
-            "the stop whose bouncing is the transition, where there is any: "
-            f"{', '.join(description.stops)}"
-        )
-        raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
-    if description.stops and description.transition_stop not in description.stops:
-        raise UnknownNameError(
-            kind="stop",
-            name=description.transition_stop,
-            known=description.stops,
-            where=f"{file}: transition_stop",
-        )
-    return tuple(stops)
-
-
 def _forces(
     description: Description, joints: Mapping[str, Joint], file: str
 ) -> tuple[JointForce, ...]:
@@ -241,72 +176,6 @@ def _forces(
     from .forces import build_forces
 
     return build_forces(description.forces, joints, file)
-
-
-def _restitution_law(
-    name: str, stop: StopDescription, joint: Joint, file: str
-) -> RestitutionLaw | None:
-    """Return the restitution law of a stop by the rate; None for a constant."""
-    if stop.restitution_law is None:
-        return None
-    try:
-        law: RestitutionLaw = stop.restitution_law.build(joint.kind)
-    except InputError as error:
-        key = str(error.evidence.get("key", "law"))
-        value = getattr(stop.restitution_law, key, None)
-        where = f"stops.{name}.restitution_law.{key}"
-        raise ModelError(file=file, key=where, value=value, allowed=error.message) from error
-    return law
-
-
-def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
-    """Coordinate at which a stop is closed [rad or m]."""
-    key, scale = _STOP_PLACES[joint.kind]
-    for other, _ in _STOP_PLACES.values():
-        value = getattr(stop, other)
-        if other != key and value is not None:
-            allowed = f"the place of a stop on the {joint.kind} joint {joint.name} is {key}"
-            raise ModelError(file=file, key=f"stops.{name}.{other}", value=value, allowed=allowed)
-    if stop.adjusted is None:
-        return scale * (getattr(stop, key) or 0.0)
-    where = f"stops.{name}.adjusted"
-    if getattr(stop, key) is not None:
-        allowed = f"either {key} or adjusted: a stop has one place"
-        raise ModelError(
-            file=file, key=f"stops.{name}.{key}", value=getattr(stop, key), allowed=allowed
-        )
-    try:
-        place: float = stop.adjusted.place(joint.kind)
-    except InputError as error:
-        key = str(error.evidence.get("key", "law"))
-        value = getattr(stop.adjusted, key, None)
-        raise ModelError(
-            file=file, key=f"{where}.{key}", value=value, allowed=error.message
-        ) from error
-    return place
-
-
-def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str) -> None:
-    """Refuse two stops of a joint of which the lower one is not below the upper one."""
-    for other in others:
-        allowed = ""
-        if other.sense == stop.sense:
-            allowed = (
-                f"one lower and one upper stop on a joint; {other.name!r} is on this side of "
-                f"{joint.name} already"
-            )
-        elif stop.sense * (other.at - stop.at) <= 0.0:
-            allowed = (
-                f"the lower stop below the upper one: {joint.name} has no room to move between "
-                f"{stop.name!r} and {other.name!r}"
-            )
-        if allowed:
-            raise ModelError(
-                file=file,
-                key=f"stops.{stop.name}",
-                value=f"{'lower' if stop.sense > 0.0 else 'upper'} stop at {stop.at:g}",
-                allowed=allowed,
-            )
 
 
 def _phases(description: Description, file: str) -> tuple[Phase, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +13,26 @@ from ...errors import ModelError
 from ..files.urdf import Urdf
 from ..files.urdf_values import mesh_path
 from ..mechanism import Joint
+
+
+class Tree(NamedTuple):
+    """The tree of a model, and where its messages come from.
+
+    Attributes:
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+        urdf: The checked URDF.
+        geometry: Collision shapes named like their elements; without any if no stop has a contact.
+        file: Name of the TOML file.
+        urdf_file: Name of the URDF file.
+    """
+
+    model: pin.Model
+    placements: list[pin.SE3]
+    urdf: Urdf
+    geometry: pin.GeometryModel
+    file: str
+    urdf_file: str
 
 
 def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:

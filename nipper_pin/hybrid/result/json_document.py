@@ -8,9 +8,9 @@ from typing import Any
 
 from ...mechanism import Mechanism, number_of
 from ..case import Case
-from ..result.quantities import COLLISION, TRANSITION
-from ..result.solution import Solution
-from ..result.tables import Collision
+from .quantities import COLLISION, TRANSITION
+from .solution import Solution
+from .tables import Collision
 
 
 def record(solution: Solution) -> dict[str, Any]:

@@ -1,0 +1,149 @@
+"""Stops of a mechanism: their places, restitutions and contacts, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ...errors import InputError, ModelError, UnknownNameError
+from ...units import M_PER_MM, RAD_PER_DEG
+from ..files.description import Description, StopDescription
+from ..mechanism import Contact, Joint, Stop
+from .contact import find_contact
+from .tree import Tree
+
+if TYPE_CHECKING:
+    from ..restitution.law import RestitutionLaw
+
+_STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
+
+
+def build_stops(
+    description: Description, joints: Mapping[str, Joint], tree: Tree
+) -> tuple[Stop, ...]:
+    """Build the stops.
+
+    Args:
+        description: The TOML file.
+        joints: Tree joints by name.
+        tree: The tree with its collision shapes.
+
+    Raises:
+        UnknownNameError: A joint, a body or the transition stop does not exist.
+        ModelError: A stop cannot be where it is, or its bodies do not touch there.
+    """
+    stops: list[Stop] = []
+    driven = {drive.joint for drive in description.drives.values()}
+    for name, stop in description.stops.items():
+        key = f"stops.{name}.joint"
+        if stop.joint not in joints:
+            where = f"{tree.file}: {key}"
+            raise UnknownNameError(kind="joint", name=stop.joint, known=joints, where=where)
+        if stop.joint in driven:
+            allowed = "a joint without a drive"
+            raise ModelError(file=tree.file, key=key, value=stop.joint, allowed=allowed)
+        joint = joints[stop.joint]
+        found = _stop(name, stop, joint, tree)
+        others = [item for item in stops if item.index == joint.index]
+        _check_opposite(found, others, joint, tree.file)
+        stops.append(found)
+    _check_transition(description, tree.file)
+    return tuple(stops)
+
+
+def _stop(name: str, stop: StopDescription, joint: Joint, tree: Tree) -> Stop:
+    """One stop, with the contact of its bodies."""
+    sense = 1.0 if stop.side == "lower" else -1.0
+    place = _stop_place(name, stop, joint, tree.file)
+    contact: Contact | None = None
+    if stop.contact is not None:
+        key = f"stops.{name}.contact"
+        contact = find_contact(stop.contact, stop.joint, tree, key=key, sense=sense, at=place)
+    return Stop(
+        name=name,
+        index=joint.index,
+        restitution=stop.restitution,
+        law=_restitution_law(name, stop, joint, tree.file),
+        contact=contact,
+        sense=sense,
+        at=place,
+    )
+
+
+def _check_transition(description: Description, file: str) -> None:
+    """The stop whose bouncing is the transition is one of the stops."""
+    known, name = description.stops, description.transition_stop
+    if known and not name:
+        allowed = (
+            f"the stop whose bouncing is the transition, where there is any: {', '.join(known)}"
+        )
+        raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
+    if known and name not in known:
+        where = f"{file}: transition_stop"
+        raise UnknownNameError(kind="stop", name=name, known=known, where=where)
+
+
+def _restitution_law(
+    name: str, stop: StopDescription, joint: Joint, file: str
+) -> RestitutionLaw | None:
+    """How the restitution of a stop depends on the rate; None if it does not."""
+    if stop.restitution_law is None:
+        return None
+    try:
+        law: RestitutionLaw = stop.restitution_law.build(joint.kind)
+    except InputError as error:
+        key = str(error.evidence.get("key", "law"))
+        value = getattr(stop.restitution_law, key, None)
+        where = f"stops.{name}.restitution_law.{key}"
+        raise ModelError(file=file, key=where, value=value, allowed=error.message) from error
+    return law
+
+
+def _stop_place(name: str, stop: StopDescription, joint: Joint, file: str) -> float:
+    """Coordinate at which a stop is closed [rad or m]."""
+    key, scale = _STOP_PLACES[joint.kind]
+    for other, _ in _STOP_PLACES.values():
+        value = getattr(stop, other)
+        if other != key and value is not None:
+            allowed = f"the place of a stop on the {joint.kind} joint {joint.name} is {key}"
+            raise ModelError(file=file, key=f"stops.{name}.{other}", value=value, allowed=allowed)
+    if stop.adjusted is None:
+        return scale * (getattr(stop, key) or 0.0)
+    where = f"stops.{name}.adjusted"
+    if getattr(stop, key) is not None:
+        allowed = f"either {key} or adjusted: a stop has one place"
+        raise ModelError(
+            file=file, key=f"stops.{name}.{key}", value=getattr(stop, key), allowed=allowed
+        )
+    try:
+        place: float = stop.adjusted.place(joint.kind)
+    except InputError as error:
+        key = str(error.evidence.get("key", "law"))
+        value = getattr(stop.adjusted, key, None)
+        raise ModelError(
+            file=file, key=f"{where}.{key}", value=value, allowed=error.message
+        ) from error
+    return place
+
+
+def _check_opposite(stop: Stop, others: Sequence[Stop], joint: Joint, file: str) -> None:
+    """A joint has room between two stops, the lower one below the upper one."""
+    for other in others:
+        allowed = ""
+        if other.sense == stop.sense:
+            allowed = (
+                f"one lower and one upper stop on a joint; {other.name!r} is on this side of "
+                f"{joint.name} already"
+            )
+        elif stop.sense * (other.at - stop.at) <= 0.0:
+            allowed = (
+                f"the lower stop below the upper one: {joint.name} has no room to move between "
+                f"{stop.name!r} and {other.name!r}"
+            )
+        if allowed:
+            raise ModelError(
+                file=file,
+                key=f"stops.{stop.name}",
+                value=f"{'lower' if stop.sense > 0.0 else 'upper'} stop at {stop.at:g}",
+                allowed=allowed,
+            )
