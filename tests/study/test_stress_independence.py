@@ -24,7 +24,7 @@ FOLDER = Path(stress.__file__).parent
 # Those that run engines, hold what is run, or write it.
 RUNNING = {"__init__", "campaign", "engines", "files", "judging", "machines", "space", "store"}
 RESULTS = {
-    "advance": {"Segment"},
+    "segment": {"Segment"},
     "error_estimate.event_errors": {"EventError"},
     "event": {"Event", "EventKind"},
     "motion.panel": {"Panel"},
