@@ -13,19 +13,11 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
+from ..tolerances import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
 from ..units import MM_PER_M
 from .multibody import Multibody
 
 _MAX_ITERATIONS = 25
-_ROUND_OFF = 16.0 * float(np.finfo(float).eps)
-# Largest condition number of the dependent closure columns. Positions are exact to 16 eps times it,
-# and each derivative loses that factor once more: 1e-5 of the rates.
-MAX_CONDITION = 5e4
-# Limit in flight, by the number of rows, beyond which other coordinates become dependent: it
-# multiplies the error of the independent ones.
-GOOD_CONDITION = 25.0
-# Least share of the largest component with which a coordinate belongs to a dead centre.
-_PART = 0.3
 
 
 @dataclass(frozen=True)
@@ -123,7 +115,7 @@ def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int
         return 1.0, []
     _, sizes, motions = np.linalg.svd(jacobian[:, others])
     share = np.abs(motions[len(jacobian) - 1])
-    chosen = [others[i] for i in np.argsort(-share) if share[i] >= _PART * share.max()]
+    chosen = [others[i] for i in np.argsort(-share) if share[i] >= DEAD_CENTRE_SHARE * share.max()]
     return float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else np.inf, chosen
 
 
@@ -176,7 +168,7 @@ def close_positions(
     """
     q = q.copy()
     dependent = split.columns
-    tolerance = _ROUND_OFF * body.reach_m
+    tolerance = CLOSURE_RESIDUAL * body.reach_m
     best = np.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)

@@ -16,11 +16,9 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ElementError
 from ..mechanism import COINCIDENT_M, Mechanism
+from ..tolerances import TABLE_END_OVERRUN
 from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
-
-# Allowance for round-off beyond the end of a table, as a share of its length.
-_ROUND_OFF = 1e-9
 
 
 def elements(mechanism: Mechanism, body: Multibody) -> Elements | None:
@@ -130,7 +128,7 @@ class Elements:
         for table in self._tables:
             low, high = table.characteristic.ends
             x = q[:, table.index]
-            slack = _ROUND_OFF * (high - low)
+            slack = TABLE_END_OVERRUN * (high - low)
             outside = np.flatnonzero((x < low - slack) | (x > high + slack))
             if outside.size:
                 row = int(outside[0])

@@ -16,15 +16,17 @@ import numpy as np
 from ..arrays import FloatArray, product
 from ..errors import ImpactError
 from ..mechanism import Stop
+from ..tolerances import (
+    EPS,
+    FAINT_GAP_RATE,
+    IMPACT_RESIDUAL,
+    MAX_IMPACT_RESIDUAL,
+    RESTITUTION_SLACK,
+    STILL_GAP_RATE,
+)
 from .system import System
 
-_EPS = float(np.finfo(float).eps)
-# Gap rates below these shares of the fastest one before an impact are round-off: after it, in the
-# law, and where the impact matrix scales them.
-_NO_RATE, _SLACK, _FAINT = 1e-13, 1e-12, 1e-6
-# Rates along the constraint rows after an impact that are round-off, as a share of those before,
-# and the largest number of refinements.
-_REFINED, _REFINEMENTS = 1e-13, 3
+_REFINEMENTS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,13 +147,13 @@ def _still(
     # At active contacts xi is zero by construction, up to round-off.
     xi = [rate - wanted[i] for i, rate in zip(others, after, strict=True)]
     fastest = max(abs(stop.rate(v)) for stop in contacts)
-    nothing = [_NO_RATE * fastest] * len(others)
+    nothing = [STILL_GAP_RATE * fastest] * len(others)
     smallest = [min(abs(rate), abs(excess)) for rate, excess in zip(after, xi, strict=True)]
-    if any(_NO_RATE * fastest < small <= _FAINT * fastest for small in smallest):
+    if any(STILL_GAP_RATE * fastest < small <= FAINT_GAP_RATE * fastest for small in smallest):
         struck, beside = ([contacts[i].index for i in group] for group in (chosen, others))
         unknown = _round_off(system, q, jacobian, delta, struck, beside)
         nothing = [max(least, found) for least, found in zip(nothing, unknown, strict=True)]
-    slack = _SLACK * fastest
+    slack = RESTITUTION_SLACK * fastest
     if any(excess < -max(slack, least) for excess, least in zip(xi, nothing, strict=True)):
         return None
     found = zip(others, after, nothing, strict=True)
@@ -167,7 +169,7 @@ def _round_off(
     beside: Sequence[int],
 ) -> list[float]:
     """Round-off of gap rates beside an impact: for each the same share of its energy."""
-    lost = _EPS * impact_condition(system, q, jacobian, struck)
+    lost = EPS * impact_condition(system, q, jacobian, struck)
     moving, mass = _moving_mass(system, q)
     given = math.sqrt(delta[moving] @ mass @ delta[moving])
     return [lost * given * size for size in impulse_sizes(system, q, beside).tolist()]
@@ -176,7 +178,7 @@ def _round_off(
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
     """Contact without approach: no impulse; a rate that is only round-off is none."""
     v_after = v.copy()
-    small = _NO_RATE * float(np.abs(v).max())
+    small = STILL_GAP_RATE * float(np.abs(v).max())
     for stop in contacts:
         if stop.rate(v_after) <= small:
             v_after[stop.index] = 0.0
@@ -322,7 +324,7 @@ def _impulses(
     delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
     size, residual = _size(z), _size(product(rows, z + delta))
     for _ in range(_REFINEMENTS):
-        if residual <= _REFINED * size:
+        if residual <= IMPACT_RESIDUAL * size:
             break
         # Bodies of very different mass: the same solution of what is left of the equations.
         left = z + delta
@@ -333,7 +335,7 @@ def _impulses(
             break
         delta, impulses, residual = delta + more, impulses + further, refined
     # A rank-deficient system makes the impulse dynamics return a finite wrong velocity.
-    if not residual <= 1e-9 * size:
+    if not residual <= MAX_IMPACT_RESIDUAL * size:
         condition = impact_condition(system, q, jacobian, columns)
         message = (
             f"the impact rows are too badly conditioned (residual {residual:.2g}, condition "

@@ -24,15 +24,11 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
+from ..tolerances import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100
-# The regularisation keeps linearly dependent rows from dividing by zero. It is small beside the
-# smallest eigenvalue of G M^-1 G', so that the proximal iteration removing its effect converges.
-_REGULARISATION, _ACCURACY, _ITERATIONS = 1e-14, 1e-14, 200
-# A body with less than this share of the heaviest one's effective mass is light: the round-off of
-# balanced forces accelerates it.
-_LIGHT = 1e-7
+_ITERATIONS = 200
 _OF_THREAD = threading.local()
 
 
@@ -85,8 +81,8 @@ class Multibody(OpenTree):
         self._constraints = list(zip(places, self._pins, self._pin_data, strict=True))
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
-        mu = _REGULARISATION / heaviest if heaviest > 0.0 else _REGULARISATION
-        self._proximal = pin.ProximalSettings(_ACCURACY, mu, _ITERATIONS)
+        mu = PROXIMAL_REGULARISATION / heaviest if heaviest > 0.0 else PROXIMAL_REGULARISATION
+        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, mu, _ITERATIONS)
         self._planar_rows = np.array(
             [
                 3 * number + row
@@ -98,7 +94,7 @@ class Multibody(OpenTree):
         self.evaluations = 0
         sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
         self._refines = (
-            self.closure_rows > 0 and self._lightest(np.array(sizes)) < _LIGHT * heaviest
+            self.closure_rows > 0 and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
         )
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:

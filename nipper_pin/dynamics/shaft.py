@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Mechanism
-
-_AT_KNOT = 1e-9
+from ..tolerances import KNOT_ANGLE
 
 Driven = tuple[FloatArray, FloatArray, FloatArray]
 """Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""
@@ -83,7 +82,7 @@ class ShaftMotion:
         sense = 1.0 if self.rate > 0.0 else -1.0
         ahead = np.remainder(sense * (knots - float(self.angle(t))), 2.0 * np.pi)
         # The computed time of a knot may be before it by round-off.
-        ahead[ahead <= _AT_KNOT] += 2.0 * np.pi
+        ahead[ahead <= KNOT_ANGLE] += 2.0 * np.pi
         return float(ahead.min()) / self.speed_rad_s
 
     @cached_property

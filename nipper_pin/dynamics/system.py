@@ -10,9 +10,8 @@ import numpy as np
 
 from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
+from ..tolerances import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
-    GOOD_CONDITION,
-    MAX_CONDITION,
     Partition,
     close_velocities,
     inverted,
@@ -73,8 +72,6 @@ class ConstraintSet:
 # The stiffness is repeated for the largest number of nodes of a panel: products of arrays of one
 # shape take a third of the time of broadcasting.
 _ROWS = 64
-# Dependent coordinates are chosen anew if that lowers the condition number below this share.
-_BETTER = 0.5
 # Constraint sets depend on neither speed nor time, so all runs of a mechanism share them.
 _SETS: WeakKeyDictionary[Mechanism, dict[tuple[DriveMode, frozenset[str]], ConstraintSet]]
 _SETS = WeakKeyDictionary()
@@ -175,8 +172,8 @@ class System:
         if self.condition(split, jacobian) <= self.good_condition:
             return split
         other = partition(jacobian, given, preferred, self.good_condition)
-        better = self.condition(other, jacobian) < _BETTER * self.condition(split, jacobian)
-        return other if better else split
+        allowed = REPARTITION_GAIN * self.condition(split, jacobian)
+        return other if self.condition(other, jacobian) < allowed else split
 
     @property
     def turning(self) -> FloatArray:

@@ -6,7 +6,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import (
-    MAX_CONDITION,
     Partition,
     close_positions,
     close_velocities,
@@ -15,6 +14,7 @@ from ...dynamics.assembly import (
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
+from ...tolerances import MAX_CONDITION
 from ..case import Resolution
 from .chebyshev import nodes, tail
 from .noise_floor import of_closures, rates_of_closures
