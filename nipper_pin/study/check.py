@@ -1,4 +1,4 @@
-"""What a model is: its structure, its conditioning over a cycle, clearances and timing."""
+"""Report on a model: structure, conditioning over a cycle, clearances and timing."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ModelReport:
         clearances: Smallest distances between links that should not touch.
         closing_index: Index of the first collision of the transition stop; None without one.
         opening_index: Index at which that stop opens again; None if it does not.
-        releases: Indices at which a closed stop lets go because its force falls to zero.
+        releases: Indices at which a closed stop opens because its force falls to zero.
         stop_force: Smallest force of every stop while it is closed [N], or moment [N m] of one at a
             hinge without a contact point, and where.
         outcome: How the cycle ended.
@@ -232,7 +232,7 @@ def _smallest_forces(solution: Solution) -> dict[str, Extreme]:
             continue
         count = max(8, int(_SAMPLES * (segment.t_end - segment.t_start) / solution.shaft.period))
         times = np.linspace(segment.t_start, segment.t_end, count)
-        # A release ends a segment: its own side of the event is the one that counts.
+        # A release ends a segment, so the limit from before the event counts.
         begin = solution.trajectory.reactions(times[:-1])
         end = solution.trajectory.reactions(times[-1:], left=True)
         for name in segment.closed:

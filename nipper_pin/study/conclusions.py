@@ -50,7 +50,7 @@ def label(path: str) -> str:
 
 
 def conclusions(found: Sensitivities) -> tuple[str, ...]:
-    """What the sensitivities mean to whoever designs or sets the machine, in sentences.
+    """Sentences on the sensitivities for the design and adjustment of the machine.
 
     Args:
         found: The sensitivities.
@@ -76,7 +76,7 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
 
 
 def _behaviour(found: Sensitivities) -> Iterator[str]:
-    """What the machine does as it is."""
+    """Sentences on the motion of the machine with its own values."""
     bounce, lasts, clamp = (
         MRAD_PER_RAD * found.amplitude_rad,
         MS_PER_S * found.transition_time_s,

@@ -1,4 +1,4 @@
-"""The studies as calls of Python: each takes the file of its command, or what was read from it."""
+"""The studies as Python functions of the file of a command, or of the value read from it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def check(
     mechanism: Mechanism, speed_rpm: float | None = None, start_index: float | None = None
 ) -> ModelReport:
-    """Walk one cycle of a model and say what it is: structure, timing, clearances, forces.
+    """Report structure, timing, clearances and forces of a model over one cycle.
 
     Args:
         mechanism: The model.

@@ -31,7 +31,7 @@ class LinkMass:
 
     @property
     def doubt(self) -> str:
-        """Why the mass is hardly in kg; empty where it may be."""
+        """Return why the mass is probably not in kg; empty where it may be."""
         if self.density_kg_m3 is not None and self.density_kg_m3 > _DENSEST_KG_M3:
             return f"{self.density_kg_m3:.3g} kg/m3 by its shapes is far denser than any metal"
         return "more than a machine's link weighs" if self.mass_kg > _HEAVY_KG else ""

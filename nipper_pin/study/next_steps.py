@@ -1,4 +1,4 @@
-"""What to do next with a model that has been checked: what it lacks, and what to run."""
+"""Next steps after the check of a model: missing parts, and commands to run."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _K = TypeVar("_K")
 _AHEAD = 1
 _FEWER = ": use fewer processes"
 KEPT = "; what is finished is kept in the folder: run the same command again, with fewer --workers"
-"""What to do about a worker that died where results are kept as they come."""
+"""Advice about a worker that died, where finished results are stored."""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _AT_START = {name: os.environ.get(name) for name in _THREADS}
@@ -70,7 +70,7 @@ def fresh_processes(workers: int, first: Callable[[], None]) -> Iterator[Process
         WorkerError: A process cannot be started.
     """
     before = set(active_children())
-    # Fresh processes: a fork of one that has threads may never end.
+    # Spawned, since a fork of a process with threads may deadlock.
     with (
         one_thread_each(),
         ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_prepare) as pool,

@@ -157,7 +157,7 @@ def every_path(mechanism: Mechanism) -> tuple[str, ...]:
         paths.extend(_numbers(sources.document.get(table), table))
     driven = {mechanism.joints[drive.index].name for drive in mechanism.drives}
     for name, pin in found.meeting.items():
-        # A closure is one pin under two names: the second one is asked for.
+        # A closure is one pin with two names; the second one is used.
         if len(pin) == 1 or name == pin[-1]:
             crank = len(pin) > 1 and found.carried_by(name) in driven
             axes = ("radius_mm", "angle_deg") if crank else ("x_mm", "z_mm")
@@ -279,7 +279,7 @@ def _other(mechanism: Mechanism, speed_rpm: float, near: FloatArray, *, true: bo
         near: Quantities of a mechanism nearby, shape (3,); they say how much to tabulate.
         true: Whether to solve the transition of the turn.
     """
-    # Only tables of a whole turn know how the machine arrives.
+    # Only tables of a whole turn determine how the machine arrives.
     travel = min(_ROOM * rad_s_from_rpm(speed_rpm) * float(near[1]), math.tau)
     model = (
         build(mechanism)

@@ -116,7 +116,7 @@ def model_beside(model: str, folder: Path) -> str | Path:
 
 @contextmanager
 def at_key(file: str, key: str) -> Iterator[None]:
-    """Say where in the study it stands what a model does not know."""
+    """Prefix a model's errors with the study's file and key."""
     try:
         yield
     except InputError as error:

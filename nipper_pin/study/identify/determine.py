@@ -12,13 +12,13 @@ from .objective import Objective
 DETERMINED = 0.5
 """A number counts as determined if the targets narrow its range to less than this part."""
 
-# Standard deviation of a number of which nothing but its range is known, in units of the range.
+# Standard deviation of a uniform distribution over the range of a number, in units of the range.
 _RANGE_SIGMA = 1.0 / np.sqrt(12.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Determinability:
-    """What the targets say about the free numbers, linearised at a fit.
+    """Information of the targets on the free numbers, linearised at a fit.
 
     All numbers are in units of their ranges, all targets in units of their sigmas; limits and
     prior are left out: this is about the data.

@@ -28,7 +28,7 @@ _MAX_STEPS = 60
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """One start and where it led.
+    """One start and the end of its descent.
 
     Attributes:
         start: Unit coordinates of the start, shape (free,).
@@ -73,7 +73,7 @@ class Fit:
 
     @cached_property
     def known(self) -> Determinability:
-        """What the targets determine, at this fit."""
+        """Information of the targets on the free numbers at this fit."""
         from .determine import determinability
 
         return determinability(self.objective, self.best.z)

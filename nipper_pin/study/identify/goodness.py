@@ -26,7 +26,7 @@ _NAMED = 5
 
 
 class Verdict(Enum):
-    """What the misfit says of a fit."""
+    """Verdicts on a fit by its misfit."""
 
     AGREES = "agrees"
     TOO_GOOD = "too good"
@@ -76,7 +76,7 @@ class Goodness:
 
     @property
     def verdict(self) -> Verdict:
-        """What the misfit says."""
+        """Verdict by the misfit."""
         if self.scale is None:
             return Verdict.CONTRADICTED if self.suspects else Verdict.UNTESTED
         if self.probability is None:
@@ -87,7 +87,7 @@ class Goodness:
         return Verdict.TOO_GOOD if self.probability > 1.0 - CONTRADICTED else Verdict.AGREES
 
     def sentence(self) -> str:
-        """What the misfit says, in words."""
+        """Verdict by the misfit as a sentence."""
         if self.scale is None:
             return " ".join(
                 [
@@ -127,7 +127,7 @@ class Goodness:
             )
 
     def _reasons(self) -> list[str]:
-        """What may be wrong: units, single targets, or all sigmas."""
+        """Possible causes of a misfit: units, single targets, or all sigmas."""
         text = list(self.suspects)
         if self.outliers and not self.suspects:
             worst = ", ".join(
@@ -145,7 +145,7 @@ class Goodness:
 
 
 def goodness(fit: Fit, known: Determinability) -> Goodness:
-    """Judge a fit by what is left of its targets.
+    """Return the goodness of a fit by the residuals of its targets.
 
     The targets see n - p degrees of freedom, p = trace(J C J'), with the derivatives J of the
     residuals by the numbers that are inside their bounds and C = (J' J + P)^-1; P holds what is

@@ -1,4 +1,4 @@
-"""How far a working cycle is outside its limits, each in units of its own uncertainty."""
+"""Excess of a working cycle over its limits, each in units of its uncertainty."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From values of the free numbers to residuals, each in units of its own uncertainty."""
+"""Residuals by the values of the free numbers, each in units of its uncertainty."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 OUTLYING = 0.01
 """Probability, for the worst of all targets, below which one counts as an outlier."""
 
-# A range alone is known to 1 / sqrt(12) of itself.
+# Standard deviation of a uniform distribution: 1 / sqrt(12) of the range.
 _RANGE = 12.0
 
 
@@ -79,7 +79,7 @@ def _chances(
     residuals: FloatArray, leverage: FloatArray, *, absolute: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Sizes of the studentized residuals, and the probability of each if it stood alone."""
-    # A target that alone determines a number has no residual of its own, and is no outlier.
+    # A target that alone determines a number has no residual, and cannot be an outlier.
     size = np.abs(residuals) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
     if absolute:
         return size, 2.0 * norm.sf(size)

@@ -96,7 +96,7 @@ def _best(
 
 
 def _fitted(objective: Objective, seed: int, ranked: tuple[Descent, ...]) -> Fit:
-    """What the best of some descents came to."""
+    """Result of the best of some descents."""
     problem, z = objective.problem, ranked[0].z
     mechanism, excess = objective.mechanism(z), np.zeros(0)
     if problem.limits is not None:

@@ -1,4 +1,4 @@
-"""Measurements in another unit than the one that is asked for, recognised by their factor."""
+"""Measurements in another than the documented unit, recognised by their factor."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ...units import DEG_PER_RAD, MM_PER_M, MRAD_PER_RAD, MS_PER_S, US_PER_S
 from .fit import Fit
 
 _FAR = 5.0
-# A fit that comes this near needs no other unit, however far it had to go.
+# A fit as close as this needs no other unit, wherever its numbers are.
 _MET = 2.0
 # A model that is right to this factor tells degrees from millimetres at the lips of a comber.
 _NEAR = 1.25
 
 
 def suspected_units(fit: Fit) -> tuple[str, ...]:
-    """Say of which quantities the wanted values are several times those of the model.
+    """Return the quantities whose targets differ from the model by the factor of a unit.
 
     The values are compared at the model's own numbers: a fit may have gone to its bounds to come
     nearer to a wrong unit.
@@ -72,7 +72,7 @@ def _question(factor: float, units: Mapping[str, float]) -> str:
 
 
 def _units(name: str, mechanism: Mechanism) -> dict[str, float]:
-    """Units that people write, by the factor that they make of the one that is asked for."""
+    """Common units by their factor to the documented unit."""
     if name.startswith("change of") or name.endswith("share"):
         return {"percent": 100.0}
     if "amplitude" in name or "rate" in name:

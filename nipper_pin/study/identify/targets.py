@@ -1,4 +1,4 @@
-"""What an identification aims at: quantities of transitions, alone or as changes between two."""
+"""Targets of an identification: quantities of transitions, or their changes between two."""
 
 from __future__ import annotations
 

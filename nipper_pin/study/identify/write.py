@@ -86,7 +86,7 @@ def _renamed(text: str, name: str, heading: list[str]) -> ElementTree.Element:
     """The URDF under its new name, its comments replaced."""
     root = parse_xml(text, f"{name}.urdf")
     root.set("name", name)
-    # The comments of the model that was started from tell of other numbers.
+    # The comments of the original model describe other numbers.
     comments = [item for item in root.iter() if not isinstance(item.tag, str)]
     for parent in list(root.iter()):
         for item in comments:
@@ -117,7 +117,7 @@ def _copy_meshes(root: ElementTree.Element, old: Path, new: Path) -> None:
     for mesh in root.iter("mesh"):
         file = path_inside(mesh.get("filename", ""), "mesh", f"{new.name}.urdf")
         if not (old / file).is_file():
-            # One that is only looked at may be missing.
+            # A mesh that is only drawn may be missing.
             continue
         (new / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(old / file, new / file)

@@ -1,4 +1,4 @@
-"""What holds an optimum back: slacks, active limits and bounds, and what giving way would bring.
+"""Slacks, active limits and bounds of an optimum, and their Lagrange multipliers.
 
 At an optimum the gradient of the aim is a combination of the gradients of what is active, with
 weights of one sign (Karush, Kuhn and Tucker). The weights are the prices: how much better the aim
@@ -43,7 +43,7 @@ class Binding:
 
 @dataclass(frozen=True, kw_only=True)
 class Account:
-    """What holds an optimum back.
+    """Active limits and bounds of an optimum.
 
     Attributes:
         bindings: All limits, then the bounds that are active.

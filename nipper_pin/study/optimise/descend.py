@@ -27,7 +27,7 @@ _UNUSABLE = 1e3
 
 @dataclass(frozen=True, kw_only=True)
 class Descent:
-    """One start and where it led.
+    """One start and the end of its descent.
 
     Attributes:
         start: Unit coordinates of the start.

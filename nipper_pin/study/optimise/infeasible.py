@@ -1,4 +1,4 @@
-"""Limits that no descent meets: the nearest design, and what it misses."""
+"""Limits that no descent meets: the nearest design, and its excess over each limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A design problem as plain data: what is free, what is wanted, what has to hold."""
+"""A design problem as plain data: free numbers, aims and limits."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Limit:
 
 @dataclass(frozen=True, kw_only=True)
 class Aim:
-    """What is to be small or large.
+    """A quantity to minimise or maximise.
 
     Attributes:
         quantity: Name of the quantity.
@@ -119,7 +119,7 @@ class Problem:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of all quantities that the problem asks for, each once."""
+        """Names of all quantities in aims and limits, each once."""
         named = [aim.quantity for aim in self.aims] + [limit.quantity for limit in self.limits]
         return tuple(dict.fromkeys(named))
 
@@ -170,7 +170,7 @@ class Problem:
     @property
     def hash(self) -> str:
         """Name of the results: problems with the same hash have the same optimum."""
-        # Where the model's folder stands is no property of the results.
+        # Results do not depend on the path of the model's folder.
         placeless = replace(self, model="", sources=replace(self.sources, folder=""))
         return hashlib.sha256(placeless.text()).hexdigest()
 

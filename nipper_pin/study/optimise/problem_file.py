@@ -1,4 +1,4 @@
-"""The file of a design problem: its keys, and what may stand there."""
+"""The file of a design problem: its keys and their allowed values."""
 
 from __future__ import annotations
 

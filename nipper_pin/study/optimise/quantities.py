@@ -1,4 +1,4 @@
-"""What can be minimised or limited, by name, and where each quantity comes from.
+"""Quantities that can be minimised or limited, by name, and how each is computed.
 
 Bounces come from one transition. Timing and forces of the working cycle come from its kinematics:
 with held drives phases 1 and 2 have no freedom, so no cycle is simulated, and they are smooth where

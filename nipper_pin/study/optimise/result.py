@@ -1,4 +1,4 @@
-"""What an optimisation found: the optimum, what holds it back, and the front."""
+"""Result of an optimisation: the optimum, its active limits, and the front."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CAUTION = (
 
 @dataclass(frozen=True, kw_only=True)
 class Optimum:
-    """What was found.
+    """Result of an optimisation.
 
     Attributes:
         problem: The problem.
@@ -70,7 +70,7 @@ class Optimum:
 
     @property
     def contradiction(self) -> str:
-        """What simulated turns contradict, with both numbers; empty if they confirm all designs."""
+        """Differences from simulated turns, with both numbers; empty if all are confirmed."""
         found = self.control.contradictions
         if found:
             return f"the simulated turn contradicts the optimum: {'; '.join(found)}"

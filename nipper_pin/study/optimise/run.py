@@ -80,7 +80,7 @@ def _check_arguments(*, starts: int, seed: int, points: int, workers: int | None
 
 @dataclass(frozen=True, kw_only=True)
 class _Led:
-    """Where a search has led.
+    """Result of a search.
 
     Attributes:
         best: The best descent by the first aim.

@@ -22,7 +22,7 @@ from .quantities import INDICES
 from .trace import FEASIBLE, Scales
 
 Merit = tuple[float, str]
-"""What the evolution makes small, and the engine that found it; empty without a machine."""
+"""Value that the evolution minimises, and the engine of it; empty without a machine."""
 Mapper = Callable[[Callable[[FloatArray], Merit], Iterable[FloatArray]], Iterable[Merit]]
 
 SCREEN_BITS = 6
@@ -197,7 +197,7 @@ def evolve(text: bytes, by: Scales, seed: int, mapper: Mapper) -> Found:
 
 
 def merit(text: bytes, by: Scales, z: FloatArray) -> Merit:
-    """What the evolution makes small: any point inside the limits is better than any outside.
+    """Value that the evolution minimises: lower at any feasible point than at any infeasible one.
 
     Args:
         text: Text of the problem.

@@ -1,4 +1,4 @@
-"""An optimisation on disk: what it is of, and each finished part, complete or not there."""
+"""An optimisation on disk: its problem, and each finished part, written atomically."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
 
 
 def _defect(error: Exception, first: int, last: int) -> DefectError:
-    """What to report of an error that is no scenario's outcome."""
+    """Message about an error that is not the outcome of a scenario."""
     place = extract_tb(error.__traceback__)[-1]
     numbers = f"scenario {first}" if last - first == 1 else f"scenarios {first} to {last - 1}"
     message = (

@@ -72,7 +72,7 @@ class _Work:
     def __init__(self, client: Any, address: str, look: Callable[[], None]) -> None:
         self._client, self._address, self._look = client, address, look
         self._running: dict[str, Chunk] = {}
-        # They have to be held: the scheduler forgets what nobody wants.
+        # Futures are referenced, since the scheduler drops results without a reference.
         self._held: dict[str, Any] = {}
         self._finished: SimpleQueue[Any] = SimpleQueue()
         self._answers: SimpleQueue[tuple[str, bytes | BaseException]] = SimpleQueue()
@@ -102,7 +102,7 @@ class _Work:
             fetching.join(_LOOK_S)
 
     def _fetch(self) -> None:
-        """Fetch results, in a thread of its own.
+        """Fetch results in a separate thread.
 
         A worker that dies takes with it what it has finished and not handed over: only who does
         not wait for it sees that nobody is left to do it again.
@@ -181,7 +181,7 @@ def _check_workers(client: Any, address: str) -> None:
     except TimeoutError as error:
         message = f"--scheduler {address}: has no workers; start `dask worker {address}`"
         raise InputError(message, scheduler=address) from error
-    # In a thread of its own, since a worker that hangs would never answer.
+    # In a separate thread, since a worker that hangs would never answer.
     pool = ThreadPoolExecutor(1)
     try:
         answer = pool.submit(client.run, versions, on_error="return").result(_CONNECT_S)

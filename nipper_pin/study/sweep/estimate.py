@@ -138,7 +138,7 @@ def timed(plan: Plan, most: int) -> Timed:
         by_tables = tally.engines[REDUCED]
         few_s = _seconds(text, rows.at(few), tally)
         slope, rest = few_s / len(few), 0.0
-        # Of the direct engine a few cases say what many take.
+        # A few cases of the direct engine suffice to estimate many.
         if block > _FEW and tally.engines[REDUCED] - by_tables > len(few) // 2:
             many = first + _spread(block, _MANY)
             more_s = _seconds(text, rows.at(many), tally) - few_s

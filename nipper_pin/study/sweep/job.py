@@ -1,4 +1,4 @@
-"""What a worker needs to know of a sweep: plain data, as one JSON text."""
+"""The data of a sweep for its workers, as one JSON text."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Job:
     @property
     def identity(self) -> str:
         """Name of what the rows depend on, however many there are."""
-        # Neither where the model's folder stands nor a comment is a property of the results.
+        # Results depend on neither the path of the model's folder nor comments.
         text = replace(self, folder="", study="").text()
         return hashlib.sha256(text).hexdigest()
 

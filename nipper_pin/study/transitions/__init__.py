@@ -1,7 +1,7 @@
 """Transitions of many cases of one mechanism, each by the engine that suits it.
 
 The reduced engine solves a transition a hundred times faster than the direct one, but has to sample
-its tables first and knows only what they cover. What it cannot do the direct engine does, case by
+its tables first and solves only cases inside them. The direct engine solves the others, case by
 case, and the result says which engine computed what.
 """
 

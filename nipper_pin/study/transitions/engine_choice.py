@@ -1,4 +1,4 @@
-"""Ask for the transitions of many cases, and choose the engine that computes them."""
+"""Transitions of many cases, and the choice of the engine that computes them."""
 
 from __future__ import annotations
 

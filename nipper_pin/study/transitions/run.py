@@ -94,7 +94,7 @@ class Run:
             rest_rate=self._settings.rest_rate,
             tolerance=self._settings.tolerance,
             max_collisions=columns,
-            # Of drives that do not come back nothing can be asked, and no turn is another one's.
+            # Drives without a period have no repeated turn, so the premise is undefined.
             assumed=not (self._settings.true and model.arrival.asked),
         )
         self._engine[chosen] = REDUCED

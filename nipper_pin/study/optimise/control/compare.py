@@ -47,7 +47,7 @@ class Row:
         if self.turn is None or self.breaks:
             return False
         if self.quantity == "stop_force_N" and self.turn == 0.0:
-            # A stop that is left has no force; a force below zero is what says that it is left.
+            # An open stop has no force; a force below zero means that the stop opens.
             return self.reported <= self.allowed
         return abs(_apart(self.quantity, self.reported, self.turn)) <= self.allowed
 
@@ -64,7 +64,7 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class Control:
-    """What simulated turns say of one design.
+    """Comparison of one design with simulated turns.
 
     Attributes:
         rows: The quantities that the problem asks for; empty if no turn could be simulated.
@@ -83,7 +83,7 @@ class Control:
 
     @property
     def contradictions(self) -> tuple[str, ...]:
-        """What is wrong, in words; empty if the design is confirmed."""
+        """Differences as sentences; empty if the design is confirmed."""
         found = [str(row) for row in self.rows if not row.agrees]
         return (*([self.why] if self.why else []), *found)
 

@@ -19,7 +19,7 @@ from ....hybrid.simulate import simulate
 from ....mechanism import INDEX_PER_TURN, Mechanism
 
 MOST_TURNS = 8
-"""Turns after which one that has not repeated is not waited for."""
+"""Largest number of turns before one repeats exactly."""
 # Turns start a quarter of a turn before the touch: the machine is in its initial phase there.
 _BEFORE = 0.25
 # [rad or m]: a drive that winds on moves by far more in a turn.

@@ -167,7 +167,7 @@ class Transitions:
             return None, error.message
 
     def _by_tables(self, mechanism: Mechanism, speed_rpm: float) -> ReducedTransition | None:
-        """The transition by the reduced engine; None where its tables do not know it."""
+        """The transition by the reduced engine; None where its tables do not cover it."""
         model = self._sampled()[0]
         if model is None:
             return None
@@ -182,7 +182,7 @@ class Transitions:
                 tolerance=self._problem.tolerance,
             )
         except NipperError:
-            # What its tables do not cover the direct engine computes, and the point says so.
+            # The direct engine computes cases outside the tables, and the point records its name.
             return None
 
 

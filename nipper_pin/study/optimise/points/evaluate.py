@@ -30,7 +30,7 @@ _BEFORE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """What was computed for one design: its transition and, if asked for, its working cycle."""
+    """What was computed for one design: its transition and, if needed, its working cycle."""
 
     bounces: Bounces
     cycle: WorkingCycle | None

@@ -14,7 +14,7 @@ from ..quantities import INDICES, nearest_turn
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Point:
-    """What is known of one set of free numbers.
+    """Quantities of one set of free numbers.
 
     Attributes:
         z: Unit coordinates, shape (parameters,).

@@ -1,4 +1,4 @@
-"""Quantities of a turn where kinematics do not tell them: stops that let go, bounces that last.
+"""Quantities of a turn that kinematics do not determine: stops that open, long bounces.
 
 With the steeve off its stop, or the jaw still bouncing, the links do not stand where the drives
 alone would bring them. The turn is simulated then, and all quantities come from it.
@@ -27,7 +27,7 @@ _SHORT = 1e-6
 
 
 def differs(cycle: WorkingCycle, duration: float, asked: frozenset[str]) -> str:
-    """Say why a simulated turn differs from the kinematics of its phases.
+    """Return why a simulated turn differs from the kinematics of its phases.
 
     Args:
         cycle: The kinematics.

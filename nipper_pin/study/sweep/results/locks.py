@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ....errors import InputError
 
-# Byte of the file that stands for the folder as a whole; chunks have those behind it.
+# Byte of the file that locks the whole folder; the following bytes lock chunks.
 _FOLDER = 0
 _BUSY = (errno.EACCES, errno.EAGAIN)
 
@@ -55,7 +55,7 @@ class Locks:
 
     @contextmanager
     def folder(self) -> Iterator[None]:
-        """Have the folder as a whole alone; waits for whoever has it."""
+        """Lock the whole folder; waits until no other process holds it."""
         self._lock(fcntl.LOCK_EX, _FOLDER)
         try:
             yield
