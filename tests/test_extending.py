@@ -7,6 +7,7 @@ import importlib.metadata
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 import nipper_pin as nip
+from nipper_pin.cli import main
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
 from nipper_pin.hybrid.files.npz_schema import ResolutionRecord
@@ -31,6 +33,7 @@ from nipper_pin.mechanism.drawing import (
     Stop,
     drawn_mechanism,
     drawn_sources,
+    write_drawing,
 )
 from nipper_pin.mechanism.files import register as registers
 from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS
@@ -235,6 +238,21 @@ def test_a_saved_run_names_its_integrator(monkeypatch: pytest.MonkeyPatch, tmp_p
     assert nip.record(page.solution)["case"]["resolution"]["integrator"] == "dop853"
     old = {"tolerance": 1e-9, "flight_nodes": 13, "kinematic_nodes": 16, "panels_per_turn": 12}
     assert msgspec.convert(old | {"adaptive": True}, ResolutionRecord).integrator == "picard"
+
+
+def test_commands_print_what_is_added(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`check` and `simulate` name force elements with law and joint, and a law of a stop."""
+    page = ran("extending_restitution", monkeypatch)
+    parts = (*page.FALL.parts, Force("gap", "orifice", {"c_N_s2_per_m2": 0.125}))
+    folder = tmp_path / "fall"
+    write_drawing(replace(page.FALL, parts=parts), folder)
+    for command in (["check", str(folder)], ["simulate", str(folder), "--window", "cycle"]):
+        assert main([*command]) == 0
+        text = capsys.readouterr().out
+        assert "forces: gap (orifice) on gap\n" in text
+    assert "gap 0.8 at rate 0, by a law" in " ".join(text.split())
 
 
 def test_added_laws_are_checked_like_built_in_ones(monkeypatch: pytest.MonkeyPatch) -> None:
