@@ -1,4 +1,4 @@
-"""The command in a process of its own, to which some libraries are not installed.
+"""The command in a separate process, in which some libraries are not installed.
 
 Called as ``python blocked.py NAME,NAME,... ARGUMENTS``: imports of these modules fail as if they
 were not there.

@@ -1,4 +1,4 @@
-"""One run of the command, taken apart: what it asked of the library, what it wrote and printed.
+"""One run of the command: its calls of the library, its files and its output.
 
 The studies themselves are replaced by stand-ins that answer at once and note every argument by its
 name; ``simulate`` and everything that it writes are real.

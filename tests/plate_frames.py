@@ -1,4 +1,4 @@
-"""What stands around the curves of the study's figures: labels, scales, letters, legends."""
+"""Labels, scales, letters and legends of the study's figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command with arguments and files nobody meant: status 0, 1 or 2, one sentence, no traceback.
+"""The command with random arguments and files: status 0, 1 or 2, one sentence, no traceback.
 
 An exception that is not an error of the package comes out of ``main`` and fails the test; that the
 arguments reach the commands shows in the statuses, of which more than one kind has to occur.

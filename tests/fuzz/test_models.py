@@ -1,4 +1,4 @@
-"""Model files that are wrong in ways nobody thought of: a clear refusal or a mechanism.
+"""Model files with random errors: a clear refusal or a mechanism.
 
 Every example edits a model that is right, so most of them get past the first check. An exception
 that is not an ``InputError`` comes through and fails the test. The counts at the end keep the

@@ -1,4 +1,4 @@
-"""What bounces that are not computed do to other freedoms: it is known, and stated.
+"""Stated errors include the effect of bounces that are not computed on other freedoms.
 
 Case 2621 of seed 411: "impulses 0.590419 and 0.590419, stated 3.11e-12 of them": 4.6e-12 off, at a
 collision of a damped body on a slide that had come to rest before. Errors of a rest were those of

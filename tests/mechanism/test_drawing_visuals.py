@@ -1,4 +1,4 @@
-"""What is seen of a drawn machine stands where its points are; thickness and colour are taste."""
+"""Places of the visible parts of a drawn machine; thickness and colour are free."""
 
 from __future__ import annotations
 

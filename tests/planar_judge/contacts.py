@@ -1,4 +1,4 @@
-"""What stops in contact do: impulses of a collision, and which of them stay closed at rest.
+"""Stops in contact: impulses of a collision, and the stops that stay closed at rest.
 
 With D = W' M^-1 W in the motions that constraints and drives leave, both are complementarity
 problems of a few unknowns, solved by trying sets.

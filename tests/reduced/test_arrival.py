@@ -174,7 +174,7 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
         one = {key: float(value[place]) for key, value in cases.items()}
         with pytest.raises(SimulationError, match=why):
             transition(narrow, assumed=False, **one)
-    # A table of many cases asks the direct engine for them.
+    # A table of many cases computes these by the direct engine.
     chosen = "nipper_pin.study.transitions.engine_choice"
     monkeypatch.setattr(f"{chosen}.REDUCED_PAYS_FROM", 2)
     monkeypatch.setattr(f"{chosen}.reduced_model", lambda _one: low)

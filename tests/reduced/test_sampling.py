@@ -1,4 +1,4 @@
-"""The sampled functions against Pinocchio's constrained dynamics, which knows no null direction."""
+"""The sampled functions against Pinocchio's constrained dynamics, which uses no null direction."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 "no impulses at flap1, flap2, flap3 satisfy the impact law: these stops jam the mechanism against
 its drives": the flaps arrived at their stops at +3e-15 rad/s, which is round-off. No impulse is
-needed there, and the law was not asked whether none would do.
+needed there, and the law was not tried with none.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What is refused before a study begins, rows that are not known, and who computes.
+"""Refusals before a study begins, unknown rows, and the choice of processes.
 
 Processes and machines are stand-ins that remember what they were asked for.
 """

@@ -1,4 +1,4 @@
-"""A machine and its mirror image are held to the same limits: none of them knows a side."""
+"""A machine and its mirror image have the same limits."""
 
 from __future__ import annotations
 

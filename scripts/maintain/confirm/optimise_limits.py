@@ -1,4 +1,4 @@
-"""How much of the answer of scripts/optimise_rebound.toml is owed to limits that are a judgement?
+"""How much of the answer of scripts/optimise_rebound.toml follows from limits without a source?
 
 Least rebounds of the E62 estimate for other strokes and openings, and whether a low first rebound
 and a short transition are at odds: python scripts/maintain/confirm/optimise_limits.py

@@ -158,7 +158,7 @@ def picture(drawing: Drawing) -> str:
         f'width="{width:.0f}" height="{height:.0f}">',
         f"<title>{drawing.title}</title>",
     ]
-    # The block in a slot has no shape of its own.
+    # The block in a slot has no shape.
     blocks = {
         i for i, joint in enumerate(solution.mechanism.joints) if joint.child in _blocks(drawing)
     }

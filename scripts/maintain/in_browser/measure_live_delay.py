@@ -1,4 +1,4 @@
-"""Where the time between a move of a slider of the live page and its answer goes.
+"""Parts of the delay between a move of a slider of the live page and its result.
 
 Run: python scripts/maintain/in_browser/measure_live_delay.py [WIDTH HEIGHT [QUERY]]
      QUERY is put behind the address, for example fixedDpr=0.5

@@ -61,7 +61,7 @@ class Version:
         """
         self._speed = f"{speed_rpm:g}"
         self._environment = {**os.environ, "PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"}
-        # As installed: nobody compiles the sources in each run.
+        # With cached bytecode, as in an installation.
         self._environment.pop("PYTHONDONTWRITEBYTECODE", None)
         self._process = subprocess.Popen(
             [sys.executable, "-c", WORKER, self._speed, *WINDOWS],

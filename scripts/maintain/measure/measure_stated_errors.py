@@ -25,7 +25,7 @@ import numpy as np
 from stated_errors.ratios import judged
 from stated_errors.truth import solved, trial
 
-# Names that OPENBLAS_CORETYPE knows; with and without AVX-512, and without AVX2.
+# Values of OPENBLAS_CORETYPE; with and without AVX-512, and without AVX2.
 KERNELS = ("SkylakeX", "Haswell", "Sandybridge")
 _CASES_OF_A_KERNEL = 30
 

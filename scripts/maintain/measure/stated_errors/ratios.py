@@ -11,7 +11,7 @@ import numpy as np
 from .truth import Trial
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-# The reduced engine writes no more collisions of a series, and a run asks for no more.
+# Largest number of collisions that the reduced engine writes, and that a run requests.
 _MOST_COLLISIONS = 250
 
 

@@ -1,4 +1,4 @@
-"""A copy of the package that notes which statements run, and a plugin that asks it by test."""
+"""A copy of the package that records executed statements, and a plugin that reads it by test."""
 
 from __future__ import annotations
 
