@@ -55,3 +55,51 @@ impact would leave rates that count as motion."""
 MAX_IMPACT_RESIDUAL = 1e-9
 """[1] The same, beyond which an impact is refused: a rank-deficient system gives a finite wrong
 velocity. Four digits above what refinement reaches, so that only a failure exceeds it."""
+
+# Hybrid motion: panels, events and contact
+
+SMALLEST = 1e-300
+"""[1] Added to a divisor that may be zero: beside any motion it changes no bit."""
+COORDINATE_ROUND_OFF = 4.0 * EPS
+"""[1] By a coordinate or the reach: round-off of a computed coordinate, four of its last digits."""
+ROUND_OFF_SAFETY = 8.0
+"""[1] Over a sampled round-off: one pattern of signs out of many in which it may fall is tried."""
+ITERATION_FLOOR = 1e3 * EPS
+"""[1] Relative change of a sweep below which only round-off is left in the iteration."""
+TIME_ROUND_OFF = 1e-15
+"""[1] By a time or a turn: four and a half eps; of a shorter time nothing is left but round-off."""
+ROOT_RESOLUTION = 4.0 * EPS
+"""[1] By the ends of its bracket: four last digits, beyond which no root in time is resolved."""
+GAP_ROUND_OFF = 1e-13
+"""[rad or m] Of a gap that the closures determine: 450 eps at lengths of one."""
+ROOT_GAP_ROUND_OFF = 1e-14
+"""[rad or m] Of a gap at a root that was just found: 45 eps at lengths of one."""
+SIMULTANEOUS = 1e-13
+"""[1] Triggers nearer than this fraction of a turn are one event: 450 eps of a turn."""
+SHORTEST_PANEL = 1e-12
+"""[1] By a turn: tenfold ``SIMULTANEOUS``, so that a panel's ends are never one event."""
+CLOSING_SHARE = 1e-3
+"""[1] By the largest acceleration of a gap at zero: with less it does not start to close."""
+RISING_FORCE = 1e-9
+"""[1] By its largest value: a force that starts at zero may start, by round-off, below it."""
+ACTIVE_SET_ROUND_OFF = 1e-12
+"""[1] By the largest value of the stop in any set: a force or acceleration below zero by less."""
+ACCELERATION_LOOKAHEAD = 1e-7
+"""[1] Part of a turn in which accelerations tell how they change: above the square root of eps,
+below which a difference quotient loses more by round-off than it gains."""
+
+# Hybrid motion: stated errors
+
+DIFFERENCE_STEP = 1e-6
+"""[rad or m, or a share of the largest rate] Of difference quotients: near the cube root of eps,
+6e-6, where truncation and round-off of a derivative balance."""
+LOCAL_ERROR_SAFETY = 8.0
+"""[1] True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances; with
+masses that differ by 1e8 up to 11 times."""
+CLOCK_ROUND_OFF = 2.0 * EPS
+"""[1] By the time: round-off of the clock, one rounding of each of two times subtracted."""
+RATE_ROUND_OFF = 16.0 * EPS
+"""[1] By a rate that follows from drives and closures, as ``CLOSURE_RESIDUAL`` of positions."""
+ANGLE_ROUND_OFF = 2.0 * EPS
+"""[1] By the cylinder angle or a radian, whichever is more: near the extreme of a drive law terms
+of the size of one cancel in its rate."""

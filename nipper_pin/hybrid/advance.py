@@ -17,6 +17,7 @@ from ..dynamics.assembly import Partition, close_positions
 from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError, ElementError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
+from ..tolerances import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.coordinate_choice import serves, suited_split
@@ -27,11 +28,8 @@ from .motion.panel_checks import PanelCheck, panel_checks
 from .segment import Segment
 from .state import State
 
-_SHORTEST_PANEL = 1e-12
 # In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000
-# Round-off of a gap at a root [rad or m].
-_ROUND_OFF = 1e-14
 
 
 class Advance(NamedTuple):
@@ -131,7 +129,7 @@ class _Way:
         self.phase = phase = system.constraint_set(state.closed)
         self.kinematic = phase.freedom == 0
         self.longest = system.shaft.period / resolution.panels_per_turn
-        self.shortest = _SHORTEST_PANEL * system.shaft.period
+        self.shortest = SHORTEST_PANEL * system.shaft.period
         self._checks: tuple[PanelCheck, ...] = panel_checks(system, resolution)
         # A stop that has just been left is independent, so that its gap keeps its relative
         # precision: a coordinate that the others determine has their errors, multiplied.
@@ -237,7 +235,7 @@ def _closed_up(system: System, phase: ConstraintSet, end: Exact, hit: list[Stop]
     left = max(abs(stop.gap(met)) for stop in hit)
     for stop in hit:
         met[stop.index] = stop.at
-    if left <= _ROUND_OFF:
+    if left <= ROOT_GAP_ROUND_OFF:
         return end
     # The root is one of the motion as it was integrated, the closures move a gap that depends on
     # the others: let these follow the gap instead.

@@ -21,6 +21,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
+from ...tolerances import TIME_ROUND_OFF
+
 _MOST_POINTS = 8
 # The difference of two orders estimates the error of the higher one. Where it changes sign, parts
 # of the two differences before replace it, limited by the ratio at which differences decrease.
@@ -32,7 +34,7 @@ _FAR = 0.5
 # seems to converge, to the wrong limit.
 _SETTLED = 0.75
 # A root is found when a step is this part of what the order changes; it takes two or three.
-_FOUND, _MOST_STEPS, _ROUND_OFF = 1e-4, 12, 1e-15
+_FOUND, _MOST_STEPS = 1e-4, 12
 
 
 @dataclass(frozen=True)
@@ -172,6 +174,6 @@ def _root(
         t += step
         if not t > 0.0:
             break
-        if abs(step) <= _FOUND * abs(t - near) + _ROUND_OFF * t:
+        if abs(step) <= _FOUND * abs(t - near) + TIME_ROUND_OFF * t:
             return t
     return -1.0

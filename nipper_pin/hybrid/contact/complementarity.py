@@ -14,15 +14,11 @@ from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError, SingularConfigurationError
 from ...mechanism import Stop
+from ...tolerances import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF
 from ..motion.panel import Panel, one_state_at
 
 Closed = frozenset[str]
 
-# A force or an acceleration this much below zero, by the largest one of the stop in any set, is
-# round-off.
-_ROUND_OFF = 1e-12
-# Part of a turn in which accelerations tell how they change.
-_AHEAD = 1e-7
 
 
 def after_release(closed: Closed, released: Iterable[str]) -> Closed:
@@ -86,7 +82,7 @@ def pressed(
             tried.append(found)
     if tried:
         force, leaving = (
-            _ROUND_OFF * np.abs(values).max(axis=0)
+            ACTIVE_SET_ROUND_OFF * np.abs(values).max(axis=0)
             for values in ([item.forces for item in tried], [item.leaving for item in tried])
         )
         for item in tried:
@@ -116,7 +112,8 @@ def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -
     Raises:
         SimulationError: No set satisfies the conditions.
     """
-    q, v, jacobian, motion = one_state_at(system, phase, panel, t + _AHEAD * system.shaft.period)
+    later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
+    q, v, jacobian, motion = one_state_at(system, phase, panel, later)
     return pressed(system, motion, q, v, jacobian, phase.closed)
 
 

@@ -22,11 +22,12 @@ from math import inf
 
 import numpy as np
 
+from ...tolerances import EPS
+
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a
 # factor, unless it changes its sign just there.
 _SAFETY, _PART = 4.0, 0.015
-_EPS = float(np.finfo(float).eps)
 # A limit this far, relatively, from that of a series with the last two times and rates, were it
 # geometric, belongs to collisions that are not of one series yet.
 _GEOMETRIC = 0.5
@@ -70,7 +71,7 @@ class NestedSeries:
         change = inf
         for count, (lower, higher) in enumerate(pairwise(values), start=2):
             before, change = change, abs(higher - lower)
-            noise = _EPS * abs(last) * _amplified(self.rates[-count:])
+            noise = EPS * abs(last) * _amplified(self.rates[-count:])
             error = _SAFETY * max(change, _PART * before) + noise
             if error < best[1]:
                 best = (higher, error)

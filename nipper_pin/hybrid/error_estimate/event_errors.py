@@ -17,16 +17,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
+from ...tolerances import CLOCK_ROUND_OFF, RATE_ROUND_OFF
 from ..event import Event, EventKind
 from ..segment import Segment
-from .linear_maps import RATE, ImpactMap, LinearMaps, of_rates, pushing
+from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing
 from .local_error import round_off
 from .release_time import release_error
 from .zonotope import Deviations
 
-_EPS = float(np.finfo(float).eps)
-# Round-off of the clock, relative.
-_CLOCK = 2.0 * _EPS
 # The limit of a series of bounces was off by up to 1.8 times what its points tell.
 _LIMIT = 2.0
 
@@ -51,7 +49,7 @@ class EventError:
 
 
 # Where drives determine the motion, or nothing has happened yet.
-_FRESH = EventError(0.0, RATE, 0.0, {})
+_FRESH = EventError(0.0, RATE_ROUND_OFF, 0.0, {})
 
 
 def event_errors(
@@ -87,7 +85,7 @@ def event_errors(
             step = last[id(event.delta)] = _stepped(system, maps, state, arrival)
         state = step.after
         # What a copy is wrong by is what it is a copy of, and round-off of its time.
-        shifted = _CLOCK * (event.t - step.t)
+        shifted = CLOCK_ROUND_OFF * (event.t - step.t)
         stated = replace(step.stated, time=step.stated.time + shifted)
         if found and any(segment.kinematic for segment in segments[first:place]):
             # Nothing that makes the event before late goes on.
@@ -252,7 +250,7 @@ def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) 
     if not segment.kinematic and index in split.dependent:
         wrong = float(round_off(system, split, event.q)[index])
         wrong += float(maps.flight(segment).position[index])
-    return _CLOCK * event.t + wrong / abs(float(event.v_before[index]))
+    return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
 
 
 def _rested(
@@ -288,5 +286,5 @@ def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
     if index not in phase.stops:
         return replace(before.error, impulses={})
     late = release_error(system, phase, segment.panels[-1], event.t, before.deviations, index)
-    late = min(late, flown) + _CLOCK * event.t
+    late = min(late, flown) + CLOCK_ROUND_OFF * event.t
     return EventError(late, before.error.impulse, late + before.error.time, {})

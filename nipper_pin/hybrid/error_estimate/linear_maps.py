@@ -15,6 +15,7 @@ from ...dynamics.impact import impact_condition, impulse_sizes
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...mechanism import Stop
+from ...tolerances import ANGLE_ROUND_OFF, EPS, RATE_ROUND_OFF
 from ..event import Event, EventKind
 from ..segment import Segment
 from .local_error import independent_round_off, of_closures, unresolved
@@ -22,13 +23,6 @@ from .saltation import impact_map
 from .truncated_bounces import left_out
 from .variational import flight_map, free_coordinates
 from .zonotope import NOTHING_KNOWN, Deviations
-
-_EPS = float(np.finfo(float).eps)
-RATE = 16.0 * _EPS
-"""Round-off of rates that follow from drives and closures, relative."""
-# Round-off of the cylinder angle, beside the angle or a radian, whichever is more: near the
-# extreme of a drive law terms of the size of one cancel in its rate.
-_ANGLE = 2.0 * _EPS
 
 
 class FlightMap(NamedTuple):
@@ -131,7 +125,7 @@ class LinearMaps:
             loose = np.zeros(nv)
             # Where panels meet a gap has the round-off of its coordinate, however small it is; at
             # the start, where it has not just opened, that of the closures.
-            loose[free] = _EPS * np.abs(panel.q[0, free])
+            loose[free] = EPS * np.abs(panel.q[0, free])
             if panel is first:
                 loose[free] = independent_round_off(system)
                 loose[touching] = 0.0
@@ -183,7 +177,7 @@ class LinearMaps:
             pushes = matrix[: len(stops)]
         _, jacobian = system.body.closures(event.q[None])
         struck = [stop.index for stop in stops]
-        lost = min(_EPS * impact_condition(system, event.q, jacobian[0], struck), 1.0)
+        lost = min(EPS * impact_condition(system, event.q, jacobian[0], struck), 1.0)
         # The law itself determines the rates of the stops that are struck.
         rough = lost * np.abs(event.delta)
         rough[struck] = 0.0
@@ -227,9 +221,9 @@ def of_rates(
     shaft = system.shaft
     phase, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
     a = system.accelerations(motion, q[None], v[None], phase)[0]
-    shifted = _ANGLE * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
+    shifted = ANGLE_ROUND_OFF * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
     turned = Deviations.of(np.concatenate([np.zeros_like(a), a * shifted])[:, None])
-    return Deviations.independent(np.zeros_like(v), RATE * np.abs(v)).joined(turned)
+    return Deviations.independent(np.zeros_like(v), RATE_ROUND_OFF * np.abs(v)).joined(turned)
 
 
 def pushing(system: System, event: Event) -> list[Stop]:

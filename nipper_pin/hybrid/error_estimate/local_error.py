@@ -12,25 +12,20 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities, inverted
 from ...dynamics.system import ConstraintSet, System
+from ...tolerances import DIFFERENCE_STEP, EPS, LOCAL_ERROR_SAFETY
 from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
 
-_EPS = float(np.finfo(float).eps)
-# True errors were up to 4.6 times the bare estimate, over ten runs at six tolerances; with masses
-# that differ by 1e8 up to 11 times.
-_SAFETY = 8.0
 # Round-off of closures beside the reach of the machine: what 8 states, true errors of events that
 # follow from the drives were at most a tenth of, and a hundredth in the median.
 _CLOSED = 4.0
-# Step of differences of positions [rad or m].
-_STEP = 1e-6
 # Round-off of a polynomial, in units of that of its largest term.
 _OPERATIONS = 4.0
 
 
 def independent_round_off(system: System) -> float:
     """Round-off of an independent position [rad or m], of the size that closures have."""
-    return _CLOSED * _EPS * system.body.reach_m
+    return _CLOSED * EPS * system.body.reach_m
 
 
 def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
@@ -62,8 +57,8 @@ def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> F
     if split.dependent:
         _, jacobian = system.body.closures(q[None])
         moved[np.ix_(split.columns, split.columns)] = _opened(jacobian[0], split)
-    _, jacobian = system.body.closures(q + _STEP * np.eye(nv))
-    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / _STEP
+    _, jacobian = system.body.closures(q + DIFFERENCE_STEP * np.eye(nv))
+    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / DIFFERENCE_STEP
     return np.vstack([moved, turned @ moved]) * independent_round_off(system)
 
 
@@ -94,10 +89,10 @@ def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[Floa
         # integrated, a quarter of their number times the last one is missing.
         last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)
         missing = np.maximum(missing, 0.25 * panel.order * last)
-    round_off = _OPERATIONS * _EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
+    round_off = _OPERATIONS * EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)
     return (
-        _SAFETY * h**2 * (position + 0.5 * rough) + h * round_off,
-        _SAFETY * h * (velocity + rough) + round_off,
+        LOCAL_ERROR_SAFETY * h**2 * (position + 0.5 * rough) + h * round_off,
+        LOCAL_ERROR_SAFETY * h * (velocity + rough) + round_off,
     )

@@ -6,16 +6,14 @@ import numpy as np
 
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
-from ..motion.panel import NEARBY, SMALLEST, Panel, forces_at
+from ...tolerances import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, SMALLEST
+from ..motion.panel import Panel, forces_at
 from .local_error import of_closures
 from .variational import free_coordinates, tangents
 from .zonotope import Deviations
 
-_EPS = float(np.finfo(float).eps)
 # Part of a panel over which the slope of the force is taken.
 _SLOPE_STEP = 1e-3
-# Step of its differences along a freedom, as a share of a radian or metre and of the largest rate.
-_STEP = 1e-6
 
 
 def release_error(
@@ -42,12 +40,12 @@ def release_error(
     q, v, nv = q[1:], v[1:], system.body.nv
     free = free_coordinates(phase, panel.split) if panel.integrated else []
     units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
-    x = _STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
+    x = DIFFERENCE_STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
     w = x * max(float(np.abs(v).max()), SMALLEST)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
     opened = of_closures(system, panel, q[0], v[0]).T
     places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
-    rates = [opened[:, nv:], np.diag(NEARBY * _EPS * np.abs(v[0])), x * turned, w * units]
+    rates = [opened[:, nv:], np.diag(COORDINATE_ROUND_OFF * np.abs(v[0])), x * turned, w * units]
     moved, moving = q + np.vstack(places), v + np.vstack(rates)
     _, jacobian = system.body.closures(moved)
     motion = system.shaft.driven(np.full(len(moved), t))

@@ -18,10 +18,8 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import System
 from ...mechanism import Stop
+from ...tolerances import DIFFERENCE_STEP
 from .variational import lifts, tangents
-
-# Step of the differences of configurations [rad or m].
-_STEP = 1e-6
 
 
 def impact_map(
@@ -56,7 +54,7 @@ def impact_map(
     split = system.split(jacobian[0], system.held_coordinates, columns)
     y = list(split.independent)
     units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
-    steps = _STEP / np.maximum(np.abs(units).max(axis=1, keepdims=True), 1.0)
+    steps = DIFFERENCE_STEP / np.maximum(np.abs(units).max(axis=1, keepdims=True), 1.0)
     aside = np.vstack([q, q + steps * units])
     laws, impulses = _laws(system, aside, split, struck, restitution)
     neighbours = np.vstack([v, v + steps * turned])[:, :, None]

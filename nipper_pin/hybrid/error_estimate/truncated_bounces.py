@@ -18,11 +18,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import close_velocities
 from ...dynamics.system import System
+from ...tolerances import DIFFERENCE_STEP, SMALLEST
 from ..event import Event
-from ..motion.panel import SMALLEST
-
-# Step of the differences, as a share of a radian or metre and of the largest rate.
-_STEP = 1e-6
 
 
 def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
@@ -41,12 +38,12 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     q, v, u = rest.q, rest.v_after, -rest.delta / rate
     size = rate * ((1.0 - e_N) * remaining) ** 2 / (6.0 * (1.0 - e_N**3))
     # Places move along the closures, and rates stay those that belong to them.
-    aside = _STEP / max(float(np.abs(u).max()), 1.0)
+    aside = DIFFERENCE_STEP / max(float(np.abs(u).max()), 1.0)
     moved = np.stack([q, q + aside * u])
     _, jacobians = system.body.closures(moved)
     split = system.split(jacobians[0], phase.given, (*phase.stops, *phase.yielding))
     turned = close_velocities(np.stack([v, v]), jacobians, split)[1]
-    speed = _STEP * max(float(np.abs(v).max()), abs(rate))
+    speed = DIFFERENCE_STEP * max(float(np.abs(v).max()), abs(rate))
     hurried = speed / max(float(np.abs(u).max()), SMALLEST)
     motion = system.shaft.driven(np.full(3, rest.t))
     a = system.accelerations(

@@ -16,11 +16,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities
 from ...dynamics.system import ConstraintSet, System
+from ...tolerances import DIFFERENCE_STEP, SMALLEST
 from ..motion.chebyshev import evaluate_motion, nodes
-from ..motion.panel import SMALLEST, Panel
-
-# Steps of the differences, as a share of a radian or metre and of the largest rate.
-_STEP = 1e-6
+from ..motion.panel import Panel
 
 
 def free_coordinates(phase: ConstraintSet, split: Partition) -> list[int]:
@@ -62,7 +60,8 @@ def tangents(
         dq/dy = dv/dy' and dv/dy at independent rates held, shapes (K, N, nv).
     """
     units = lifts(system.body.closures(q)[1], split, columns)
-    step = _STEP / np.maximum(np.abs(units).max(axis=(1, 2), keepdims=True, initial=0.0), 1.0)
+    size = np.abs(units).max(axis=(1, 2), keepdims=True, initial=0.0)
+    step = DIFFERENCE_STEP / np.maximum(size, 1.0)
     moved = (q + step * units).reshape(-1, q.shape[1])
     rates = np.tile(v, (len(columns), 1))
     followed = close_velocities(rates, system.body.closures(moved)[1], split)
@@ -116,7 +115,7 @@ def _slopes(
     """A and B at the nodes of a panel, each of shape (N, f, f) [1/s^2, 1/s]."""
     count, f, nv = panel.order, len(free), system.body.nv
     units, turned = along
-    x = _STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
+    x = DIFFERENCE_STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
     w = x * max(float(np.abs(panel.v).max()), SMALLEST)
     aside, hurried = x[:, None, None] * units, w[:, None, None] * units
     still = np.zeros((1, count, nv))

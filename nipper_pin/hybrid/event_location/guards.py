@@ -12,18 +12,11 @@ from ...arrays import FloatArray, product
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
 from ...mechanism import Stop
+from ...tolerances import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
 from ..motion.chebyshev import Series, evaluate, nodes
-from ..motion.panel import SMALLEST, Panel, forces_at, one_state_at
+from ..motion.panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish
 
-SIMULTANEOUS = 1e-13
-"""Triggers nearer than this fraction of a turn are one event."""
-# Round-off of a gap that the closures determine [rad or m].
-_ROUND_OFF = 1e-13
-# A gap starts to close from zero if it does so with this share of its largest acceleration.
-_CLOSING = 1e-3
-# A force that starts at zero may start, by round-off, below it: by this share of its largest value.
-_RISING = 1e-9
 # A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
 # that by a factor of no more than 1 + 2 log(N) / pi, which is 3.7 for 64 of them.
 _FARTHEST = 0.5 * 3.7
@@ -132,7 +125,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         rate: The rate of the gap there.
     """
     grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
-    if -_ROUND_OFF <= gap < 0.0 < rate:
+    if -GAP_ROUND_OFF <= gap < 0.0 < rate:
         # It opens from where round-off of the last event has left it, and may close at once.
         gap = 0.0
     if gap + h * min(rate, 0.0) > _FARTHEST * h**2 * float(np.abs(a).max()):
@@ -159,11 +152,11 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
     closing = bool((values < 0.0).all())
-    if power == 2 and (closing or values[0] < -_CLOSING * float(np.abs(values).max())):
+    if power == 2 and (closing or values[0] < -CLOSING_SHARE * float(np.abs(values).max())):
         # It was opened where its force only just touched zero, and is pressed shut again.
         return panel.t
     if closing:
-        if rate < 0.0 < gap <= _ROUND_OFF:
+        if rate < 0.0 < gap <= GAP_ROUND_OFF:
             # It closes within the round-off of its integral.
             return panel.t + min(-gap / rate, h)
         message = (
@@ -186,7 +179,7 @@ def _force_root(
     grid = nodes(panel.order)
     values = grid.sample_value @ force
     if values[0] < 0.0 and not (
-        values[1] > 0.0 and -values[0] <= _RISING * float(np.abs(values).max())
+        values[1] > 0.0 and -values[0] <= RISING_FORCE * float(np.abs(values).max())
     ):
         # The force was zero to round-off when the stop was taken to be pressed, and does not rise.
         return panel.t

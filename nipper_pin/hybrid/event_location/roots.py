@@ -8,13 +8,13 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
+from ...tolerances import ROOT_RESOLUTION
 
 _MAX_STEPS = 80
 # Of its higher side: the bottom of a dip that the parabola puts above this is above zero.
 _SHALLOW = 0.25
 # Parabolas through points around the bottom of a dip, each closer by this factor than the last.
 _PARABOLAS, _CLOSER = 3, 0.1
-_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 
 def first_descent(
@@ -120,7 +120,7 @@ def polish(
         ConvergenceError: No root to round-off after many steps.
     """
     low, high, x = left, right, right if start is None else start
-    resolution = _ROUND_OFF * max(abs(left), abs(right))
+    resolution = ROOT_RESOLUTION * max(abs(left), abs(right))
     previous = np.inf
     for _ in range(_MAX_STEPS):
         value, slope = function(x)

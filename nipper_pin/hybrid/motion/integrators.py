@@ -16,9 +16,10 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import InputError, UnknownNameError
+from ...tolerances import SMALLEST
 from ..case import Resolution
 from .chebyshev import decayed, nodes
-from .panel import SMALLEST, Attempt, Begin, Panel, forces_at, judged
+from .panel import Attempt, Begin, Panel, forces_at, judged
 from .picard import flight_panel
 
 

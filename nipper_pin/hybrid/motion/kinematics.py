@@ -14,19 +14,15 @@ from ...dynamics.assembly import (
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
-from ...tolerances import MAX_CONDITION
+from ...tolerances import COORDINATE_ROUND_OFF, EPS, MAX_CONDITION, ROUND_OFF_SAFETY, SMALLEST
 from ..case import Resolution
 from .chebyshev import nodes, tail
 from .noise_floor import of_closures, rates_of_closures
-from .panel import SMALLEST, Attempt, Begin, Panel, judged
+from .panel import Attempt, Begin, Panel, judged
 
 # Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
 # what is amplified further counts as unresolved.
 _AMPLIFIED = 1e3
-# One way out of many in which round-off may fall.
-_SAFETY = 8.0
-# Round-off in the last coefficients of a coordinate, by its size and how far closures move it.
-_ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 
 
 def kinematic_panel(
@@ -75,7 +71,7 @@ def kinematic_panel(
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
-        rough_a[still <= _SAFETY * nothing] = 0.0
+        rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, phase, split).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
@@ -171,8 +167,8 @@ def _check_digits(jacobian: FloatArray, split: Partition) -> None:
 
 def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
-    size = np.abs(q).max(axis=0) + np.finfo(float).eps
+    size = np.abs(q).max(axis=0) + EPS
     _, inverse = inverted(jacobian[0].take(split.columns, 1))
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
     size[split.columns] += np.minimum(moved, _AMPLIFIED)
-    return np.asarray(_ROUND_OFF * size)
+    return np.asarray(COORDINATE_ROUND_OFF * size)

@@ -12,9 +12,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.system import ConstraintSet, System
-from .panel import NEARBY
-
-_EPS = float(np.finfo(float).eps)
+from ...tolerances import COORDINATE_ROUND_OFF
 
 
 def roughness(
@@ -33,7 +31,8 @@ def roughness(
         Not negative, shape (nv,).
     """
     forcing = system.forcing(system.shaft.driven(np.array([t])), phase)[0]
-    unsure = NEARBY * _EPS * (np.abs(forcing) + _terms(system, q, v)) + _of_lengths(system, q, v)
+    terms = np.abs(forcing) + _terms(system, q, v)
+    unsure = COORDINATE_ROUND_OFF * terms + _of_lengths(system, q, v)
     # Signs that alternate, and signs that do not: links in a row are moved by the one or the other.
     signs = (-1.0) ** np.arange(len(q))
     pushed = forcing + np.stack([np.zeros_like(q), unsure, signs * unsure])
@@ -56,21 +55,22 @@ def of_closures(system: System, v: FloatArray, a: FloatArray) -> FloatArray:
     if not system.body.closure_rows:
         return np.zeros(system.body.nv)
     largest = (system.turns(a) + system.turns(v) ** 2).max()
-    return np.asarray(NEARBY * _EPS * largest / system.turning)
+    return np.asarray(COORDINATE_ROUND_OFF * largest / system.turning)
 
 
 def rates_of_closures(system: System, v: FloatArray) -> FloatArray:
     """Round-off that the closures leave in rates, shape (nv,); v of shape (..., nv)."""
     if not system.body.closure_rows:
         return np.zeros(system.body.nv)
-    return np.asarray(NEARBY * _EPS * system.turns(v).max() / system.turning)
+    return np.asarray(COORDINATE_ROUND_OFF * system.turns(v).max() / system.turning)
 
 
 def _of_lengths(system: System, q: FloatArray, v: FloatArray) -> FloatArray:
     """Round-off of the forces of struts, whose lengths are differences of places, shape (nv,)."""
     if not system.mechanism.struts:
         return np.zeros_like(q)
-    moved = q + NEARBY * _EPS * (-1.0) ** np.arange(len(q)) * (np.abs(q) + system.body.reach_m)
+    signs = (-1.0) ** np.arange(len(q))
+    moved = q + COORDINATE_ROUND_OFF * signs * (np.abs(q) + system.body.reach_m)
     forces = system.applied_forces(np.stack([q, moved]), np.stack([v, v]))
     return np.asarray(np.abs(forces[1] - forces[0]))
 

@@ -12,12 +12,8 @@ from ...dynamics.assembly import Partition, close_positions, close_velocities
 from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
+from ...tolerances import COORDINATE_ROUND_OFF, SMALLEST
 from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
-
-_EPS = float(np.finfo(float).eps)
-SMALLEST = 1e-300
-NEARBY = 4.0
-"""Round-off of a coordinate in units of its last digit."""
 
 
 class Begin(NamedTuple):
@@ -235,7 +231,7 @@ def nearby(
     signs = (-1.0) ** np.arange(body.nv)
     # The length of a strut is a difference of places.
     size = np.abs(q) + (body.reach_m if system.mechanism.struts else 0.0)
-    q = q + NEARBY * _EPS * signs * size
+    q = q + COORDINATE_ROUND_OFF * signs * size
     if columns.size:
         g, jacobian = body.closures(q)
         q[:, columns] -= np.linalg.solve(jacobian[:, :, columns], g[:, :, None])[:, :, 0]

@@ -10,10 +10,11 @@ from ...arrays import FloatArray, product
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
+from ...tolerances import COORDINATE_ROUND_OFF, ITERATION_FLOOR, ROUND_OFF_SAFETY, SMALLEST
 from ..case import Resolution
 from .chebyshev import decayed, nodes, prolonged
 from .noise_floor import of_closures, roughness
-from .panel import NEARBY, SMALLEST, Attempt, Begin, Panel, forces_at, judged
+from .panel import Attempt, Begin, Panel, forces_at, judged
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
@@ -32,13 +33,8 @@ _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
 # held shaft.
 _RUN_AWAY = 1e9
-# One way out of many in which round-off may fall.
-_SAFETY = 8.0
-_EPS = float(np.finfo(float).eps)
 # Share of the motion from which on an allowance for round-off may decide on a panel.
 _NOTICED = 0.1
-# Below this relative change only round-off is left in the iteration.
-_ITERATION_FLOOR = 1e3 * _EPS
 
 
 def flight_panel(
@@ -67,7 +63,7 @@ def flight_panel(
     """
     finest = resolution.flight_nodes
     nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
-    tolerance = resolution.tolerance if resolution.adaptive else _ITERATION_FLOOR
+    tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
     iteration = _Picard(system, phase, begin, h, finest, tolerance)
@@ -170,7 +166,7 @@ class _Picard:
         # Relative changes of positions in the latest sweep, shape (N - 1, nv).
         self._moved = np.empty((0, len(q)))
         self._start = t, q, v
-        self._still = _SAFETY * NEARBY * _EPS * system.shaft.rate**2
+        self._still = ROUND_OFF_SAFETY * COORDINATE_ROUND_OFF * system.shaft.rate**2
         self._allowed = False
         self._change = np.inf
         self._contraction = 1.0
@@ -222,7 +218,7 @@ class _Picard:
             ):
                 return True
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-                return change <= _ITERATION_FLOOR
+                return change <= ITERATION_FLOOR
         return False
 
     @property
@@ -257,7 +253,7 @@ class _Picard:
 
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
-        allowance = _SAFETY * self._h**2 * rough / self._tolerance
+        allowance = ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance
         matters = bool((self._phase.moving * (allowance > _NOTICED * self._way)).any())
         self._moved = self._moved * (self._way / (self._way + allowance))
         self._way += allowance

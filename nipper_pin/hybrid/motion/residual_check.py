@@ -17,12 +17,11 @@ from ...arrays import FloatArray
 from ...dynamics.elements import Elements
 from ...dynamics.system import ConstraintSet, System
 from ...mechanism import COINCIDENT_M
+from ...tolerances import ROUND_OFF_SAFETY, SMALLEST
 from .chebyshev import nodes
-from .panel import SMALLEST, Panel, defect, nearby
+from .panel import Panel, defect, nearby
 
 _NEWTON_STEPS = 3
-# One way out of many in which round-off may fall.
-_SAFETY = 8.0
 # Cosine of the angle by which a damper may turn from one node to the next.
 _TURN = 0.5
 # Share of the way between two nodes in which they do not see what happens.
@@ -146,7 +145,7 @@ def _round_off(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatA
     motion = system.shaft.driven(t)
     there = system.accelerations(motion, q, v, phase)
     close = system.accelerations(motion, *nearby(system, q, v, panel.split), phase)
-    return np.asarray(_SAFETY * np.abs(close - there))
+    return np.asarray(ROUND_OFF_SAFETY * np.abs(close - there))
 
 
 def rows_met(system: System, panel: Panel) -> FloatArray:

@@ -6,15 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...tolerances import CLOCK_ROUND_OFF
 from ..error_estimate.event_errors import EventError
 from ..error_estimate.linear_maps import LinearMaps
 from ..event import EventKind
 from ..segment import Segment
 from .solution import Solution
 from .tables import Collision
-
-# Round-off of the clock, relative.
-_CLOCK = 2.0 * float(np.finfo(float).eps)
 
 
 class ReboundError(NamedTuple):
@@ -67,7 +65,7 @@ def _left_out(
     rate = abs(float(v[index]))
     relative = error.impulse + own.size(len(v) + index) / rate
     duration = flight.t_end - flight.t_start
-    late = own.size(index) / rate + _CLOCK * (hit.t + duration)
+    late = own.size(index) / rate + CLOCK_ROUND_OFF * (hit.t + duration)
     return ReboundError(
         2.0 * relative * float(hit.rebound_amplitude or 0.0), relative * duration + late
     )

@@ -11,6 +11,7 @@ from ...dynamics.impact import Impact, collide, no_impact
 from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
+from ...tolerances import SIMULTANEOUS
 from ..advance import advance
 from ..case import Case
 from ..contact.complementarity import (
@@ -21,7 +22,7 @@ from ..contact.complementarity import (
     pressed_next,
 )
 from ..event import Event, EventKind
-from ..event_location.guards import SIMULTANEOUS, TriggerKind
+from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
 from ..segment import Segment
 from ..state import State

@@ -12,6 +12,7 @@ from ...dynamics.assembly import close_positions, close_velocities
 from ...dynamics.system import System
 from ...errors import ConvergenceError, ElementError, SingularConfigurationError
 from ...mechanism import Stop
+from ...tolerances import TIME_ROUND_OFF
 from ..case import Case
 from ..contact.bounce_series import BounceSeries
 from ..contact.nested_series import NestedSeries
@@ -23,7 +24,7 @@ _DROPPED = 100.0
 _UNKNOWN = inf, inf
 # A deceleration that changes by more than this share is not taken for constant, unless no more than
 # round-off of a turn is left.
-_CHANGED, _ROUND_OFF = 0.1, 1e-15
+_CHANGED = 0.1
 
 
 def rest_of_series(
@@ -54,7 +55,7 @@ def rest_of_series(
         # does so faster, and near a dead centre everything does.
         changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
         changes += abs(_deceleration_at_rest(system, state, a, stop, remaining) / deceleration - 1)
-        if changes < _CHANGED or remaining <= _ROUND_OFF * period:
+        if changes < _CHANGED or remaining <= TIME_ROUND_OFF * period:
             return t + remaining, min(changes, 1.0) * remaining
     if rate**3 > _DROPPED * tolerance * series.fastest**3:
         return _UNKNOWN

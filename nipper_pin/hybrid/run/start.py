@@ -10,14 +10,13 @@ from ...dynamics.assembly import assemble
 from ...dynamics.system import System
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Mechanism, Start, Stop
+from ...tolerances import GAP_ROUND_OFF
 from ..case import Case, Window
 from ..state import State
 from .diagnosis import located
 
 _ASSEMBLY_STEPS = 12
 _NOW = np.zeros(1)
-# Round-off of a gap that the closures determine [rad or m]: one as small is a contact.
-_TOUCHING = 1e-13
 
 
 def start_of(system: System, case: Case) -> State:
@@ -92,7 +91,7 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
         gap = stop.gap(q)
-        if abs(gap) <= _TOUCHING:
+        if abs(gap) <= GAP_ROUND_OFF:
             q[stop.index] = stop.at
         elif stop.name not in closed and gap < 0.0:
             message = (
