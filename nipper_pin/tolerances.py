@@ -103,3 +103,27 @@ RATE_ROUND_OFF = 16.0 * EPS
 ANGLE_ROUND_OFF = 2.0 * EPS
 """[1] By the cylinder angle or a radian, whichever is more: near the extreme of a drive law terms
 of the size of one cancel in its rate."""
+NEGLIGIBLE_DEVIATION = 1e-12
+"""[1] By the longest deviation: directions shorter than this are not kept apart."""
+
+# Results: the premise, periodic turns and jams
+
+REST_BEFORE_TOUCH = 1e-6
+"""[1] Part of a turn by which the last rest has to lie before the touch: far above both errors."""
+DECISION_TOLERANCE = 1e-9
+"""[1] Of a run that only decides: times right to a thousandth of ``REST_BEFORE_TOUCH``."""
+SAME_ASSEMBLY = 1e-5
+"""[rad or m] Assemblies of the links that are not the same differ by far more."""
+SAME_POSITION = 1e-9
+"""[rad or m] Between the ends of a periodic turn: far above round-off of closed positions."""
+SAME_RATE = 1e-6
+"""[1] By the largest rate of the turn: far above amplified round-off, far below what an event
+changes."""
+SLOWEST_JAM_RATE = 1e-9
+"""[1] By the fastest rate: slower ones end a series of bounces, where round-off keeps times and
+rates from falling."""
+SERIES_LIMIT_STEP = 1e-4
+"""[1] A root is found when a step is this part of what the order changes; it takes two or three."""
+ENERGY_AGREEMENT = 1e-12
+"""[1] Error of an energy integral, by the panel's energy or the largest kinetic energy so far times
+its part of the duration: round-off may exceed the former."""

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
-from ...tolerances import TIME_ROUND_OFF
+from ...tolerances import SERIES_LIMIT_STEP, TIME_ROUND_OFF
 
 _MOST_POINTS = 8
 # The difference of two orders estimates the error of the higher one. Where it changes sign, parts
@@ -33,8 +33,7 @@ _FAR = 0.5
 # Nor do collisions where the deceleration was another one altogether: a polynomial through them
 # seems to converge, to the wrong limit.
 _SETTLED = 0.75
-# A root is found when a step is this part of what the order changes; it takes two or three.
-_FOUND, _MOST_STEPS = 1e-4, 12
+_MOST_STEPS = 12
 
 
 @dataclass(frozen=True)
@@ -174,6 +173,6 @@ def _root(
         t += step
         if not t > 0.0:
             break
-        if abs(step) <= _FOUND * abs(t - near) + TIME_ROUND_OFF * t:
+        if abs(step) <= SERIES_LIMIT_STEP * abs(t - near) + TIME_ROUND_OFF * t:
             return t
     return -1.0

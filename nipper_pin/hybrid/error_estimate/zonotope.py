@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances import NEGLIGIBLE_DEVIATION
 
 # Columns before some are merged, and how many of them are kept as they are.
 _MOST, _KEPT = 64, 32
-_ROUND_OFF = 1e-12
 NOTHING_KNOWN = 1e100
 """Beyond any motion: a deviation that has grown to this says nothing, and may not overflow."""
 
@@ -111,7 +111,7 @@ class Deviations:
         kept, small = columns[:, order[:_KEPT]], scaled[:, order[_KEPT:]]
         directions, lengths, _ = np.linalg.svd(small, full_matrices=False)
         # The closures leave only some: the others are round-off.
-        directions = directions[:, lengths > _ROUND_OFF * lengths[0]]
+        directions = directions[:, lengths > NEGLIGIBLE_DEVIATION * lengths[0]]
         box = directions * np.abs(directions.T @ small).sum(axis=1)
         columns = np.hstack([kept, box * sizes])
         return Deviations(columns[:-2], columns[-2], columns[-1])

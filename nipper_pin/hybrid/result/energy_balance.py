@@ -11,6 +11,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.impact import drive_impulses
 from ...dynamics.system import ConstraintSet, System
+from ...tolerances import ENERGY_AGREEMENT
 from ..event import Event, EventKind
 from ..motion.panel import Panel, forces_at
 from ..motion.residual_check import rows_met
@@ -18,9 +19,7 @@ from ..segment import Segment
 from .trajectory import Trajectory
 
 _GAUSS_POINTS = 16
-# Quadrature is refined until its error is below this share of the panel's energy or of the largest
-# kinetic energy so far, in proportion to the panel's duration: round-off may exceed the former.
-_MOST_HALVINGS, _AGREED = 7, 1e-12
+_MOST_HALVINGS = 7
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,8 @@ def _exchanged(
     for _ in range(_MOST_HALVINGS):
         work, heat, kinetic, missing = _by_gauss(system, phase, panel, borders)
         held = abs(work) + abs(heat) + kinetic
-        if missing <= _AGREED * max(held, before * (end - begin)) or not system.mechanism.struts:
+        allowed = ENERGY_AGREEMENT * max(held, before * (end - begin))
+        if missing <= allowed or not system.mechanism.struts:
             break
         # Where points of a strut pass one another closely, its force is rougher than all motion.
         borders = np.sort(np.concatenate([borders, 0.5 * (borders[1:] + borders[:-1])]))

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...dynamics.system import System
 from ...errors import SimulationError
+from ...tolerances import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
 from ..case import Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind
@@ -27,12 +28,7 @@ if TYPE_CHECKING:
 
 MOST_IN_TURN = 10_000
 """Collisions of a turn that are followed."""
-# Part of a turn by which the last rest has to lie before the touch: far above the error of both.
-_BEFORE = 1e-6
-# What is only decided needs no more: times are right to a thousandth of what a rest keeps clear of.
-_DECIDED, _PANELS = 1e-9, 6
-# [rad or m]: assemblies of the links that are not the same differ by far more.
-_SAME_POSITION = 1e-5
+_PANELS = 6
 
 
 @dataclass(frozen=True)
@@ -60,13 +56,14 @@ def premise_of(solution: Solution) -> Premise:
     reason = _unanswerable(system, touch)
     if reason:
         return Premise(None, reason)
-    before = (1.0 - _BEFORE) * system.shaft.period
+    before = (1.0 - REST_BEFORE_TOUCH) * system.shaft.period
     start = _end(solution)
     case = replace(
         solution.case,
         max_collisions=MOST_IN_TURN,
         resolution=Resolution(
-            tolerance=max(solution.case.resolution.tolerance, _DECIDED), panels_per_turn=_PANELS
+            tolerance=max(solution.case.resolution.tolerance, DECISION_TOLERANCE),
+            panels_per_turn=_PANELS,
         ),
     )
     try:
@@ -111,11 +108,11 @@ def _judged(system: System, touch: Event, end: State, events: tuple[Event, ...])
     if early := sorted(end.closed - names):
         return Premise(False, f"{_listed(early)} already closed {there}.")
     rests = [event.t + event.series_error for event in events if event.kind is EventKind.REST]
-    if max(rests, default=0.0) > (1.0 - _BEFORE) * period:
+    if max(rests, default=0.0) > (1.0 - REST_BEFORE_TOUCH) * period:
         return Premise(False, f"a stop still bounces {there}.")
-    left = _BEFORE * period
+    left = REST_BEFORE_TOUCH * period
     arrived = touch.q - left * touch.v_before
-    if winding(system.mechanism, arrived, end.q, _SAME_POSITION) is None:
+    if winding(system.mechanism, arrived, end.q, SAME_ASSEMBLY) is None:
         return Premise(False, f"the links stand in another assembly {there}.")
     motion = system.shaft.driven_at(0.0)
     jacobian = system.body.closures(touch.q[None])[1][0]

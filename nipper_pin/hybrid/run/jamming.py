@@ -10,13 +10,11 @@ from collections.abc import Iterable, Sequence
 
 from ...errors import ImpactError
 from ...mechanism import Mechanism
+from ...tolerances import SLOWEST_JAM_RATE
 from ..event import Event, EventKind
 
 # As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
 _JAM, _NO_SLOWER = 20, 1e-3
-# Rates below this share of the fastest one are the end of a series of bounces, where round-off
-# keeps times and rates from falling.
-_OVER = 1e-9
 
 
 def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
@@ -40,7 +38,7 @@ def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> 
     struck = {name: rates for name, rates in series.items() if rates}
     fastest = (max(_approaches(mechanism, name, events)) for name in struck)
     # Contacts without approach strike nothing.
-    least = _OVER * max(fastest, default=0.0)
+    least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
     if len(struck) > 1 and all(
         len(rates) > 1 and rates[-1] >= max((1.0 - _NO_SLOWER) * rates[0], least)
         for rates in struck.values()

@@ -9,14 +9,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...mechanism import Mechanism
+from ...tolerances import SAME_POSITION, SAME_RATE
 from ..segment import Segment
 from ..state import State
-
-# [rad or m]
-_SAME_POSITION = 1e-9
-# Change of rates, as a share of the largest of the turn: far above amplified round-off, far below
-# what an event changes.
-_SAME_RATE = 1e-6
 
 
 def comes_back(system: System) -> bool:
@@ -27,7 +22,7 @@ def comes_back(system: System) -> bool:
 
 
 def winding(
-    mechanism: Mechanism, start: FloatArray, end: FloatArray, within: float = _SAME_POSITION
+    mechanism: Mechanism, start: FloatArray, end: FloatArray, within: float = SAME_POSITION
 ) -> FloatArray | None:
     """By how much hinges have wound on where the links stand as before.
 
@@ -83,7 +78,7 @@ def repeats(
     period = system.shaft.period
     changed = float(np.abs(end.v - start.v).max())
     fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
-    if start.closed != end.closed or changed > _SAME_RATE * fastest:
+    if start.closed != end.closed or changed > SAME_RATE * fastest:
         return None
     # The links may have come to their other assembly, where rates may be the same.
     wound = winding(system.mechanism, start.q, end.q)
