@@ -127,3 +127,21 @@ SERIES_LIMIT_STEP = 1e-4
 ENERGY_AGREEMENT = 1e-12
 """[1] Error of an energy integral, by the panel's energy or the largest kinetic energy so far times
 its part of the duration: round-off may exceed the former."""
+
+# Models: what a folder is checked for
+
+COINCIDENT_M = 1e-9
+"""[m] Below this distance two points are one, and the line between them has no direction: a
+millionth of a millimetre, below any drawing and far above round-off of lengths of a metre."""
+ASSEMBLY_TOLERANCE_M = 1e-9
+"""[m] Largest gap of a closure in the touch configuration, as ``COINCIDENT_M``."""
+TOUCH_TOLERANCE_M = 1e-6
+"""[m] Largest gap or overlap of the bodies at coordinate zero: a thousandth of a millimetre."""
+RANK_TOLERANCE = 1e-8
+"""[1] Singular values below this are zero: half the digits of a double."""
+URDF_TOLERANCE = 1e-9
+"""[1] Of unit axes, rotations and the triangle inequality of inertias: nine written digits."""
+TURN_ROUND_OFF = 1e-12
+"""[1] By a turn: excess of the sum of a cam's sections that is round-off of its written angles."""
+LEAST_TABLE_STEP = 1e-12
+"""[unit of the table] Least distance of two of its rows."""

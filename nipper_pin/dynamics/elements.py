@@ -15,8 +15,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import ElementError
-from ..mechanism import COINCIDENT_M, Mechanism
-from ..tolerances import TABLE_END_OVERRUN
+from ..mechanism import Mechanism
+from ..tolerances import COINCIDENT_M, TABLE_END_OVERRUN
 from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 

@@ -2,7 +2,7 @@
 
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives.law import DriveLaw
-from .elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
+from .elements import Characteristic, Damper, Strut, TabulatedSpring
 from .load import (
     find_model,
     from_sources,
@@ -16,7 +16,6 @@ from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring,
 from .shapes import collision_model
 
 __all__ = [
-    "COINCIDENT_M",
     "INDEX_PER_TURN",
     "Characteristic",
     "Closure",

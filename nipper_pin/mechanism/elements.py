@@ -10,11 +10,10 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import InputError
+from ..tolerances import LEAST_TABLE_STEP
 
-COINCIDENT_M = 1e-9
-"""Distance below which two points are one and the line between them has no direction [m]."""
-# Least distance of two rows of a table, and largest number in it, in its units.
-_NEAREST, _LARGEST = 1e-12, 1e15
+# Largest number of a table, in its units.
+_LARGEST = 1e15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,8 +116,8 @@ def _check_rows(coordinate: tuple[float, ...], force: tuple[float, ...]) -> None
         message = (
             f"the coordinate must rise from row to row; row {row + 1} of the spring table does not"
         )
-    elif (np.diff(x) < _NEAREST).any():
-        row = int(np.argmax(np.diff(x) < _NEAREST)) + 1
+    elif (np.diff(x) < LEAST_TABLE_STEP).any():
+        row = int(np.argmax(np.diff(x) < LEAST_TABLE_STEP)) + 1
         message = f"rows {row} and {row + 1} of the spring table are too near to tell a slope"
     if message:
         raise InputError(message, rows=int(x.size))

@@ -16,8 +16,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.elements import Elements
 from ...dynamics.system import ConstraintSet, System
-from ...mechanism import COINCIDENT_M
-from ...tolerances import ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances import COINCIDENT_M, ROUND_OFF_SAFETY, SMALLEST
 from .chebyshev import nodes
 from .panel import Panel, defect, nearby
 

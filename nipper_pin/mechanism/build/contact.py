@@ -13,14 +13,12 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
+from ...tolerances import TOUCH_TOLERANCE_M
 from ...units import MM_PER_M
 from ..files.description import ContactDescription
 from ..files.urdf import UrdfJoint
 from ..mechanism import Contact
 from .tree import Tree, supports
-
-TOUCH_TOLERANCE_M = 1e-6
-"""Largest gap or overlap of the bodies at coordinate zero [m]."""
 
 _ITERATIONS = 12
 

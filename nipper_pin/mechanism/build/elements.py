@@ -10,8 +10,9 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import InputError, ModelError, UnknownNameError
+from ...tolerances import COINCIDENT_M
 from ...units import M_PER_MM, RAD_PER_DEG
-from ..elements import COINCIDENT_M, Characteristic, Damper, Strut, TabulatedSpring
+from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..files.urdf import Urdf
 from ..mechanism import Joint, Spring

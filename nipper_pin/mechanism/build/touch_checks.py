@@ -9,16 +9,13 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError
+from ...tolerances import ASSEMBLY_TOLERANCE_M, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
 from .tree import supports
 
-ASSEMBLY_TOLERANCE_M = 1e-9
-"""Largest gap of a closure in the touch configuration [m]."""
-
-_RANK_TOLERANCE = 1e-8
 _PLANE = (0, 2)
 
 
@@ -177,7 +174,7 @@ def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
         return []
     length = np.linalg.norm(matrix, axis=1, keepdims=True)
     left, values, _ = np.linalg.svd(matrix / np.where(length > 0.0, length, 1.0))
-    rank = int(np.count_nonzero(values > _RANK_TOLERANCE))
+    rank = int(np.count_nonzero(values > RANK_TOLERANCE))
     share = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
     return [name for name, part in zip(names, share, strict=True) if part > 1e-6]
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
+from ...tolerances import TURN_ROUND_OFF
 from ...units import M_PER_MM
 from ..files.toml_types import NotNegative, Positive
 from .law import Evaluation
 from .tables import AnyTable
 
 CamMotion = Literal["cycloidal", "modified_sine", "polynomial_345", "polynomial_4567"]
-_TURN_ROUND_OFF = 1e-12
 
 
 def _cycloidal(u: FloatArray) -> Evaluation:
@@ -90,7 +90,7 @@ class Cam:
     def __post_init__(self) -> None:
         """Refuse more than a turn."""
         total = self.rise_rad + self.dwell_rad + self.return_rad
-        if total > math.tau * (1.0 + _TURN_ROUND_OFF):
+        if total > math.tau * (1.0 + TURN_ROUND_OFF):
             message = (
                 "rise, dwell and return have to fit into a turn; together they have "
                 f"{math.degrees(total):g} deg"

@@ -27,11 +27,11 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError
+from ...tolerances import COINCIDENT_M
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from .layout import Layout, element_name, end
 
-_SAME_M = 1e-9
 _PARTS = ("inertial", "visual", "collision")
 
 
@@ -103,7 +103,7 @@ def _shifts(
         shift = M_PER_MM * np.array([x - old_x, 0.0, z - old_z])
         for other in found.meeting[point]:
             link = found.points[other]
-            if np.abs(shifts.get(link, shift) - shift).max() > _SAME_M:
+            if np.abs(shifts.get(link, shift) - shift).max() > COINCIDENT_M:
                 allowed = f"one place for the points {', '.join(found.meeting[point])}: one pin"
                 raise ModelError(file=file, key=f"points.{point}", value=[x, z], allowed=allowed)
             shifts[link] = shift
@@ -205,7 +205,7 @@ def _with_guides(
                 continue
             for link in found.points.values():
                 x, _, z = MM_PER_M * found.place[link]
-                if math.hypot(drive[key][0] - x, drive[key][1] - z) < MM_PER_M * _SAME_M:
+                if math.hypot(drive[key][0] - x, drive[key][1] - z) < MM_PER_M * COINCIDENT_M:
                     new_x, _, new_z = MM_PER_M * place[link]
                     drive[key] = [float(new_x), float(new_z)]
                     break

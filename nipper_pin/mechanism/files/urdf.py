@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
+from ...tolerances import URDF_TOLERANCE
 from .urdf_values import (
     check_dynamics,
     check_inertial,
@@ -22,7 +23,6 @@ from .urdf_values import (
 )
 
 HINGE_AXIS = (0.0, -1.0, 0.0)
-_TOLERANCE = 1e-9
 _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
     "revolute": "revolute",
     "continuous": "revolute",
@@ -170,7 +170,7 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
     _, rpy = origin(element, key, file)
     rotation = rotation_from_rpy(rpy)
     # The direction of y must be kept: a half turn about x keeps the plane but mirrors angles.
-    if abs(rotation[1, 1] - 1.0) > _TOLERANCE:
+    if abs(rotation[1, 1] - 1.0) > URDF_TOLERANCE:
         raise ModelError(
             file=file,
             key=f"{key} origin rpy",
@@ -209,9 +209,9 @@ def _check_axis(
     allowed = ""
     if length == 0.0:
         allowed = "an axis has a direction"
-    elif kind == "revolute" and np.abs(value / length - HINGE_AXIS).max() > _TOLERANCE:
+    elif kind == "revolute" and np.abs(value / length - HINGE_AXIS).max() > URDF_TOLERANCE:
         allowed = "a hinge turns about 0 -1 0 (positive counter-clockwise in the side view)"
-    elif kind == "prismatic" and abs(value[1]) / length > _TOLERANCE:
+    elif kind == "prismatic" and abs(value[1]) / length > URDF_TOLERANCE:
         allowed = "a slider moves in the x-z plane, its axis has no y component"
     if allowed:
         raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)

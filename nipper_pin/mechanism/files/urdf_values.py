@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError
+from ...tolerances import URDF_TOLERANCE
 
-_TOLERANCE = 1e-9
 _MOST_DAMPING = 1e15
 _PACKAGE = "package://"
 _INSIDE = "a path relative to the model folder that stays inside it"
@@ -130,7 +130,7 @@ def _check_inertia(inertial: ElementTree.Element, key: str, file: str) -> None:
     if values[0] <= 0.0:
         allowed = "positive principal inertias in kg m2"
         raise ModelError(file=file, key=key, value=values, allowed=allowed)
-    if values[2] > (values[0] + values[1]) * (1.0 + _TOLERANCE):
+    if values[2] > (values[0] + values[1]) * (1.0 + URDF_TOLERANCE):
         allowed = (
             "no body has a principal inertia above the sum of the other two "
             f"({values[2]:g} > {values[0] + values[1]:g} kg m2; ixx = {xx:g}, iyy = {yy:g}, "
