@@ -281,10 +281,13 @@ def _events(report: Report, solution: nip.Solution, verdict: Verdict, horizon: f
         _event(report, solution, one, other, fastest)
         i, j = i + 1, j + 1
     more = [item for item in ours[i:] if item.t < min(end, verdict.known - TIME_S)]
-    late, following = theirs[j:], solution.events[len(ours) :]
+    late, following = theirs[j:], list(solution.events[len(ours) :])
     if verdict.known < math.inf and following and following[0].kind.value == "rest":
         # Of a series whose end the judge does not know the package has taken the limit.
         late = []
+    while late and following and _alike(solution, following[0], late[0]):
+        # Two times of one event lie on either side of the end of what is compared.
+        _event(report, solution, following.pop(0), late.pop(0), fastest)
     if more or late:
         report.differs.append(
             f"{len(more)} events more of the package, {len(late)} more of the judge"
