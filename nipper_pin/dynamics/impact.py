@@ -80,7 +80,7 @@ def collide(
         for chosen in combinations(range(len(contacts)), size):
             solved = _impulses(system, q, jacobian, [contacts[i] for i in chosen],
                                [wanted[i] - before[i] for i in chosen])  # fmt: skip
-            if solved is None or solved[2].min() < 0.0:
+            if solved is None or min(solved[2].tolist()) < 0.0:
                 continue
             still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])
             if still is not None:
@@ -292,7 +292,8 @@ def _outcome(
         v_after[stop.index] = stop.sense * wanted[place]
         P_N[stop.name] = impulse
         lost -= 0.5 * impulse * (stop.rate(v) + wanted[place])
-    v_after[list(still)] = 0.0
+    for index in still:
+        v_after[index] = 0.0
     return Impact(v_after, delta, closure_impulses, P_N, lost)
 
 

@@ -47,7 +47,12 @@ class Advance(NamedTuple):
 
 
 def advance(
-    system: System, state: State, a: FloatArray, t_limit: float, resolution: Resolution
+    system: System,
+    state: State,
+    a: FloatArray,
+    t_limit: float,
+    resolution: Resolution,
+    place: int = 0,
 ) -> Advance:
     """Follow the motion from a state just after an event to the next event.
 
@@ -57,6 +62,7 @@ def advance(
         a: Acceleration there, shape (nv,).
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
+        place: Place of the motion among the segments of the run.
 
     Returns:
         The motion and what ended it.
@@ -88,7 +94,7 @@ def advance(
             end = way.end(solved._replace(panel=panel))
         panels.append(panel)
         if end.found or end.t >= t_limit:
-            return way.closed_up(panels, end)
+            return way.closed_up(panels, end, place)
         jacobian = end.exact.jacobian
         begin = Begin(begin.t + panel.h, end.exact.q, end.exact.v, panel.a[-1])
         h = min(way.longest, solved.advised)
@@ -176,10 +182,11 @@ class _Way:
             return True
         return all(check.resolved_at_end(self.phase, panel, end.t) for check in self._checks)
 
-    def closed_up(self, panels: list[Panel], end: _End) -> Advance:
+    def closed_up(self, panels: list[Panel], end: _End, place: int) -> Advance:
         """The motion to its end, where the gaps of the stops that close are exactly zero."""
         state = self._state
-        segment = Segment(state.t, end.t, self.phase.closed, tuple(panels), self.kinematic)
+        closed, kinematic = self.phase.closed, self.kinematic
+        segment = Segment(state.t, end.t, closed, tuple(panels), kinematic, place)
         hit = [
             self._system.mechanism.stop(trigger.stop)
             for trigger in end.found

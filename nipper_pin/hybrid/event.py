@@ -39,6 +39,7 @@ class Event:
         closed_after: Closed stops after.
         series_error: Estimated error of the limit of a series of bounces that gives a rest its
             time [s]; zero for other events.
+        source: Number of the event that this one is a copy of; its own if it is none.
     """
 
     number: int
@@ -55,3 +56,4 @@ class Event:
     closed_before: frozenset[str]
     closed_after: frozenset[str]
     series_error: float
+    source: int

@@ -20,6 +20,7 @@ class Segment:
         closed: Names of the closed stops.
         panels: Panels in order of time; the last one may reach beyond the end.
         kinematic: True if the drives determine the motion.
+        source: Place in the run of the segment that this one is a copy of; its own if it is none.
     """
 
     t_start: float
@@ -27,6 +28,7 @@ class Segment:
     closed: frozenset[str]
     panels: tuple[Panel, ...]
     kinematic: bool
+    source: int = 0
 
     def shifted(self, delay: float, wound: FloatArray) -> Segment:
         """Return the same motion at a later time; arguments as :meth:`Panel.shifted`."""

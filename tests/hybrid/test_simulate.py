@@ -14,6 +14,7 @@ from nipper_pin import (
     InputError,
     Mechanism,
     Outcome,
+    Solution,
     Window,
     load,
     simulate,
@@ -131,6 +132,25 @@ def test_the_largest_number_of_collisions_counts_in_every_turn(nipper: Mechanism
     assert len(short.collisions) == a_turn - 1
 
 
+def _copies_of_one_turn(copied: Solution) -> None:
+    """Sources lie in what was computed, equal themselves there, and whole periods apart."""
+    period, ours = copied.shaft.period, {event.number: event for event in copied.events}
+    moved = [event for event in copied.events if event.source != event.number]
+    assert moved
+    for event in copied.events:
+        original = ours[event.source]
+        assert original.source == original.number
+        turns = (event.t - original.t) / period
+        assert turns == pytest.approx(round(turns), abs=1e-12)
+        assert (event.kind, event.stops) == (original.kind, original.stops)
+        assert event.P_N == original.P_N
+    for place, segment in enumerate(copied.segments):
+        original = copied.segments[segment.source]
+        assert copied.segments[original.source] is original
+        assert (place == segment.source) == (segment is original)
+        assert all(a.a is b.a for a, b in zip(segment.panels, original.panels, strict=True))
+
+
 @pytest.mark.parametrize("speed", [450.0, 650.0])
 def test_copied_turns_equal_computed_ones(nipper: Mechanism, speed: float) -> None:
     """Three turns with copies and three computed ones have the same events to 1e-11 s.
@@ -145,6 +165,7 @@ def test_copied_turns_equal_computed_ones(nipper: Mechanism, speed: float) -> No
     assert computed.repeated_from is None
     assert copied.evaluations < 0.7 * computed.evaluations
     assert len(copied.events) == len(computed.events)
+    _copies_of_one_turn(copied)
     for ours, theirs in zip(copied.events, computed.events, strict=True):
         assert (ours.number, ours.kind, ours.stops) == (theirs.number, theirs.kind, theirs.stops)
         assert ours.closed_after == theirs.closed_after
@@ -181,6 +202,7 @@ def test_turns_of_a_crank_are_copied_too(tmp_path: Path) -> None:
     computed = simulate(press, Case(**case, cycles=5, reuse_cycles=False))
     assert copied.repeated_from == 1
     assert copied.evaluations == one.evaluations
+    _copies_of_one_turn(copied)
     assert len(copied.events) == len(computed.events) == 5 * len(one.events)
     for ours, theirs in zip(copied.events, computed.events, strict=True):
         assert ours.t == pytest.approx(theirs.t, abs=1e-13)

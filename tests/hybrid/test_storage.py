@@ -206,6 +206,8 @@ def _edit(path: Path, change: object) -> None:
         ),
         lambda document: document["segments"][0]["panels"][0].pop(),
         lambda document: document.update(segments=None),
+        lambda document: document["segments"][0].update(source=1),
+        lambda document: document["events"][0].update(source=2),
     ],
 )
 def test_an_edited_file_is_an_input_error(stored: Path, change: object) -> None:
@@ -213,6 +215,20 @@ def test_an_edited_file_is_an_input_error(stored: Path, change: object) -> None:
     _edit(stored, change)
     with pytest.raises(InputError):
         load_solution(stored)
+
+
+def test_files_without_sources_have_no_copies(stored: Path) -> None:
+    """Every event and segment of a file from before sources were kept is an original."""
+    original = load_solution(stored)
+
+    def change(document: dict[str, list[dict[str, object]]]) -> None:
+        for record in (*document["segments"], *document["events"]):
+            del record["source"]
+
+    _edit(stored, change)
+    read = load_solution(stored)
+    assert [event.source for event in read.events] == [event.number for event in read.events]
+    _same(read.segments, original.segments)
 
 
 def test_another_format_is_refused_by_number(stored: Path, tmp_path: Path) -> None:

@@ -259,14 +259,19 @@ def test_what_is_beyond_a_limit() -> None:
 
 def test_panels_that_are_looked_at() -> None:
     """Three of the panels of a segment, each with five times; copies of a turn once."""
-    panels = [SimpleNamespace(a=object()) for _ in range(7)]
+    panels = [object() for _ in range(10)]
     pieces = [(panel, float(n), n + 0.5) for n, panel in enumerate(panels)]
-    one = SimpleNamespace(pieces=lambda: iter(pieces[:5]))
-    copy = SimpleNamespace(pieces=lambda: iter(pieces[4:]))
-    run: Any = SimpleNamespace(segments=[one, copy])
-    found = [*observations.looked_at(run)]
-    assert [(item[0] is one, panels.index(item[1])) for item in found] == [
-        (True, 0), (True, 2), (True, 4), (False, 5), (False, 6),
+    parts = ((0, 5, 0), (5, 10, 0), (5, 8, 2))
+    segments = [
+        SimpleNamespace(
+            pieces=lambda i=i, j=j: iter(pieces[i:j]), panels=panels[i:j], source=source
+        )
+        for i, j, source in parts
+    ]
+    run: Any = SimpleNamespace(segments=segments)
+    found = [*observations.samples(run)]
+    assert [(segments.index(item[0]), panels.index(item[1])) for item in found] == [
+        (0, 0), (0, 2), (0, 4), (2, 5), (2, 6), (2, 7),
     ]  # fmt: skip
     assert found[1][2] == pytest.approx([2.0, 2.125, 2.25, 2.375, 2.5], rel=1e-15)
 
@@ -297,12 +302,15 @@ def test_highest_gap_of_a_motion() -> None:
 
 def test_segments_that_are_looked_at() -> None:
     """Twenty-four of many, evenly chosen, to the last time that is before their end."""
-    panels = [SimpleNamespace(a=object()) for _ in range(70)]
+    panels = [object() for _ in range(70)]
     segments = [
-        SimpleNamespace(pieces=lambda n=n: iter([(panels[n], n + 1.0, n + 2.0)])) for n in range(70)
+        SimpleNamespace(
+            pieces=lambda n=n: iter([(panels[n], n + 1.0, n + 2.0)]), panels=[panels[n]], source=n
+        )
+        for n in range(70)
     ]
     run: Any = SimpleNamespace(segments=segments)
-    found = [*observations.looked_at(run)]
+    found = [*observations.samples(run)]
     places = [panels.index(panel) for _, panel, _ in found]
     assert (len(places), places[0], places[-1]) == (24, 0, 69)
     assert set(np.diff(places)) == {3}

@@ -55,7 +55,7 @@ def test_limits_of_powers(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
     monkeypatch.setattr(element_invariants, "_between_rows", lambda *a: rows.append(a) or ["row"])
     times = np.array([0.1, 0.2, 0.3])
     segment = SimpleNamespace(t_start=0.5)
-    monkeypatch.setattr(element_invariants, "looked_at", lambda _: [(segment, None, times)])
+    monkeypatch.setattr(element_invariants, "samples", lambda _: [(segment, None, times)])
     said = watched(monkeypatch, element_invariants)
     evaluate = {id(times): SimpleNamespace(q=q, v=v)}
     run: Any = SimpleNamespace(mechanism=machine, system=system, trajectory=SimpleNamespace(

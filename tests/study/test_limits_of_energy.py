@@ -46,8 +46,12 @@ class Balance:
             for h, n in ((0.3, 9), (0.1, 3), (0.2, 12), (0.5, 7), (0.4, 14))
         ]
         self.segments = [
-            SimpleNamespace(closed=frozenset(closed), panels=panels[begin:end])
-            for closed, begin, end in (((), 0, 3), (("low",), 3, 5), (("low",), 3, 5))
+            SimpleNamespace(closed=frozenset(closed), panels=panels[begin:end], source=source)
+            for closed, begin, end, source in (
+                ((), 0, 3, 0),
+                (("low",), 3, 5, 1),
+                (("low",), 3, 5, 1),
+            )
         ]
         self.looked = [(self.segments[0], panels[0], None), (self.segments[1], panels[3], None)]
         self.asked: list[tuple[int, frozenset[str]]] = []
@@ -82,7 +86,7 @@ def test_limit_of_energy(monkeypatch: pytest.MonkeyPatch, case: str) -> None:
     run = Balance(**ENERGIES[case])
     told = SimpleNamespace(condition=run.conditions)
     monkeypatch.setattr(invariants, "Equations", lambda _: told)
-    monkeypatch.setattr(invariants, "looked_at", lambda _: run.looked)
+    monkeypatch.setattr(invariants, "samples", lambda _: run.looked)
     said = watched(monkeypatch, invariants)
     assert list(invariants._energy(run.solution)) == []
     counts = (range(3), range(0, 14, 3), range(0, 9, 2), range(7))
@@ -108,7 +112,7 @@ def test_energy_of_no_motion(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Balance()
     run.segments, run.looked = [], []
     monkeypatch.setattr(invariants, "Equations", lambda _: None)
-    monkeypatch.setattr(invariants, "looked_at", lambda _: run.looked)
+    monkeypatch.setattr(invariants, "samples", lambda _: run.looked)
     said = watched(monkeypatch, invariants)
     assert list(invariants._energy(run.solution)) == []
     most = (1e-8 + 32.0 * EPS + 100.0 * run.tolerance) * run.scale

@@ -115,7 +115,7 @@ FLIGHTS = {
 def test_limits_of_flights(monkeypatch: pytest.MonkeyPatch, case: str, seed: int) -> None:
     run = Flight(seed, *FLIGHTS[case])
     monkeypatch.setattr(flight_invariants, "Equations", lambda _: run.equations)
-    monkeypatch.setattr(flight_invariants, "looked_at", lambda _: [(run.segment, run.panel, run.t)])
+    monkeypatch.setattr(flight_invariants, "samples", lambda _: [(run.segment, run.panel, run.t)])
     said = watched(monkeypatch, flight_invariants)
     assert list(flight_invariants.flights(run.solution)) == []
     halfway = 0.5 * (1.0 - np.cos(np.pi * (np.arange(6) + 0.5) / 6))
@@ -137,7 +137,7 @@ def test_flights_in_which_nothing_is_loose(monkeypatch: pytest.MonkeyPatch) -> N
     run = Flight(9, *FLIGHTS["exact"])
     monkeypatch.setattr(run.equations, "loose", lambda _: [])
     monkeypatch.setattr(flight_invariants, "Equations", lambda _: run.equations)
-    monkeypatch.setattr(flight_invariants, "looked_at", lambda _: [(run.segment, run.panel, run.t)])
+    monkeypatch.setattr(flight_invariants, "samples", lambda _: [(run.segment, run.panel, run.t)])
     said = watched(monkeypatch, flight_invariants)
     assert list(flight_invariants.flights(run.solution)) == []
     assert said[0][1] == 0.0
@@ -277,7 +277,7 @@ def built(patch: pytest.MonkeyPatch, states: int, off: float, speed: float) -> t
     q = rng.normal(size=(2 * states, 5))
     looked = [(None, SimpleNamespace(q=q[2 * k : 2 * k + 2]), None) for k in range(states)]
     patch.setattr(model_invariants, "Text", Text)
-    patch.setattr(model_invariants, "looked_at", lambda _: looked)
+    patch.setattr(model_invariants, "samples", lambda _: looked)
     told = {"spring s": (1.0, -2.0), "damper d": (3.0,)}
     found = {"spring s": (1.0 - 20.0 * EPS, -2.0 + 20.0 * EPS), "damper d": (3.0,)}
     patch.setattr(model_invariants, "_told", lambda item: told if item is machine else {})

@@ -110,7 +110,7 @@ class Run:
         return self.train * (wound + 1e9 * v[:, self.driven])
 
     def said(self, patch: pytest.MonkeyPatch) -> list[Said]:
-        patch.setattr(invariants, "looked_at", lambda _: [(self.segment, self.panel, np.zeros(3))])
+        patch.setattr(invariants, "samples", lambda _: [(self.segment, self.panel, np.zeros(3))])
         patch.setattr(invariants, "shown", self.shown)
         patch.setattr(invariants, "Equations", lambda _: self.equations)
         patch.setattr(invariants, "slope", lambda values: 3.0 * values)

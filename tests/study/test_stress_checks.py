@@ -20,7 +20,7 @@ from machine_of_all_elements import CASE, everything
 import nipper_pin.bench.stress as stress
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
 from nipper_pin.bench.stress import CHECKS, invariants, violations
-from nipper_pin.bench.stress.observations import Shown, looked_at
+from nipper_pin.bench.stress.observations import Shown, samples
 from nipper_pin.mechanism import from_sources
 
 _FILES = ("invariants", "impact_invariants", "element_invariants", "model_invariants",
@@ -314,7 +314,7 @@ def elements(p: Patient) -> None:
             high = max(rows.force[place - 1 : place + 1])
             return np.array([high + self._above]) if self._above else rows.forces(x)
 
-    looked = np.concatenate([t for _, _, t in looked_at(p.chain)])
+    looked = np.concatenate([t for _, _, t in samples(p.chain)])
     least = float(p.chain.trajectory.evaluate(looked).q[:, table.index].min())
     width = rows.coordinate[-1] - rows.coordinate[0]
     for above, low in ((1e-6, rows.coordinate[0]), (0.0, least + 1e-7 * width)):

@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...hybrid.result.solution import Solution
 from ...mechanism import Strut
-from .observations import EPS, beyond, looked_at
+from .observations import EPS, beyond, samples
 
 # Largest relative error of a power.
 _POWER = 1e-9
@@ -24,7 +24,7 @@ def elements(solution: Solution) -> Iterator[str]:
     velocities, where the engine has Jacobians. Tables stay between their rows and their ends.
     """
     mechanism, system = solution.mechanism, solution.system
-    for segment, _, t in looked_at(solution):
+    for segment, _, t in samples(solution):
         where = f"segment at {segment.t_start:.9g} s"
         motion = solution.trajectory.evaluate(t)
         for q, v in zip(motion.q, motion.v, strict=True):

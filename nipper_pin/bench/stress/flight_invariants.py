@@ -11,7 +11,7 @@ from ...hybrid.motion.panel import Panel
 from ...hybrid.result.solution import Solution
 from .equations import Equations
 from .interpolants import farthest, halfway, interpolated
-from .observations import EPS, beyond, looked_at
+from .observations import EPS, beyond, samples
 
 # Twice integrated, the coefficient of degree k is divided by (2 k)^2; the defect of an interpolant
 # between its nodes is a few times the coefficients that are left out, more at kinks of tables.
@@ -23,7 +23,7 @@ _ADDED = 4.0
 def flights(solution: Solution) -> Iterator[str]:
     """Check the equations of motion between nodes, to the tolerance of the run."""
     equations, tolerance = Equations(solution), solution.case.resolution.tolerance
-    for segment, panel, t in looked_at(solution):
+    for segment, panel, t in samples(solution):
         if not panel.integrated:
             continue
         # Times at equal distances are nodes where there are four, seven or thirteen of them.

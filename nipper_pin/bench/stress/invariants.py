@@ -22,7 +22,7 @@ from .flight_invariants import flights
 from .impact_invariants import impulses
 from .interpolants import slope
 from .model_invariants import built
-from .observations import EPS, EVENTS, Shown, beyond, looked_at, shown, some
+from .observations import EPS, EVENTS, Shown, beyond, samples, shown, some
 from .rebound_invariants import rebounds
 
 # Share of its largest force that the equation of a coordinate may be off by.
@@ -156,7 +156,7 @@ def _motion(solution: Solution) -> Iterator[str]:
     """Closures, gaps and forces between events; the product of gap and force is zero."""
     system, equations = solution.system, Equations(solution)
     tolerance = solution.case.resolution.tolerance
-    for segment, panel, t in looked_at(solution):
+    for segment, panel, t in samples(solution):
         where = f"segment at {segment.t_start:.9g} s"
         seen = shown(solution, segment.closed, t)
         q, v, a = seen.q, seen.v, seen.a
@@ -288,9 +288,9 @@ def _energy(solution: Solution) -> Iterator[str]:
     # The energy of a table counts from its first row, so it may be negative.
     stored = 0.0
     # Near a dead centre panels are short. Copies of a turn share theirs.
-    known = {id(s.panels[0].a): s for s in solution.segments}
+    known = {s.source: s for s in solution.segments}
     shortest = [(s, min(s.panels, key=lambda p: p.h)) for s in known.values()]
-    for segment, panel in (*shortest, *((s, p) for s, p, _ in looked_at(solution))):
+    for segment, panel in (*shortest, *((s, p) for s, p, _ in samples(solution))):
         springs = system.spring_energy(panel.q)
         scale, stored = max(scale, float(springs.max())), max(stored, _most(springs))
         heights.append(system.body.gravity_energy(panel.q))

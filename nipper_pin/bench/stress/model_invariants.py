@@ -12,7 +12,7 @@ import numpy as np
 from ...hybrid.result.solution import Solution
 from ...mechanism import Mechanism
 from .model_text import Text
-from .observations import EPS, beyond, looked_at
+from .observations import EPS, beyond, samples
 
 # Two ways to one number differ by round-off of the places and angles on the way.
 _SAME = 1e-10
@@ -24,7 +24,7 @@ def built(solution: Solution) -> Iterator[str]:
     mechanism, description = solution.mechanism, solution.mechanism.description
     text = Text(mechanism.urdf, description, [joint.name for joint in mechanism.joints])
     body = solution.system.body
-    ends = chain.from_iterable((p.q[0], p.q[-1]) for _, p, _ in looked_at(solution))
+    ends = chain.from_iterable((p.q[0], p.q[-1]) for _, p, _ in samples(solution))
     states = list(ends)
     for q in states[:: max(len(states) // _STATES, 1)]:
         told, found = text.inertias(q), body.mass_matrix(q)

@@ -61,15 +61,16 @@ def beyond(what: str, found: float, most: float) -> Iterator[str]:
         yield f"{what}: {found:.3g}, at most {most:.3g}"
 
 
-def looked_at(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
-    """Panels and times that are looked at: evenly chosen segments, copies of a turn once."""
-    seen: set[int] = set()
+def samples(solution: Solution) -> Iterator[tuple[Segment, Panel, FloatArray]]:
+    """Panels and times at which a solution is checked: evenly chosen, copies of a turn once."""
+    seen: set[tuple[int, int]] = set()
     for place in some(len(solution.segments), _SEGMENTS):
         segment = solution.segments[place]
         parts = list(segment.pieces())
         for panel, begin, end in (parts[i] for i in some(len(parts), _PANELS)):
-            if id(panel.a) not in seen:
-                seen.add(id(panel.a))
+            key = (segment.source, segment.panels.index(panel))
+            if key not in seen:
+                seen.add(key)
                 # The end belongs to the next segment.
                 yield segment, panel, np.linspace(begin, np.nextafter(end, begin), _POINTS)
 

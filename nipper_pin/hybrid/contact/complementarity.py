@@ -20,7 +20,6 @@ from ..motion.panel import Panel, one_state_at
 Closed = frozenset[str]
 
 
-
 def after_release(closed: Closed, released: Iterable[str]) -> Closed:
     """Closed stops after the forces of some have fallen to zero."""
     return closed - frozenset(released)

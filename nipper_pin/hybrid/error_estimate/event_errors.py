@@ -79,10 +79,10 @@ def event_errors(
             if segments[place].kinematic:
                 state = _State(maps.end(segments[place]), _FRESH)
             place += 1
-        step = last.get(id(event.delta))
+        step = last.get(event.source)
         if step is None or not step.starts_from(state):
             arrival = _Arrival(event, segments[max(first - 1, 0) : place], place - first)
-            step = last[id(event.delta)] = _stepped(system, maps, state, arrival)
+            step = last[event.source] = _stepped(system, maps, state, arrival)
         state = step.after
         # What a copy is wrong by is what it is a copy of, and round-off of its time.
         shifted = CLOCK_ROUND_OFF * (event.t - step.t)

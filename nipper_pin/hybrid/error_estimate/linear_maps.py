@@ -83,26 +83,25 @@ class LinearMaps:
 
     def flight(self, segment: Segment) -> FlightMap:
         """A segment with freedom, and of some length."""
-        key = id(segment.panels[0].a)
-        if key not in self._flights:
-            self._flights[key] = self._flight(segment)
-        return self._flights[key]
+        if segment.source not in self._flights:
+            self._flights[segment.source] = self._flight(segment)
+        return self._flights[segment.source]
 
     def end(self, segment: Segment) -> Deviations:
         """Deviations at the end of a segment without freedom, which forgets those before."""
         panel = segment.panels[-1]
-        if id(panel.a) not in self._ends:
+        if segment.source not in self._ends:
             q, v = panel.interpolate_at(segment.t_end)
             opened = Deviations.of(of_closures(self._system, panel, q, v))
             found = of_rates(self._system, segment.closed, segment.t_end, q, v)
-            self._ends[id(panel.a)] = found.joined(opened)
-        return self._ends[id(panel.a)]
+            self._ends[segment.source] = found.joined(opened)
+        return self._ends[segment.source]
 
     def impact(self, event: Event) -> ImpactMap:
         """An event with impulses at some of its stops."""
-        if id(event.delta) not in self._impacts:
-            self._impacts[id(event.delta)] = self._impact(event)
-        return self._impacts[id(event.delta)]
+        if event.source not in self._impacts:
+            self._impacts[event.source] = self._impact(event)
+        return self._impacts[event.source]
 
     def left_out(self, rest: Event, remaining: float) -> Deviations:
         """What bounces make that are not computed, in a time before a rest [s]."""

@@ -128,7 +128,8 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     if -GAP_ROUND_OFF <= gap < 0.0 < rate:
         # It opens from where round-off of the last event has left it, and may close at once.
         gap = 0.0
-    if gap + h * min(rate, 0.0) > _FARTHEST * h**2 * float(np.abs(a).max()):
+    nearest = gap + h * min(rate, 0.0)
+    if nearest > 0.0 and nearest > _FARTHEST * h**2 * float(np.maximum.reduce(np.abs(a))):
         return None
     scale = stop.sense * h**2
     power = 0 if gap != 0.0 else (1 if rate != 0.0 else 2)

@@ -66,14 +66,14 @@ def save(solution: Solution, path: str | Path) -> Path:
     if target.suffix != ".npz":
         target = target.with_name(target.name + ".npz")
     arrays: dict[str, FloatArray] = {}
-    places: dict[int, int] = {}
+    places: dict[tuple[int, int, bytes], int] = {}
     segments = [_segment_record(segment, arrays, places) for segment in solution.segments]
-    states: dict[tuple[int, int, int], int] = {}
+    states: dict[tuple[int, bytes], int] = {}
     rows: list[list[FloatArray]] = []
     events = []
     for event in solution.events:
-        # Copies of a turn share their arrays here, too.
-        key = (id(event.q), id(event.v_before), id(event.v_after))
+        # Copies of a turn are stored once, unless hinges have wound on.
+        key = (event.source, event.q.tobytes())
         if key not in states:
             states[key] = len(rows)
             rows.append([event.q, event.v_before, event.v_after, event.delta])
@@ -202,12 +202,12 @@ def _case(setting: npz_schema.Setting) -> Case:
 
 
 def _segment_record(
-    segment: Segment, arrays: dict[str, FloatArray], places: dict[int, int]
+    segment: Segment, arrays: dict[str, FloatArray], places: dict[tuple[int, int, bytes], int]
 ) -> dict[str, Any]:
     panels = []
-    for panel in segment.panels:
-        # Copies of a turn share their arrays, in memory and on disk.
-        place = places.setdefault(id(panel.q), len(places))
+    for number, panel in enumerate(segment.panels):
+        key = (segment.source, number, panel.q[0].tobytes())
+        place = places.setdefault(key, len(places))
         if f"panel{place}" not in arrays:
             arrays[f"panel{place}"] = np.stack([panel.q, panel.v, panel.a])
         panels.append([panel.t, panel.h, panel.split.dependent, panel.integrated, place])
@@ -217,6 +217,7 @@ def _segment_record(
         "closed": sorted(segment.closed),
         "kinematic": segment.kinematic,
         "panels": panels,
+        "source": segment.source,
     }
 
 
@@ -232,6 +233,7 @@ def _event_record(event: Event) -> dict[str, Any]:
         "closed_before": sorted(event.closed_before),
         "closed_after": sorted(event.closed_after),
         "series_error": event.series_error,
+        "source": event.source,
     }
 
 
@@ -254,12 +256,22 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
         case=_case(run),
         shaft=ShaftMotion(mechanism, run.shaft.speed_rad_s, run.shaft.start_angle_rad),
         events=tuple(_event(item, states[item.state], mechanism, rows) for item in run.events),
-        segments=tuple(_segment(item, panels, mechanism) for item in run.segments),
+        segments=tuple(
+            _segment(place, item, panels, mechanism) for place, item in enumerate(run.segments)
+        ),
         outcome=Outcome[run.outcome],
         evaluations=run.evaluations,
         wall_s=run.wall_s,
         repeated_from=run.repeated_from,
     )
+
+
+def _source(source: int | None, own: int) -> int:
+    """What a segment or an event is a copy of: one before it, or itself."""
+    if source is not None and source > own:
+        message = f"number {own} is a copy of a later one, {source}"
+        raise ValueError(message)
+    return own if source is None else source
 
 
 def _numbers(array: Any, *shape: int | None) -> FloatArray:
@@ -275,6 +287,7 @@ def _numbers(array: Any, *shape: int | None) -> FloatArray:
 
 
 def _segment(
+    place: int,
     record: npz_schema.SegmentRecord,
     panels: dict[int, _Nodes],
     mechanism: Mechanism,
@@ -296,6 +309,7 @@ def _segment(
             for panel in record.panels
         ),
         kinematic=record.kinematic,
+        source=_source(record.source, place),
     )
 
 
@@ -332,6 +346,7 @@ def _event(
         closed_before=_stops(record.closed_before, mechanism),
         closed_after=_stops(record.closed_after, mechanism),
         series_error=record.series_error,
+        source=_source(record.source, record.number),
     )
 
 

@@ -100,13 +100,14 @@ class PanelRecord(_Record, frozen=True, array_like=True):
 
 
 class SegmentRecord(_Record, frozen=True):
-    """Fields of ``Segment``; times in [s]."""
+    """Fields of ``Segment``; times in [s]. Files from before ``source`` was kept have no copies."""
 
     t_start: float
     t_end: float
     closed: _Stops
     kinematic: bool
     panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
+    source: _Count | None = None
 
 
 class EventRecord(_Record, frozen=True):
@@ -123,6 +124,7 @@ class EventRecord(_Record, frozen=True):
     closed_after: _Stops
     series_error: float
     state: _Count
+    source: _Count | None = None
 
 
 class Run(Setting, frozen=True):

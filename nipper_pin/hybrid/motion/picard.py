@@ -238,7 +238,7 @@ class _Picard:
         Args:
             a: Accelerations at the nodes, shape (N, nv).
         """
-        return float((decayed(a) * self._weight).max()) / (2.0 * len(a)) ** 2
+        return float(np.maximum.reduce(decayed(a) * self._weight)) / (2.0 * len(a)) ** 2
 
     def allows_round_off(self) -> bool:
         """Weigh anew, so that round-off of accelerations is within the tolerance.

@@ -72,13 +72,14 @@ def energy_balance(
     Returns:
         The balance. Copies of a turn share their panels' arrays and are integrated once.
     """
-    known: dict[tuple[int, float], tuple[float, float, float]] = {}
+    known: dict[tuple[int, int, float], tuple[float, float, float]] = {}
     work = heat = peak = 0.0
     length = segments[-1].t_end - segments[0].t_start if segments else 0.0
     for segment in segments:
         phase = system.constraint_set(segment.closed)
         for panel, begin, end in segment.pieces():
-            key = (id(panel.a), round((end - begin) / panel.h, 9))
+            place = segment.panels.index(panel)
+            key = (segment.source, place, round((end - begin) / panel.h, 9))
             if key not in known:
                 known[key] = _exchanged(system, phase, panel, begin, end, peak / length)
             work += known[key][0]
@@ -181,9 +182,9 @@ def impulses_of_drives(system: System, events: Sequence[Event]) -> tuple[FloatAr
     """
     known: dict[int, FloatArray] = {}
     for event in events:
-        if id(event.delta) not in known:
-            known[id(event.delta)] = drive_impulses(system, event.q, event.delta, event.P_g)
-    return tuple(known[id(event.delta)] for event in events)
+        if event.source not in known:
+            known[event.source] = drive_impulses(system, event.q, event.delta, event.P_g)
+    return tuple(known[event.source] for event in events)
 
 
 def _kinetic(system: System, q: FloatArray, v: FloatArray) -> FloatArray:

@@ -62,11 +62,9 @@ class Rebounds:
         if self._left_out(event, end):
             segment = self._followed(event, stop)
             return None if segment is None else _highest_of(segment, stop)
-        # Copies of a turn share their arrays.
-        key = id(event.delta)
-        if key not in self._highest_gaps:
-            self._highest_gaps[key] = self._highest(event.t, end.t, stop)
-        return self._highest_gaps[key]
+        if event.source not in self._highest_gaps:
+            self._highest_gaps[event.source] = self._highest(event.t, end.t, stop)
+        return self._highest_gaps[event.source]
 
     def until(self, event: Event) -> tuple[Event | None, Segment | None]:
         """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
@@ -103,10 +101,9 @@ class Rebounds:
 
     def _followed(self, event: Event, stop: Stop) -> Segment | None:
         """The flight of a rebound that a run leaves out; None if it does not end."""
-        key = id(event.delta)
-        if key not in self._flights:
-            self._flights[key] = self._flight(event, stop)
-        return self._flights[key]
+        if event.source not in self._flights:
+            self._flights[event.source] = self._flight(event, stop)
+        return self._flights[event.source]
 
     def _flight(self, event: Event, stop: Stop) -> Segment | None:
         system = self._system

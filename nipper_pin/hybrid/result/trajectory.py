@@ -165,12 +165,9 @@ def closure_residuals(system: System, segments: Sequence[Segment]) -> tuple[floa
     closures only as well as its integration.
     """
     gap = rate = 0.0
-    seen: set[int] = set()
-    for segment in segments:
+    # Copies of a turn have the closures of what they are copies of.
+    for segment in {segment.source: segment for segment in reversed(segments)}.values():
         for panel in segment.panels:
-            if id(panel.a) in seen:
-                continue
-            seen.add(id(panel.a))
             g, jacobian = system.body.closures(panel.q)
             gap = max(gap, float(np.abs(g).max(initial=0.0)))
             g_dot = np.einsum("nij,nj->ni", jacobian, panel.v)

@@ -42,9 +42,10 @@ class EventLog:
         """
         if self.events and self.events[-1].t > t:
             self._bring_forward(t)
+        number = len(self.events) + 1
         self.events.append(
             Event(
-                number=len(self.events) + 1,
+                number=number,
                 t=t,
                 kind=kind,
                 stops=tuple(stops),
@@ -58,6 +59,7 @@ class EventLog:
                 closed_before=state.closed,
                 closed_after=closed,
                 series_error=series_error,
+                source=number,
             )
         )
 

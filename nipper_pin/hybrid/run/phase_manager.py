@@ -110,7 +110,8 @@ class PhaseManager:
             # The last event fell on the limit: nothing is left to follow.
             return False
         a = self._acceleration(state)
-        reached = advance(self.system, state, a, t_limit, self.case.resolution)
+        place, resolution = len(self.segments), self.case.resolution
+        reached = advance(self.system, state, a, t_limit, resolution, place)
         self.segments.append(reached.segment)
         state = self.state = reached.end
         if not reached.triggers:
@@ -161,8 +162,9 @@ class PhaseManager:
                 return
         bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
         if len(bouncing) == 1:
-            state = self.state._replace(series=before.series)
-            series, rest = self._ends.bounced(state, bouncing[0], self._acceleration(state))
+            state = self.state
+            a = self._acceleration(state)
+            series, rest = self._ends.bounced(state, before.series, bouncing[0], a)
             self.state = state._replace(series=series)
             if rest is not None:
                 self._rest(rest)

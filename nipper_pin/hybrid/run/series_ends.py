@@ -54,18 +54,21 @@ class SeriesEnds:
         """End the series of stops that throw one another open: one of them is pressed no more."""
         self._nested.clear()
 
-    def bounced(self, state: State, stop: Stop, a: FloatArray) -> tuple[BounceSeries, Rest | None]:
+    def bounced(
+        self, state: State, series: BounceSeries | None, stop: Stop, a: FloatArray
+    ) -> tuple[BounceSeries, Rest | None]:
         """Add a bounce of a stop that bounces alone.
 
         Args:
-            state: State just after the bounce, with the series before it.
+            state: State just after the bounce.
+            series: The series before it.
             stop: The stop.
             a: Acceleration there, shape (nv,).
 
         Returns:
             The series with this bounce, and its end once that is known.
         """
-        system, series = self._system, state.series
+        system = self._system
         if series is None or series.stop != stop.name:
             series = BounceSeries(stop.name, state.t)
         elif series.times and self._knot_since(series.times[-1], state.t):
