@@ -9,8 +9,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
-from nipper_pin.reduced.arrival import unknown
-from nipper_pin.reduced.layout import (
+from nipper_pin.reduced.kernels.layout import (
     CASE_NUMBERS,
     LEVELS,
     SCRATCH_ROWS,
@@ -19,6 +18,7 @@ from nipper_pin.reduced.layout import (
     Turn,
     Work,
 )
+from nipper_pin.reduced.tables.arrival import unknown
 
 # Places of functions in x'' = F0 w^2 + F1 w x' + F2 x'^2 + Fg g + k (F4 p + F5).
 BY_SPEED, BY_BOTH, BY_RATE, WEIGHT, UNIT, MOVED = range(6)

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import FloatArray
-from .arrival import Arrival
-from .layout import Tables
+from .kernels.layout import Tables
+from .tables.arrival import Arrival
 
 # Places of the functions of the equation of motion in a table; two for each spring follow:
 # F_k, and F_k times the coordinate of the spring.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from . import layout
+from .kernels import layout
 
 ENGINE = "reduced"
 

@@ -15,8 +15,6 @@ from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
-from .arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
-from .functions import Sampler
 from .model import (
     BY_GRAVITY,
     BY_RATE,
@@ -25,8 +23,10 @@ from .model import (
     BY_SPRINGS,
     ReducedModel,
 )
-from .tables import Domain, resolved
-from .trimmed import trimmed
+from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
+from .tables.functions import Sampler
+from .tables.tables import Domain, resolved
+from .tables.trimmed import trimmed
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0

@@ -15,7 +15,7 @@ from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
 from ..units import S_PER_MIN
 from .inputs import check_run, column, number, one_row, spring_rows
-from .layout import COLUMNS, HOLDS, UNKNOWN
+from .kernels.layout import COLUMNS, HOLDS, UNKNOWN
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
 
@@ -123,8 +123,8 @@ def transitions(
     cases = _cases(model, speed_rpm, restitution, stiffness, preload, gravity)
     check_run(rest_rate, tolerance, max_collisions)
     require("study", "numba", what=_ENGINE)
-    from .kernel import run_batch
-    from .machine import grids
+    from .kernels.grids import grids
+    from .kernels.kernel import run_batch
 
     n = len(cases[0])
     table, rest = np.full((n, COLUMNS, max_collisions), np.nan), np.empty((n, 4))
@@ -186,8 +186,8 @@ def _cases(
 def _compiled() -> tuple[Callable[..., Any], FloatArray]:
     """The compiled function of one transition and its grids; numba is loaded here."""
     require("study", "numba", what=_ENGINE)
-    from .kernel import run_one
-    from .machine import grids
+    from .kernels.grids import grids
+    from .kernels.kernel import run_one
 
     return run_one, grids()
 

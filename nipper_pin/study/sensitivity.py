@@ -23,10 +23,10 @@ from ..hybrid.case import Case, Window
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
-from .identify.geometry import Sources, layout
-from .identify.parameters import read_values, with_values
-from .identify.targets import Condition, transition_quantities
-from .identify.working import middle_half, working_cycle
+from .identify.problem.geometry import Sources, layout
+from .identify.problem.parameters import read_values, with_values
+from .identify.problem.targets import Condition, transition_quantities
+from .identify.problem.working_cycle import middle_half, working_cycle
 from .processes import mapped
 from .steps import step_of
 

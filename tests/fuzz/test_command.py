@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from refusals import answer, assert_clear, files, one_line
 
 from nipper_pin import load_case, load_solution
-from nipper_pin.study.identify.problem import BUILT_IN
+from nipper_pin.study.identify.problem.problem import BUILT_IN
 
 _wrong = st.sampled_from(
     ["0", "-0.0", "1e400", "nan", "-inf", "1_000", "0x10", "", " ", "½", "\uff11"]

@@ -19,10 +19,10 @@ from nipper_pin.hybrid.result.quantities import (
     transition_value,
 )
 from nipper_pin.study.cases import spring_values
-from nipper_pin.study.identify.measured import read_measured
-from nipper_pin.study.identify.targets import QUANTITIES as IDENTIFIED
-from nipper_pin.study.optimise.quantities import QUANTITIES as OPTIMISED
-from nipper_pin.study.optimise.quantities import units
+from nipper_pin.study.identify.problem.measured import read_measured
+from nipper_pin.study.identify.problem.targets import QUANTITIES as IDENTIFIED
+from nipper_pin.study.optimise.problem.quantities import QUANTITIES as OPTIMISED
+from nipper_pin.study.optimise.problem.quantities import units
 from nipper_pin.study.sweep.quantities import check_quantities, default, quantity
 
 PUSHED = ("rad", "s", "J", "N s", "N m s")

@@ -26,7 +26,7 @@ def reference() -> dict[str, Any]:
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What is compiled as plain Python, also where one function calls another."""
-    from nipper_pin.reduced import arrival_check, flight, flight_errors, kernel, panel
+    from nipper_pin.reduced.kernels import arrival_check, flight, flight_errors, kernel, panel
 
     for module in (arrival_check, flight_errors, flight, kernel, panel):
         for name, function in list(vars(module).items()):

@@ -12,7 +12,7 @@ from nipper_pin import Case, Resolution, load
 from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.arrival_check import released
+from nipper_pin.reduced.kernels.arrival_check import released
 from nipper_pin.study.transitions import retuned, transition_table
 from nipper_pin.study.true_transition import true_transition
 

@@ -10,9 +10,9 @@ import pytest
 from numpy.polynomial import chebyshev
 from written_tables import level, linear, tables_of, turn_of, work_of
 
-from nipper_pin.reduced import arrival_check, flight_errors
-from nipper_pin.reduced.layout import EPS, FAILS, HOLDS, UNKNOWN
-from nipper_pin.reduced.machine import grids
+from nipper_pin.reduced.kernels import arrival_check, flight_errors
+from nipper_pin.reduced.kernels.grids import grids
+from nipper_pin.reduced.kernels.layout import EPS, FAILS, HOLDS, UNKNOWN
 
 pytestmark = pytest.mark.usefixtures("plain")
 

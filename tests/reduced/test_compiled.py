@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.reduced import compiled
+from nipper_pin.reduced.kernels import compiled
 
 
 def test_code_that_is_older_than_any_source_of_its_room_is_forgotten(

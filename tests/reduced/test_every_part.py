@@ -11,10 +11,12 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.reduced import arrival, kernel, layout, sampling
-from nipper_pin.reduced import tables as tables_module
-from nipper_pin.reduced.arrival import Arrival
+from nipper_pin.reduced import sampling
+from nipper_pin.reduced.kernels import kernel, layout
 from nipper_pin.reduced.model import ReducedModel
+from nipper_pin.reduced.tables import arrival
+from nipper_pin.reduced.tables import tables as tables_module
+from nipper_pin.reduced.tables.arrival import Arrival
 
 ARRAYS = ("equation", "gaps", "inertia", "residual", "largest", "steepest_x", "steepest_u",
           "stiffness", "preload")  # fmt: skip

@@ -10,12 +10,12 @@ import pytest
 from nipper_pin import Case, Resolution, simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel
-from nipper_pin.reduced.arrival_check import prepare
-from nipper_pin.reduced.flight import _highest, flight
-from nipper_pin.reduced.kernel import _scratch
-from nipper_pin.reduced.layout import AT_REST, LEVELS, NODE_X, SERIES_ONCE, SIGMA
-from nipper_pin.reduced.machine import grids
-from nipper_pin.reduced.panel import OVERSHOOT
+from nipper_pin.reduced.kernels.arrival_check import prepare
+from nipper_pin.reduced.kernels.flight import _highest, flight
+from nipper_pin.reduced.kernels.grids import grids
+from nipper_pin.reduced.kernels.kernel import _scratch
+from nipper_pin.reduced.kernels.layout import AT_REST, LEVELS, NODE_X, SERIES_ONCE, SIGMA
+from nipper_pin.reduced.kernels.panel import OVERSHOOT
 
 TOLERANCE = 1e-10
 

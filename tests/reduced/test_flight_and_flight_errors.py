@@ -11,8 +11,9 @@ from numpy.polynomial import chebyshev
 from scipy.integrate import quad, solve_ivp
 from written_tables import bounded, level, linear, tables_of, work_of, x_dd
 
-from nipper_pin.reduced import arrival_check, flight, flight_errors
-from nipper_pin.reduced.layout import (
+from nipper_pin.reduced.kernels import arrival_check, flight, flight_errors
+from nipper_pin.reduced.kernels.grids import grids
+from nipper_pin.reduced.kernels.layout import (
     AT_REST,
     BY_U,
     BY_V,
@@ -25,7 +26,6 @@ from nipper_pin.reduced.layout import (
     UNRESOLVED,
     Tables,
 )
-from nipper_pin.reduced.machine import grids
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -7,8 +7,9 @@ import pytest
 
 from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.flight import _first_zero, _others_open
-from nipper_pin.reduced.layout import (
+from nipper_pin.reduced.kernels.flight import _first_zero, _others_open
+from nipper_pin.reduced.kernels.grids import grids as shared_grids
+from nipper_pin.reduced.kernels.layout import (
     CASE_NUMBERS,
     LEVELS,
     LOW,
@@ -19,8 +20,7 @@ from nipper_pin.reduced.layout import (
     SCRATCH_ROWS,
     SIGMA,
 )
-from nipper_pin.reduced.machine import grids as shared_grids
-from nipper_pin.reduced.panel import coefficients
+from nipper_pin.reduced.kernels.panel import coefficients
 
 # Both engines agree to 1e-10 (test_transition.py); gravity is a few per cent of the acceleration.
 AGREED = 1e-9

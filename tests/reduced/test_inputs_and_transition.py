@@ -11,17 +11,10 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import InputError, NipperError, SimulationError
-from nipper_pin.reduced import (
-    ReducedModel,
-    Status,
-    inputs,
-    kernel,
-    results,
-    transition,
-    transitions,
-)
-from nipper_pin.reduced.arrival import unknown
-from nipper_pin.reduced.layout import COLUMNS, FAILS, HOLDS, UNKNOWN
+from nipper_pin.reduced import ReducedModel, Status, inputs, results, transition, transitions
+from nipper_pin.reduced.kernels import kernel
+from nipper_pin.reduced.kernels.layout import COLUMNS, FAILS, HOLDS, UNKNOWN
+from nipper_pin.reduced.tables.arrival import unknown
 
 WHY = "the turn is written nowhere"
 

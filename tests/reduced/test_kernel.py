@@ -10,9 +10,9 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import level, tables_of, turn_of
 
-from nipper_pin.reduced import flight_errors, kernel
-from nipper_pin.reduced.arrival import unknown
-from nipper_pin.reduced.layout import (
+from nipper_pin.reduced.kernels import flight_errors, kernel
+from nipper_pin.reduced.kernels.grids import grids
+from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
     ANGLE,
@@ -37,7 +37,7 @@ from nipper_pin.reduced.layout import (
     UNKNOWN,
     UNTOLD,
 )
-from nipper_pin.reduced.machine import grids
+from nipper_pin.reduced.tables.arrival import unknown
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -13,8 +13,9 @@ import pytest
 from numpy.polynomial import Polynomial, chebyshev
 from written_tables import tables_of, value, work_of, x_dd
 
-from nipper_pin.reduced import arrival_check, panel
-from nipper_pin.reduced.layout import (
+from nipper_pin.reduced.kernels import arrival_check, panel
+from nipper_pin.reduced.kernels.grids import grids
+from nipper_pin.reduced.kernels.layout import (
     DOUBLE,
     EPS,
     INTEGRAL,
@@ -32,7 +33,6 @@ from nipper_pin.reduced.layout import (
     TWICE,
     VALUE,
 )
-from nipper_pin.reduced.machine import grids
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -18,9 +18,10 @@ from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.reduced import ReducedModel, arrival, build, reduced_model, sampling, unfit
-from nipper_pin.reduced.arrival import found_opening
-from nipper_pin.reduced.functions import Sampler
+from nipper_pin.reduced import ReducedModel, build, reduced_model, sampling, unfit
+from nipper_pin.reduced.tables import arrival
+from nipper_pin.reduced.tables.arrival import found_opening
+from nipper_pin.reduced.tables.functions import Sampler
 
 RPM = 450.0
 EPS = float(np.finfo(float).eps)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import ConvergenceError
-from nipper_pin.reduced import series2d
-from nipper_pin.reduced.functions import Samples
-from nipper_pin.reduced.tables import Domain, resolved
+from nipper_pin.reduced.tables import series2d
+from nipper_pin.reduced.tables.functions import Samples
+from nipper_pin.reduced.tables.tables import Domain, resolved
 
 WEIGHTS = np.ones(1)
 

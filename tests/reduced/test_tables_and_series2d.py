@@ -11,9 +11,9 @@ from numpy.polynomial import chebyshev
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import ConvergenceError
-from nipper_pin.reduced import series2d
-from nipper_pin.reduced.functions import Samples
-from nipper_pin.reduced.tables import Domain, residuals, resolved
+from nipper_pin.reduced.tables import series2d
+from nipper_pin.reduced.tables.functions import Samples
+from nipper_pin.reduced.tables.tables import Domain, residuals, resolved
 
 EPS = float(np.finfo(float).eps)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, SingularConfigurationError, Solution, Window, load, simulate
-from nipper_pin.bench.stress.machines import four_bar
+from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import from_sources
 
 

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, DriveMode, EventKind, Window, simulate
-from nipper_pin.bench.stress.machines import bouncing_mass
+from nipper_pin.bench.stress.machines.small_machines import (
+    bouncing_mass,
+)
 from nipper_pin.mechanism import from_sources
 
 

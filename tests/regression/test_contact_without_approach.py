@@ -11,7 +11,7 @@ from small_machines import link, slide
 from small_machines import machine as machine_of_parts
 
 from nipper_pin import Case, Mechanism, Outcome, Window, simulate
-from nipper_pin.bench.stress.machines import flaps
+from nipper_pin.bench.stress.machines.small_machines import flaps
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.impact import collide
 from nipper_pin.dynamics.shaft import ShaftMotion

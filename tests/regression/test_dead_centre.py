@@ -18,7 +18,7 @@ from nipper_pin import (
     Window,
     simulate,
 )
-from nipper_pin.bench.stress.machines import four_bar
+from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import from_sources
 
 

@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, DriveMode, ElementError, Resolution, Window, simulate
-from nipper_pin.bench.stress.invariants import violations
+from nipper_pin.bench.stress.checks.invariants import violations
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
 

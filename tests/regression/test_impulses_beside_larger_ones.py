@@ -13,7 +13,7 @@ import pytest
 
 from nipper_pin import Case, Resolution, Solution, simulate
 from nipper_pin.bench.stress import trial
-from nipper_pin.bench.stress.agreement import within_errors
+from nipper_pin.bench.stress.checks.agreement import within_errors
 
 COLLISION = 2
 

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Mechanism, Resolution, Window, simulate
-from nipper_pin.bench.stress.machines import e62 as e62_source
+from nipper_pin.bench.stress.machines.small_machines import (
+    e62 as e62_source,
+)
 from nipper_pin.mechanism import from_sources
 
 

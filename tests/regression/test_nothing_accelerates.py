@@ -8,7 +8,9 @@ import warnings
 import pytest
 
 from nipper_pin import InputError
-from nipper_pin.bench.stress.machines import bouncing_mass
+from nipper_pin.bench.stress.machines.small_machines import (
+    bouncing_mass,
+)
 from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import build
 

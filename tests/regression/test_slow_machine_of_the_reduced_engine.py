@@ -8,7 +8,9 @@ the speed.
 import numpy as np
 import pytest
 
-from nipper_pin.bench.stress.machines import bouncing_mass
+from nipper_pin.bench.stress.machines.small_machines import (
+    bouncing_mass,
+)
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.cylinder import rad_s_from_rpm
 from nipper_pin.reduced import build, transitions

@@ -11,11 +11,11 @@ import numpy as np
 from nipper_pin.errors import SimulationError
 from nipper_pin.hybrid.result.premise import Premise
 from nipper_pin.mechanism import Mechanism, load
-from nipper_pin.study.identify.fit import Descent, Fit
-from nipper_pin.study.identify.geometry import Sources
-from nipper_pin.study.identify.objective import Objective
-from nipper_pin.study.identify.problem import Parameter, Problem
-from nipper_pin.study.identify.targets import Condition, Target
+from nipper_pin.study.identify.fitting.fit import Descent, Fit
+from nipper_pin.study.identify.fitting.objective import Objective
+from nipper_pin.study.identify.problem.geometry import Sources
+from nipper_pin.study.identify.problem.problem import Parameter, Problem
+from nipper_pin.study.identify.problem.targets import Condition, Target
 
 PATHS = ("springs.steeve.preload_length_mm", "stops.jaw.restitution", "drives.tension.ratio")
 RANGES = ((8.0, 16.0), (0.1, 0.3), (1.8, 2.6))

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from nipper_pin.mechanism import load
-from nipper_pin.study.identify.geometry import Sources
+from nipper_pin.study.identify.problem.geometry import Sources
 from nipper_pin.study.optimise.points import Point
 from nipper_pin.study.optimise.points.point import slack_rows
-from nipper_pin.study.optimise.problem import Aim, Limit, Parameter, Problem
+from nipper_pin.study.optimise.problem.problem import Aim, Limit, Parameter, Problem
 from nipper_pin.study.sweep.axes import Target
 
 LOW, HIGH = (10.0, -1.0), (14.0, 1.0)

@@ -17,7 +17,8 @@ import pytest
 from made_up_runs import EPS
 
 from nipper_pin import reduced
-from nipper_pin.bench.stress import agreement, campaign, engines, store
+from nipper_pin.bench.stress import campaign, store
+from nipper_pin.bench.stress.checks import agreement, engines
 from nipper_pin.bench.stress.judging import TIME_LIMIT_S, Verdict
 from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import InputError, SimulationError, UnknownNameError

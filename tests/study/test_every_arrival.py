@@ -15,11 +15,12 @@ from nipper_pin.errors import SimulationError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.rebound_errors import rebound_error
 from nipper_pin.hybrid.run.outcome import Outcome
-from nipper_pin.reduced import build, layout, transition
+from nipper_pin.reduced import build, transition
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.study import true_transition as module
 from nipper_pin.study.optimise.points import bounces, evaluate
 from nipper_pin.study.optimise.points.bounces import Bounces, Transitions
-from nipper_pin.study.optimise.problem import Aim, Limit
+from nipper_pin.study.optimise.problem.problem import Aim, Limit
 from nipper_pin.study.transitions.rows import collision_rows, rest_numbers
 from nipper_pin.study.true_transition import (
     TrueTransition,

@@ -12,8 +12,8 @@ import pytest
 
 from nipper_pin.errors import InputError
 from nipper_pin.study import processes
-from nipper_pin.study.identify import problem
-from nipper_pin.study.optimise import problem_file
+from nipper_pin.study.identify.problem import problem
+from nipper_pin.study.optimise.problem import problem_file
 from nipper_pin.study.sweep import estimate, run, study_file
 from nipper_pin.study.sweep.results import store, table
 

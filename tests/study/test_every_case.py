@@ -13,7 +13,8 @@ import pytest
 from nipper_pin.dynamics.system import DriveMode
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.reduced import Status, layout
+from nipper_pin.reduced import Status
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.study.cases import cases_of, spring_values
 from nipper_pin.study.transitions import engine_choice
 from nipper_pin.study.transitions import run as module

@@ -11,7 +11,7 @@ from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study import sensitivity
 from nipper_pin.study.conclusions import conclusions, label
-from nipper_pin.study.identify.geometry import Sources
+from nipper_pin.study.identify.problem.geometry import Sources
 from nipper_pin.study.sensitivity import Sensitivities, Sensitivity
 
 

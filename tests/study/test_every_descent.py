@@ -12,12 +12,13 @@ import pytest
 from polynomial_problem import Quantities, Source, problem
 
 from nipper_pin.errors import InfeasibleError
-from nipper_pin.study.optimise import binding, descend, front, infeasible, search
 from nipper_pin.study.optimise import design as design_module
 from nipper_pin.study.optimise.points.point import Point
-from nipper_pin.study.optimise.problem import Aim, Limit, read_text
+from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
+from nipper_pin.study.optimise.search import binding, descend, front, infeasible
+from nipper_pin.study.optimise.search import samples as search
+from nipper_pin.study.optimise.search.trace import STEP, Scales, Trace
 from nipper_pin.study.optimise.store import Store
-from nipper_pin.study.optimise.trace import STEP, Scales, Trace
 from nipper_pin.study.optimise.work import Work
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"

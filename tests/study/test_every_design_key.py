@@ -9,7 +9,7 @@ import pytest
 from nipper_pin.errors import ModelError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.optimise import read_problem
-from nipper_pin.study.optimise.problem import Aim, Limit, read_text
+from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
 from nipper_pin.study.sweep.job import versions
 
 DESIGN = """

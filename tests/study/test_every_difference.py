@@ -11,9 +11,9 @@ import pytest
 from linear_problem import AT
 
 from nipper_pin.errors import SimulationError
-from nipper_pin.study.identify.differences import STEP, jacobian, slopes
-from nipper_pin.study.identify.limits import excesses, limit_rows
-from nipper_pin.study.identify.problem import Limits
+from nipper_pin.study.identify.fitting.differences import STEP, jacobian, slopes
+from nipper_pin.study.identify.fitting.limits import excesses, limit_rows
+from nipper_pin.study.identify.problem.problem import Limits
 
 
 def parabola(low: float, high: float, asked: list[float] | None = None) -> Any:

@@ -14,12 +14,12 @@ from scipy.stats import qmc
 
 from nipper_pin.errors import InputError, MisfitError, SimulationError
 from nipper_pin.hybrid.result.premise import Premise
-from nipper_pin.study.identify import fit as fit_module
-from nipper_pin.study.identify import search
-from nipper_pin.study.identify.determine import determinability
-from nipper_pin.study.identify.fit import descend
-from nipper_pin.study.identify.limits import broken_limits
-from nipper_pin.study.identify.targets import Target
+from nipper_pin.study.identify.fitting import fit as fit_module
+from nipper_pin.study.identify.fitting import search
+from nipper_pin.study.identify.fitting.determine import determinability
+from nipper_pin.study.identify.fitting.fit import descend
+from nipper_pin.study.identify.fitting.limits import broken_limits
+from nipper_pin.study.identify.problem.targets import Target
 
 MATRIX = np.array([[30.0, 5.0, 0.0], [0.0, 40.0, -3.0], [2.0, 0.0, 50.0], [9.0, 9.0, 9.0]])
 

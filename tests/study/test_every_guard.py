@@ -21,9 +21,11 @@ from nipper_pin.bench import premises
 from nipper_pin.bench.run_time import cost
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.rebound_errors import ReboundError
-from nipper_pin.reduced import inputs, layout
+from nipper_pin.reduced import inputs
+from nipper_pin.reduced.kernels import layout
 from nipper_pin.study import identify, processes, sensitivity
-from nipper_pin.study.identify import problem, working
+from nipper_pin.study.identify.problem import problem
+from nipper_pin.study.identify.problem import working_cycle as working
 from nipper_pin.study.sensitivity import DOUBTFUL, QUANTITIES, Sensitivities, Sensitivity
 from nipper_pin.study.sweep.study_file import read_study
 from nipper_pin.study.transitions import rows as rows_module

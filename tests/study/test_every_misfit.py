@@ -12,12 +12,12 @@ from linear_problem import PATHS, RANGES, STARTS, Linear, fitted, problem
 from scipy.stats import t as student
 
 from nipper_pin.errors import MisfitError
-from nipper_pin.study.identify import outliers as outliers_module
-from nipper_pin.study.identify.goodness import Goodness, Verdict, goodness
-from nipper_pin.study.identify.outliers import leverages, outliers
-from nipper_pin.study.identify.profiles import profile
+from nipper_pin.study.identify.fitting import outliers as outliers_module
+from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict, goodness
+from nipper_pin.study.identify.fitting.outliers import leverages, outliers
+from nipper_pin.study.identify.fitting.profiles import profile
+from nipper_pin.study.identify.fitting.suspects import suspected_units
 from nipper_pin.study.identify.record import record
-from nipper_pin.study.identify.suspects import suspected_units
 
 WIDTHS = np.array([high - low for low, high in RANGES])
 

@@ -10,14 +10,14 @@ import pytest
 from polynomial_problem import problem
 
 from nipper_pin import Case, Window
-from nipper_pin.study.optimise.binding import Account, Binding
 from nipper_pin.study.optimise.control import Control
 from nipper_pin.study.optimise.control.compare import Row
-from nipper_pin.study.optimise.descend import Descent
 from nipper_pin.study.optimise.design import Design
-from nipper_pin.study.optimise.problem import Aim, Limit
+from nipper_pin.study.optimise.problem.problem import Aim, Limit
 from nipper_pin.study.optimise.result import CAUTION, Optimum
-from nipper_pin.study.optimise.search import Found
+from nipper_pin.study.optimise.search.binding import Account, Binding
+from nipper_pin.study.optimise.search.descend import Descent
+from nipper_pin.study.optimise.search.samples import Found
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 

@@ -10,8 +10,13 @@ import pytest
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study import identify
-from nipper_pin.study.identify.measured import read_measured
-from nipper_pin.study.identify.targets import Condition, Target, conditions, with_settings
+from nipper_pin.study.identify.problem.measured import read_measured
+from nipper_pin.study.identify.problem.targets import (
+    Condition,
+    Target,
+    conditions,
+    with_settings,
+)
 
 FIT = """
 format = 1

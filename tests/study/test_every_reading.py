@@ -40,7 +40,7 @@ from nipper_pin.study.optimise.control import compare, turn
 from nipper_pin.study.optimise.control.compare import Control, Row
 from nipper_pin.study.optimise.control.reading import READ
 from nipper_pin.study.optimise.control.turn import ControlTurn
-from nipper_pin.study.optimise.problem import Limit
+from nipper_pin.study.optimise.problem.problem import Limit
 
 # Relative round-off that is stated of whatever closures and clocks give.
 ROUND = 1e-9

@@ -26,10 +26,16 @@ from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.solution import Outcome
 from nipper_pin.study import cases, processes
 from nipper_pin.study.folders import make_folder
-from nipper_pin.study.identify import problem, profiles, suspects, targets, working, write
-from nipper_pin.study.identify.targets import Condition, Target
-from nipper_pin.study.optimise import infeasible, quantities, run, searches
+from nipper_pin.study.identify import write
+from nipper_pin.study.identify.fitting import profiles, suspects
+from nipper_pin.study.identify.problem import problem, targets
+from nipper_pin.study.identify.problem import working_cycle as working
+from nipper_pin.study.identify.problem.targets import Condition, Target
+from nipper_pin.study.optimise import run
 from nipper_pin.study.optimise.points import bounces, evaluate
+from nipper_pin.study.optimise.problem import quantities
+from nipper_pin.study.optimise.search import infeasible
+from nipper_pin.study.optimise.search import stages as searches
 from nipper_pin.study.optimise.work import Work
 from nipper_pin.study.sweep import local
 from nipper_pin.study.sweep.chunks import DefectError

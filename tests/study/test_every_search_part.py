@@ -10,12 +10,14 @@ from polynomial_problem import Quantities, Source, problem
 from scipy.stats import qmc
 
 from nipper_pin.errors import InputError
-from nipper_pin.study.optimise import binding, descend, front, infeasible, run, search
-from nipper_pin.study.optimise.descend import Descent
-from nipper_pin.study.optimise.problem import Aim, Limit, read_text
-from nipper_pin.study.optimise.search import Seen
+from nipper_pin.study.optimise import run
+from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
+from nipper_pin.study.optimise.search import binding, descend, front, infeasible
+from nipper_pin.study.optimise.search import samples as search
+from nipper_pin.study.optimise.search.descend import Descent
+from nipper_pin.study.optimise.search.samples import Seen
+from nipper_pin.study.optimise.search.trace import Scales
 from nipper_pin.study.optimise.store import Store
-from nipper_pin.study.optimise.trace import Scales
 from nipper_pin.study.optimise.work import Work
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"

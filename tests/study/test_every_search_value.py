@@ -13,9 +13,9 @@ from made_up_turn import HIT, OPENING, PERIOD, REST, index, jaw, lips, mean, sol
 
 from nipper_pin import Mechanism
 from nipper_pin.errors import SimulationError
-from nipper_pin.study.identify.working import Phase, WorkingCycle
-from nipper_pin.study.optimise import quantities
+from nipper_pin.study.identify.problem.working_cycle import Phase, WorkingCycle
 from nipper_pin.study.optimise.points.turn import differs, turn_values
+from nipper_pin.study.optimise.problem import quantities
 from nipper_pin.study.true_transition import TrueTransition
 
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from linear_problem import Linear, fitted, problem
 
-from nipper_pin.study.identify import suspects
-from nipper_pin.study.identify.suspects import suspected_units
+from nipper_pin.study.identify.fitting import suspects
+from nipper_pin.study.identify.fitting.suspects import suspected_units
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,10 @@ import pytest
 
 from nipper_pin.bench.stress import judging, refusals
 from nipper_pin.bench.stress.campaign import Campaign
+from nipper_pin.bench.stress.checks.invariants import Violation
 from nipper_pin.bench.stress.files import load_trial, save_trial
-from nipper_pin.bench.stress.invariants import Violation
 from nipper_pin.bench.stress.judging import Verdict, judge
-from nipper_pin.bench.stress.parts import Source
+from nipper_pin.bench.stress.machines.parts import Source
 from nipper_pin.bench.stress.refusals import Excess, allowed_share, excesses
 from nipper_pin.bench.stress.space import Trial
 from nipper_pin.errors import InputError, SimulationError

@@ -32,7 +32,7 @@ from nipper_pin.study.identify import (
     working_cycle,
     write_model,
 )
-from nipper_pin.study.identify.fit import descend
+from nipper_pin.study.identify.fitting.fit import descend
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
 

@@ -20,8 +20,8 @@ from identification_judge import Measured, Truth, mistakes, truth
 from scipy.stats import qmc
 
 from nipper_pin.cli import main
-from nipper_pin.study.identify.goodness import Goodness, Verdict
-from nipper_pin.study.identify.outliers import _refitted, leverages
+from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
+from nipper_pin.study.identify.fitting.outliers import _refitted, leverages
 from nipper_pin.view.paper.identification import identification_plate, identification_tables
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"

@@ -7,16 +7,14 @@ from machine_of_all_elements import CASE, everything
 from made_up_runs import Said, watched
 
 from nipper_pin import simulate
-from nipper_pin.bench.stress import (
-    element_invariants,
-    flight_invariants,
-    impact_invariants,
-    invariants,
-    model_invariants,
-    rebound_invariants,
-)
-from nipper_pin.bench.stress.mirror import mirrored
-from nipper_pin.bench.stress.parts import Source
+from nipper_pin.bench.stress.checks import elements as element_invariants
+from nipper_pin.bench.stress.checks import flights as flight_invariants
+from nipper_pin.bench.stress.checks import impacts as impact_invariants
+from nipper_pin.bench.stress.checks import invariants
+from nipper_pin.bench.stress.checks import model as model_invariants
+from nipper_pin.bench.stress.checks import rebounds as rebound_invariants
+from nipper_pin.bench.stress.machines.mirror import mirrored
+from nipper_pin.bench.stress.machines.parts import Source
 from nipper_pin.mechanism import from_sources
 
 FILES = (element_invariants, flight_invariants, impact_invariants, invariants, model_invariants,

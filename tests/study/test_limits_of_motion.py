@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, Said, compared, mechanism, watched
 
-from nipper_pin.bench.stress import invariants
+from nipper_pin.bench.stress.checks import invariants
 from nipper_pin.bench.stress.observations import Shown
 
 STRUTS = (SimpleNamespace(stiffness=4e9), SimpleNamespace(stiffness=3e8))

@@ -29,11 +29,11 @@ import pytest
 from nipper_pin import Case, InfeasibleError, InputError, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise, read_problem
-from nipper_pin.study.optimise import descend as descending
 from nipper_pin.study.optimise.points import Evaluator
-from nipper_pin.study.optimise.quantities import lowest
+from nipper_pin.study.optimise.problem.quantities import lowest
+from nipper_pin.study.optimise.search import descend as descending
+from nipper_pin.study.optimise.search.trace import Trace
 from nipper_pin.study.optimise.store import Store
-from nipper_pin.study.optimise.trace import Trace
 
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 GRAVITY = 9.81
@@ -251,7 +251,7 @@ def test_global_check_finds_what_descents_miss(
             whole(text, scales, start), z=start, aim=trace.aim(point), violation=0.0
         )  # fmt: skip
 
-    monkeypatch.setattr("nipper_pin.study.optimise.searches.descend", lazy)
+    monkeypatch.setattr("nipper_pin.study.optimise.search.stages.descend", lazy)
     result = quick(found, check=True)
     u = math.sqrt(2.0 * GRAVITY * LEAST)
     assert len(calls) == 3

@@ -11,7 +11,7 @@ import pytest
 from nipper_pin import InputError
 from nipper_pin.study.optimise import Problem, optimise, read_problem
 from nipper_pin.study.optimise.points import Evaluator, bounces
-from nipper_pin.study.optimise.search import evolve, look, samples, scales
+from nipper_pin.study.optimise.search.samples import evolve, look, samples, scales
 
 MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
 HEAD = f"""
@@ -47,7 +47,7 @@ def problem(folder: Path, text: str) -> Problem:
 
 def test_the_evolution_follows_its_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One seed, one way; another seed looks at other points. So do the samples of the screen."""
-    monkeypatch.setattr("nipper_pin.study.optimise.search._GENERATIONS", 3)
+    monkeypatch.setattr("nipper_pin.study.optimise.search.samples._GENERATIONS", 3)
     found = problem(tmp_path, HEAD)
     text = found.text()
     places = samples(found, 1)
@@ -81,8 +81,8 @@ def test_a_search_passes_its_seed_to_screen_and_evolution(
         seeds.append(seed)
         return evolve(text, by, seed, mapper)
 
-    monkeypatch.setattr("nipper_pin.study.optimise.searches.evolve", evolved)
-    monkeypatch.setattr("nipper_pin.study.optimise.search._GENERATIONS", 2)
+    monkeypatch.setattr("nipper_pin.study.optimise.search.stages.evolve", evolved)
+    monkeypatch.setattr("nipper_pin.study.optimise.search.samples._GENERATIONS", 2)
     found = optimise(problem(tmp_path, HEAD), starts=1, seed=7, workers=1)
     assert seeds == [7]
     assert found.seed == 7

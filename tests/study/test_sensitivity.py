@@ -21,7 +21,7 @@ from nipper_pin import Mechanism, SimulationError, load
 from nipper_pin.study import sensitivity
 from nipper_pin.study.conclusions import conclusions, label
 from nipper_pin.study.identify import working_cycle
-from nipper_pin.study.identify.working import middle_half
+from nipper_pin.study.identify.problem.working_cycle import middle_half
 from nipper_pin.study.sensitivity import (
     QUANTITIES,
     Sensitivities,

@@ -36,8 +36,8 @@ from nipper_pin.bench.stress import (
     trial,
     violations,
 )
-from nipper_pin.bench.stress.agreement import same_bits, within_errors
-from nipper_pin.bench.stress.engines import engines_agree
+from nipper_pin.bench.stress.checks.agreement import same_bits, within_errors
+from nipper_pin.bench.stress.checks.engines import engines_agree
 from nipper_pin.bench.stress.store import Store
 from nipper_pin.cli import main
 

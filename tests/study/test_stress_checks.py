@@ -19,12 +19,12 @@ from machine_of_all_elements import CASE, everything
 
 import nipper_pin.bench.stress as stress
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
-from nipper_pin.bench.stress import CHECKS, invariants, violations
+from nipper_pin.bench.stress import CHECKS, violations
+from nipper_pin.bench.stress.checks import invariants
 from nipper_pin.bench.stress.observations import Shown, samples
 from nipper_pin.mechanism import from_sources
 
-_FILES = ("invariants", "impact_invariants", "element_invariants", "model_invariants",
-          "rebound_invariants", "flight_invariants")  # fmt: skip
+_FILES = ("invariants", "impacts", "elements", "model", "rebounds", "flights")
 # A doctored solution is beyond its limit by at most this factor.
 _NEAR = 100.0
 
@@ -58,7 +58,7 @@ def _pattern(node: ast.expr) -> str | None:
 def sites() -> list[Site]:
     found = []
     for name in _FILES:
-        tree = ast.parse((Path(stress.__file__).parent / f"{name}.py").read_text())
+        tree = ast.parse((Path(stress.__file__).parent / f"checks/{name}.py").read_text())
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "beyond":
                 text, limited = _pattern(node.args[0]), True

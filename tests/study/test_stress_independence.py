@@ -16,13 +16,25 @@ from numpy.polynomial import chebyshev
 
 import nipper_pin.bench.stress as stress
 from nipper_pin import Solution, simulate
-from nipper_pin.bench.stress.equations import Equations
-from nipper_pin.bench.stress.interpolants import farthest, halfway, interpolated, slope
+from nipper_pin.bench.stress.mechanics.equations import Equations
+from nipper_pin.bench.stress.mechanics.interpolants import farthest, halfway, interpolated, slope
 from nipper_pin.mechanism import from_sources
 
-FOLDER = Path(stress.__file__).parent
+FOLDER = Path(stress.__file__).resolve().parent
+PACKAGE = FOLDER.parents[1]
+# Where a file that is made for a test is taken to stand.
+DEEP = ("bench", "stress", "checks")
 # Those that run engines, hold what is run, or write it.
-RUNNING = {"__init__", "campaign", "engines", "files", "judging", "machines", "space", "store"}
+RUNNING = {
+    "__init__",
+    "campaign",
+    "engines",
+    "files",
+    "judging",
+    "small_machines",
+    "space",
+    "store",
+}
 RESULTS = {
     "segment": {"Segment"},
     "error_estimate.event_errors": {"EventError"},
@@ -42,32 +54,36 @@ COMPUTING = {
 
 
 def judging() -> list[Path]:
-    """All files of the folder that neither run nor draw: those that `invariants` comes to."""
-    found, new = set(), {"invariants", "agreement"}
+    """All files of the campaign that neither run nor draw: those that `invariants` comes to."""
+    found, new = set(), {FOLDER / "checks/invariants.py", FOLDER / "checks/agreement.py"}
     while new:
-        name = new.pop()
-        found.add(name)
-        for module, _ in imports(FOLDER / f"{name}.py", level=1):
-            if module not in found:
-                new.add(module)
-    return [FOLDER / f"{name}.py" for name in sorted(found)]
+        path = new.pop()
+        found.add(path)
+        files = {
+            PACKAGE.joinpath(*module.split(".")).with_suffix(".py") for module, _ in imports(path)
+        }
+        new |= {file for file in files if FOLDER in file.parents and file.exists()} - found
+    return sorted(found)
 
 
-def imports(path: Path, level: int) -> list[tuple[str, str]]:
-    """Modules and names imported with so many dots, also within functions."""
+def imports(path: Path) -> list[tuple[str, str]]:
+    """Modules of the package, from its top, and the names imported, also within functions."""
+    folders = path.resolve().relative_to(PACKAGE).parts[:-1] if PACKAGE in path.parents else DEEP
     nodes = ast.walk(ast.parse(path.read_text()))
-    return [
-        (node.module or "", item.name)
-        for node in nodes if isinstance(node, ast.ImportFrom) and node.level == level
-        for item in node.names
-    ]  # fmt: skip
+    found = []
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom) and node.level:
+            above = folders[: len(folders) + 1 - node.level]
+            module = ".".join((*above, *filter(None, [node.module])))
+            found += [(module, item.name) for item in node.names]
+    return found
 
 
 def foreign(path: Path) -> list[tuple[str, str]]:
     """What a file imports of the engines beyond the types of results."""
     allowed = {"hybrid": RESULTS, "dynamics": DYNAMICS, "reduced": {}}
     found = []
-    for module, name in imports(path, level=3):
+    for module, name in imports(path):
         room, _, rest = module.partition(".")
         if room in allowed and name not in allowed[room].get(rest, set()):
             found.append((module, name))
@@ -76,9 +92,8 @@ def foreign(path: Path) -> list[tuple[str, str]]:
 
 def test_files_that_judge_are_found() -> None:
     names = {path.stem for path in judging()}
-    assert names >= {"agreement", "applied_forces", "element_invariants", "equations",
-                     "flight_invariants", "impact_invariants", "invariants", "plain_tree",
-                     "rebound_invariants"}  # fmt: skip
+    assert names >= {"agreement", "applied_forces", "elements", "equations", "flights", "impacts",
+                     "invariants", "observations", "plain_tree", "rebounds"}  # fmt: skip
     assert not names & RUNNING
 
 
@@ -95,7 +110,7 @@ def test_the_judge_imports_nothing_of_the_engines_but_results(path: Path) -> Non
 def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
     """Also where it is imported within a function."""
     planted = tmp_path / "planted.py"
-    planted.write_text("def f():\n    from ...hybrid.motion.noise_floor import roughness\n")
+    planted.write_text("def f():\n    from ....hybrid.motion.noise_floor import roughness\n")
     assert foreign(planted) == [("hybrid.motion.noise_floor", "roughness")]
 
 

@@ -24,9 +24,11 @@ from nipper_pin.bench.stress import (
     judge,
     judging,
 )
-from nipper_pin.bench.stress.agreement import mirror_images, within_errors
-from nipper_pin.bench.stress.engines import engines_agree
-from nipper_pin.bench.stress.machines import e62 as e62_source
+from nipper_pin.bench.stress.checks.agreement import mirror_images, within_errors
+from nipper_pin.bench.stress.checks.engines import engines_agree
+from nipper_pin.bench.stress.machines.small_machines import (
+    e62 as e62_source,
+)
 from nipper_pin.bench.stress.refusals import MEASURED, allowed_share
 from nipper_pin.cli import main
 from nipper_pin.hybrid.event import Event

@@ -24,7 +24,7 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.bench.stress.invariants import violations
+from nipper_pin.bench.stress.checks.invariants import violations
 
 BOTH = frozenset({"jaw", "steeve"})
 DRIVES = ("pendulum", "tension")

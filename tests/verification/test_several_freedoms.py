@@ -14,7 +14,7 @@ from random_chains import chain
 from small_machines import SHAFT, SLED, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, DriveMode, EventKind, Outcome, Solution, Window, simulate
-from nipper_pin.bench.stress.invariants import violations
+from nipper_pin.bench.stress.checks.invariants import violations
 
 SEEDS = range(16)
 modes = pytest.mark.parametrize("drive", list(DriveMode))

@@ -22,7 +22,7 @@ import pytest
 from boxed_mass import CEILING, FLOOR, GRAVITY, HEIGHT, MASS, SPEED, box
 
 from nipper_pin import Case, EventKind, Solution, Window, simulate
-from nipper_pin.bench.stress.invariants import violations
+from nipper_pin.bench.stress.checks.invariants import violations
 
 EPS = float(np.finfo(float).eps)
 

@@ -21,7 +21,7 @@ from nipper_pin import Case, Mechanism, Solution, Window, simulate
 from nipper_pin.bench.stress.judging import Verdict as Judged
 from nipper_pin.bench.views.stress_report import print_verdict
 from nipper_pin.hybrid.event import EventKind
-from nipper_pin.study.identify.goodness import Verdict
+from nipper_pin.study.identify.fitting.goodness import Verdict
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.view import reading

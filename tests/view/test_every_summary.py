@@ -24,10 +24,10 @@ from nipper_pin.bench.stress.judging import Verdict
 from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
 from nipper_pin.cli.simulate import _whole_turns
-from nipper_pin.study.identify.fit import Fit
-from nipper_pin.study.identify.goodness import Verdict as Fitted
-from nipper_pin.study.identify.limits import FORCE_SIGMA_N, INDEX_SIGMA
-from nipper_pin.study.identify.targets import Condition
+from nipper_pin.study.identify.fitting.fit import Fit
+from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
+from nipper_pin.study.identify.fitting.limits import FORCE_SIGMA_N, INDEX_SIGMA
+from nipper_pin.study.identify.problem.targets import Condition
 from nipper_pin.study.sweep.job import NO_MODEL
 from nipper_pin.study.sweep.report import SweepReport
 from nipper_pin.study.sweep.results import Tally

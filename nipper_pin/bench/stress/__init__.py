@@ -1,8 +1,8 @@
 """Stress campaign: thousands of random and extreme trials, judged without a reference."""
 
 from .campaign import Campaign, run_campaign
+from .checks.invariants import CHECKS, Violation, violations
 from .files import load_trial, save_trial
-from .invariants import CHECKS, Violation, violations
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .refusals import Excess, excesses
 from .space import FAMILIES, Trial, trial

@@ -16,7 +16,7 @@ from ...hybrid.case import Case, Resolution
 from ...hybrid.files.npz import FORMAT, complete_file
 from ...study.folders import make_folder
 from .judging import Verdict
-from .parts import Source
+from .machines.parts import Source
 from .space import Trial
 
 

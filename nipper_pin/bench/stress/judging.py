@@ -16,9 +16,9 @@ from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
-from .agreement import bits, mirror_images, same_bits, within_errors
-from .engines import engines_agree
-from .invariants import Violation, violations
+from .checks.agreement import bits, mirror_images, same_bits, within_errors
+from .checks.engines import engines_agree
+from .checks.invariants import Violation, violations
 from .space import Trial
 
 RIGHT, REFUSED, WRONG = "right", "refused", "wrong"

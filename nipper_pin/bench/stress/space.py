@@ -18,7 +18,8 @@ from ...errors import UnknownNameError
 from ...mechanism import from_sources
 from ...mechanism.files.urdf import edit
 from ...mechanism.mechanism import Mechanism
-from .draws import (
+from .linkages import linkage
+from .machines.draws import (
     JAW,
     PRELOAD,
     STEEVE,
@@ -31,11 +32,10 @@ from .draws import (
     usual,
     window,
 )
-from .element_families import ELEMENT_FAMILIES
-from .linkages import linkage
-from .machines import bouncing_mass, e62, flaps, four_bar
-from .mirror import mirrored
-from .parts import Source
+from .machines.element_families import ELEMENT_FAMILIES
+from .machines.mirror import mirrored
+from .machines.parts import Source
+from .machines.small_machines import bouncing_mass, e62, flaps, four_bar
 
 _LINKS = (
     "bottom_nipper", "rocker", "top_nipper", "steeve_lower", "steeve_upper", "eccentric",

@@ -1,18 +1,18 @@
 """Identification: numbers of a model from published ratios or from measured rebounds."""
 
-from .determine import Determinability, determinability
-from .fit import Descent, Fit
-from .geometry import Sources
-from .goodness import Goodness, Verdict, goodness
-from .measured import read_measured
-from .objective import Objective
-from .parameters import read_values, with_values
-from .problem import Limits, Parameter, Problem, read_problem
-from .profiles import Profile, profile
+from .fitting.determine import Determinability, determinability
+from .fitting.fit import Descent, Fit
+from .fitting.goodness import Goodness, Verdict, goodness
+from .fitting.objective import Objective
+from .fitting.profiles import Profile, profile
+from .fitting.search import identify
+from .problem.geometry import Sources
+from .problem.measured import read_measured
+from .problem.parameters import read_values, with_values
+from .problem.problem import Limits, Parameter, Problem, read_problem
+from .problem.targets import QUANTITIES, Condition, Target, predict
+from .problem.working_cycle import WorkingCycle, working_cycle
 from .record import record
-from .search import identify
-from .targets import QUANTITIES, Condition, Target, predict
-from .working import WorkingCycle, working_cycle
 from .write import write_model
 
 __all__ = [

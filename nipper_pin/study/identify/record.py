@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from .determine import DETERMINED, Determinability
-from .fit import Fit
-from .goodness import Goodness
-from .limits import LIMITS
-from .profiles import Profile
+from .fitting.determine import DETERMINED, Determinability
+from .fitting.fit import Fit
+from .fitting.goodness import Goodness
+from .fitting.limits import LIMITS
+from .fitting.profiles import Profile
 
 WORD = (
     "Fitted, not validated: numbers that were adjusted to the targets cannot be confirmed by them. "

@@ -14,9 +14,9 @@ from ...mechanism.files.toml_writing import toml
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_values import path_inside
 from ...mechanism.new_folder import new_folder
-from .fit import Fit
-from .goodness import Goodness
-from .parameters import with_values
+from .fitting.fit import Fit
+from .fitting.goodness import Goodness
+from .problem.parameters import with_values
 
 
 def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:

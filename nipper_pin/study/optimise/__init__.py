@@ -2,8 +2,8 @@
 
 from .control import Control
 from .design import Design
-from .problem import Aim, Limit, Parameter, Problem
-from .problem_file import read_problem
+from .problem.problem import Aim, Limit, Parameter, Problem
+from .problem.problem_file import read_problem
 from .result import Optimum
 from .run import optimise
 from .write import write

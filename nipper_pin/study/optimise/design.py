@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .points import Evaluator
-from .trace import Scales
+from .search.trace import Scales
 
 
 @dataclass(frozen=True, kw_only=True)

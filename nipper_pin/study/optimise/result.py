@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...hybrid.case import Case, Window
-from .binding import Account
 from .control import Control
-from .descend import Descent
 from .design import Design
 from .points.bounces import TURN
-from .problem import Problem
-from .search import Found
+from .problem.problem import Problem
+from .search.binding import Account
+from .search.descend import Descent
+from .search.samples import Found
 
 CAUTION = (
     "A result of the model, and as good as its numbers; those of the E62 are an estimate "

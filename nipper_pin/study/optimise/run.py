@@ -11,16 +11,16 @@ from functools import partial
 from pathlib import Path
 
 from ...errors import InputError, SimulationError
-from .binding import account
 from .control import control
-from .descend import Descent
 from .design import Design, design
-from .front import front
 from .points import Evaluator
-from .problem import Problem
+from .problem.problem import Problem
 from .result import Optimum
-from .search import Found
-from .searches import Search, screen
+from .search.binding import account
+from .search.descend import Descent
+from .search.front import front
+from .search.samples import Found
+from .search.stages import Search, screen
 from .store import Store
 from .work import Progress, Work
 

@@ -9,7 +9,7 @@ import msgspec
 
 from ...hybrid.files.npz import complete_file
 from ..folders import claim, make_folder
-from .problem import Problem
+from .problem.problem import Problem
 
 _FORMAT = 1
 _PROBLEM, _PARTS = "problem.json", "parts"

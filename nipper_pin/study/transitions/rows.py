@@ -6,7 +6,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.result.rebound_errors import rebound_error
-from ...reduced import layout as rows
+from ...reduced.kernels import layout as rows
 from ..true_transition import TrueTransition
 
 

@@ -13,8 +13,8 @@ from ...errors import NipperError
 from ...hybrid.case import Case, Resolution
 from ...mechanism import Mechanism
 from ...reduced import ReducedModel, Status, transitions
-from ...reduced import layout as rows
-from ...reduced.layout import FAILS, HOLDS, UNKNOWN
+from ...reduced.kernels import layout as rows
+from ...reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
 from ..cases import Cases
 from ..true_transition import assumed_transition, transition_of_turns
 from .retuned import retuned

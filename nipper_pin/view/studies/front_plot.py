@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ...hybrid.files.npz import complete_file
-from ...study.optimise.quantities import label
+from ...study.optimise.problem.quantities import label
 from ...study.optimise.result import Optimum
 from ..style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 

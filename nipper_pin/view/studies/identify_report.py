@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from ...study.identify.determine import DETERMINED, Determinability
-from ...study.identify.fit import Fit
-from ...study.identify.goodness import Goodness, Verdict
-from ...study.identify.profiles import Profile
+from ...study.identify.fitting.determine import DETERMINED, Determinability
+from ...study.identify.fitting.fit import Fit
+from ...study.identify.fitting.goodness import Goodness, Verdict
+from ...study.identify.fitting.profiles import Profile
+from ...study.identify.problem.targets import Condition
 from ...study.identify.record import WORD
-from ...study.identify.targets import Condition
 from ..console import add_row, plain_table, say
 
 _SAME = 1e-3

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from ...study.optimise.binding import Binding
 from ...study.optimise.design import Design
-from ...study.optimise.quantities import label
+from ...study.optimise.problem.quantities import label
 from ...study.optimise.result import CAUTION, Optimum
+from ...study.optimise.search.binding import Binding
 from ..console import add_row, paste, plain_table, say
 
 _SAME = 1e-6

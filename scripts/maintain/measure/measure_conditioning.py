@@ -18,8 +18,8 @@ import mpmath as mp  # type: ignore[import-untyped]
 import numpy as np
 
 from nipper_pin import Case, SimulationError, Window, simulate
-from nipper_pin.bench.stress.machines import four_bar
-from nipper_pin.bench.stress.parts import Source
+from nipper_pin.bench.stress.machines.parts import Source
+from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.dynamics.assembly import weakest
 from nipper_pin.mechanism import from_sources
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....mechanism.drawing import FRAME, Body, Part, Pin, Place, Slide, Slot
-from ..draws import Generator, log, sign
+from ..machines.draws import Generator, log, sign
 from .motion import (
     ANGLES,
     POSES,

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....mechanism.drawing import Drawing, drawn_sources, write_drawing
-from ..draws import Draft, Generator
-from ..parts import Source
+from ..machines.draws import Draft, Generator
+from ..machines.parts import Source
 from .random_linkage import random_linkage
 
 

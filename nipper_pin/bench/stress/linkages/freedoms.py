@@ -8,7 +8,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....mechanism.drawing import Body, Part, Place, Slide, Spring, Stop, flap, telescope
-from ..draws import Generator, log, one_of, sign
+from ..machines.draws import Generator, log, one_of, sign
 from .dyads import Growing
 from .motion import ANGLES, Output, Rod, unit
 

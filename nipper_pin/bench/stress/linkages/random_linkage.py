@@ -22,7 +22,7 @@ from ....mechanism.drawing import (
     Tie,
 )
 from ....mechanism.drawing.masses import mass_of
-from ..draws import Generator, log, one_of, sign
+from ..machines.draws import Generator, log, one_of, sign
 from .dyads import KINDS, Growing, add_dyad, crank
 from .freedoms import Struck, box_parts, furthest, lever_parts, open_at, rod_parts, struck
 from .motion import ANGLES, NoAssemblyError

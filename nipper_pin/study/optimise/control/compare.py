@@ -14,7 +14,7 @@ import numpy as np
 from ....errors import NipperError
 from ....mechanism import INDEX_PER_TURN, load
 from ..design import Design
-from ..problem import Limit, Problem, read_text
+from ..problem.problem import Limit, Problem, read_text
 from .reading import READ
 from .turn import ControlTurn, control_turn
 

@@ -22,7 +22,7 @@ from ....hybrid.run.periodicity import comes_back
 from ....mechanism import Mechanism
 from ....reduced import ReducedModel, ReducedTransition, build, transition, unfit
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns
-from ..problem import Problem
+from ..problem.problem import Problem
 
 REDUCED, DIRECT, TURN = "reduced", "direct", "turn"
 ENGINES = (REDUCED, DIRECT, TURN)

@@ -11,11 +11,11 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import NipperError, SimulationError
 from ....mechanism import Mechanism
-from ...identify.parameters import with_values
-from ...identify.working import WorkingCycle, working_cycle
+from ...identify.problem.parameters import with_values
+from ...identify.problem.working_cycle import WorkingCycle, working_cycle
 from ...transitions import retuned
-from ..problem import Problem, read_text
-from ..quantities import QUANTITIES, cycle_values, lowest, thinned
+from ..problem.problem import Problem, read_text
+from ..problem.quantities import QUANTITIES, cycle_values, lowest, thinned
 from .bounces import Bounces, Transitions
 from .point import Point, slack_rows
 from .turn import differs, turn_values
@@ -151,6 +151,6 @@ def evaluator(text: bytes) -> Evaluator:
     """The evaluator of a problem, kept in this process.
 
     Args:
-        text: Text of the :class:`~nipper_pin.study.optimise.problem.Problem`.
+        text: Text of the :class:`~nipper_pin.study.optimise.problem.problem.Problem`.
     """
     return Evaluator(read_text(text))

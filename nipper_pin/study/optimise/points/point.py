@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ..problem import Limit
-from ..quantities import INDICES, nearest_turn
+from ..problem.problem import Limit
+from ..problem.quantities import INDICES, nearest_turn
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

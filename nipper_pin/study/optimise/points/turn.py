@@ -16,9 +16,9 @@ from ....hybrid.event import Event
 from ....hybrid.result.solution import Solution
 from ....mechanism import INDEX_PER_TURN
 from ....units import MM_PER_M, S_PER_MIN
-from ...identify.working import WorkingCycle, middle_half
+from ...identify.problem.working_cycle import WorkingCycle, middle_half
 from ...true_transition import TrueTransition
-from ..quantities import lowest
+from ..problem.quantities import lowest
 
 # Samples of the stretch between two events.
 _SAMPLES = 96

@@ -113,7 +113,7 @@ def of_transition(
     one: Trial, events: list[dict[str, Any]], lever: Any, engine: str, found: Ratios
 ) -> None:
     """Transitions as tables state them: collisions of the jaw, their rebounds, the duration."""
-    from nipper_pin.reduced import layout as rows
+    from nipper_pin.reduced.kernels import layout as rows
     from nipper_pin.study.transitions import transition_table
 
     hits = [event for event in events if (event["kind"], event["stop"]) == ("collision", "jaw")]

@@ -1,0 +1,1 @@
+"""Random machines of a stress campaign, written out as models."""

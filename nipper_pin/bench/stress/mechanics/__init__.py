@@ -1,0 +1,1 @@
+"""The judge's own mechanics, which shares no equation with the package."""

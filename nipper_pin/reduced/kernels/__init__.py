@@ -1,0 +1,1 @@
+"""Compiled solution of the reduced model: panels, flights, transitions and their errors."""

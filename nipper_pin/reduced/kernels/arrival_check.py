@@ -1,0 +1,304 @@
+"""How a turn arrives at the touch, compiled: opening, bounces and rests of the waiting stop.
+
+Motion after a rest is independent of the motion before it. Whether the machine rests is computed
+with low accuracy; only flight at the touch is computed accurately, from the last rest on.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .compiled import compiled, forget_stale
+from .flight import flight
+from .flight_errors import drift, flight_errors, size, sizes_of
+from .layout import (
+    AT_REST,
+    BY_U,
+    BY_V,
+    BY_X,
+    EPS,
+    FAILS,
+    HIGH,
+    HOLDS,
+    LEFT_TRAVEL,
+    LOW,
+    RESIDUAL,
+    SCALE,
+    SPEED,
+    TRAVEL_MOST,
+    UNKNOWN,
+    Tables,
+    Turn,
+    Work,
+)
+from .panel import acceleration, chebyshev, contract, mix
+
+# Relative accuracy where only the phase is decided.
+_DECIDED = 1e-6
+_MOST_FLIGHTS = 64
+# Safety factor on the duration of a bounce series at constant deceleration, and the largest
+# relative change of the deceleration for which it is used.
+_LATER, _STEADY = 2.0, 0.25
+# A rest lies before the touch, or a force beside zero, by this part of a turn [rad] or of its size.
+_BEFORE, _BESIDE = 1e-5, 1e-9
+_PLACES = 24
+_ROOT_STEPS = 60
+
+
+@compiled
+def line(functions: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
+               preload: FloatArray, found: FloatArray) -> None:  # fmt: skip
+    """Combine functions along a stop for a case, one row a cell."""
+    for cell in range(functions.shape[1]):
+        for i in range(functions.shape[2]):
+            value = speed * speed * functions[0, cell, i] + gravity * functions[3, cell, i]
+            for k in range(len(stiffness)):
+                unit = preload[k] * functions[4 + 2 * k, cell, i] + functions[5 + 2 * k, cell, i]
+                value += stiffness[k] * unit
+            found[cell, i] = value
+
+
+@compiled
+def released(line: FloatArray, cells: int, count: int, length: float, begin: float,
+             end: float) -> float:  # fmt: skip
+    """First place in [begin, end] from which on the force of a stop is zero or below.
+
+    Returns:
+        The place; ``end`` plus 1 if there is none; -1 if round-off hides the sign.
+    """
+    width = length / cells
+    scale = 0.0
+    for cell in range(cells):
+        scale = max(scale, abs(line[cell, 0]))
+    beside = _BESIDE * scale
+    older = old = -np.inf
+    for cell in range(min(max(int(begin / width), 0), cells - 1), cells):
+        left, right = max(begin, cell * width), min(end, (cell + 1) * width)
+        if left >= right:
+            break
+        bound = line[cell, 0]
+        for i in range(1, count):
+            bound += abs(line[cell, i])
+        if bound < -beside:
+            older = old = -np.inf
+            continue
+        step = (right - left) / _PLACES
+        for j in range(_PLACES + 1):
+            u = left + step * j
+            value = along(line, cell, count, width, u)
+            if value > 0.0:
+                return u if old == -np.inf else _crossing(line, cells, count, width, u - step, u)
+            if j == 0:
+                # The end of the cell before.
+                old = value if old == -np.inf else old
+                continue
+            # Between places it is higher by less than it falls beside them.
+            fall = old - value if older == -np.inf else old - min(older, value)
+            if old >= older and old >= value and old + fall > 0.0:
+                top = _top(line, cells, count, width, max(begin, u - 2.0 * step), u)
+                highest = _at(line, cells, count, width, top)
+                if abs(highest) <= beside:
+                    return -1.0
+                if highest > 0.0:
+                    return _crossing(line, cells, count, width, max(begin, u - 2.0 * step), top)
+            older, old = old, value
+    return -1.0 if old > -beside and old > -np.inf else end + 1.0
+
+
+@compiled
+def along(line: FloatArray, cell: int, count: int, width: float, u: float) -> float:
+    """Value of a line at a place in a cell."""
+    return chebyshev(line, cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
+
+
+@compiled
+def _at(line: FloatArray, cells: int, count: int, width: float, u: float) -> float:
+    """Value of a line at a place in any cell."""
+    return along(line, min(max(int(u / width), 0), cells - 1), count, width, u)
+
+
+@compiled
+def _top(line: FloatArray, cells: int, count: int, width: float, low: float, high: float) -> float:
+    """Place of the largest value between two places that hold one."""
+    for _ in range(_ROOT_STEPS):
+        third = (high - low) / 3.0
+        left, right = low + third, high - third
+        if _at(line, cells, count, width, left) < _at(line, cells, count, width, right):
+            low = left
+        else:
+            high = right
+    return 0.5 * (low + high)
+
+
+@compiled
+def _crossing(line: FloatArray, cells: int, count: int, width: float, low: float,
+              high: float) -> float:  # fmt: skip
+    """Rising zero of a line, on its far side."""
+    for _ in range(_ROOT_STEPS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if _at(line, cells, count, width, middle) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@compiled
+def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: FloatArray,
+            preload: FloatArray) -> None:  # fmt: skip
+    """Combine the tables of a turn for a case."""
+    case = work.case
+    case[SPEED], case[TRAVEL_MOST] = speed, y.travel
+    case[LOW], case[HIGH] = y.low, y.high
+    case[SCALE] = 2.0 / (y.high - y.low)
+    mix(y, work.mixed, speed, gravity, stiffness, preload)
+    sizes_of(y, work.sizes, speed, gravity, stiffness, preload)
+
+
+@compiled
+def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
+            rest_rate: float) -> tuple[int, float, float]:  # fmt: skip
+    """Decide in which phase the machine arrives at the touch.
+
+    Args:
+        grids: Collocation grids.
+        y: Functions of (u, y), combined for the case in ``work``.
+        turn: The rest of the turn.
+        work: Scratch arrays of these tables, with y'' along y = 0 combined for the case.
+        speed: Cylinder speed [rad/s].
+        rest_rate: Threshold of rest, or 0.
+
+    Returns:
+        HOLDS, FAILS or UNKNOWN; of a machine that is in flight at the touch the travel and rate at
+        which it left its stop, independent of the motion before: at a release, or at the opening.
+    """
+    case, mixed, poly, nodes = work.case, work.mixed, work.poly, work.nodes
+    degree, cells = y.equation.shape[3], turn.waiting.shape[1]
+    count = turn.waiting.shape[2]
+    e_N, touch = turn.restitution, y.travel
+    u, w = 0.0, -turn.restitution * y.approach * speed
+    u_free, w_free = u, w
+    at_opening = True
+    for _ in range(_MOST_FLIGHTS):
+        resting = w <= 0.0
+        if not resting:
+            contract(mixed, poly, poly.shape[0] - 1, touch, u)
+            still = acceleration(case, poly, degree, 0.0, 0.0)
+            a = acceleration(case, poly, degree, 0.0, w)
+            if rest_rate > 0.0:
+                resting = w < rest_rate and still < 0.0
+            elif a < 0.0 and still < 0.0 and e_N < 1.0:
+                ahead = -2.0 * w / (a * (1.0 - e_N))
+                over = u + _LATER * speed * ahead
+                if over < touch - _BEFORE and drift(work.sizes, speed, w, a, ahead) < _STEADY:
+                    next_one = released(work.line, cells, count, touch, u, touch)
+                    if next_one < 0.0:
+                        return UNKNOWN, 0.0, 0.0
+                    resting = next_one > over
+        if resting:
+            u = released(work.line, cells, count, touch, u, touch)
+            if u < 0.0 or abs(u - touch) < _BEFORE:
+                return UNKNOWN, 0.0, 0.0
+            if u > touch:
+                return HOLDS, 0.0, 0.0
+            w = 0.0
+            u_free, w_free = u, w
+        ended, T, v, _, _, _, _, _, _ = flight(
+            grids, case, mixed, poly, nodes, degree, u, 0.0, w, _DECIDED, at_opening
+        )
+        at_opening = False
+        if int(ended) == LEFT_TRAVEL:
+            return FAILS, u_free, w_free
+        if int(ended) != AT_REST:
+            return UNKNOWN, 0.0, 0.0
+        u += speed * T
+        if u > touch - _BEFORE:
+            return UNKNOWN, 0.0, 0.0
+        w = -e_N * v
+    return UNKNOWN, 0.0, 0.0
+
+
+@compiled
+def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float, u: float,
+              w: float, rest_rate: float, tolerance: float,
+              ) -> tuple[bool, float, float, float, float]:  # fmt: skip
+    """Solve the flight that is under way at the touch, from where the stop was left.
+
+    Returns:
+        Whether it was resolved; x and x' at the touch, and bounds on their errors.
+    """
+    case, mixed, poly, nodes, sizes = work.case, work.mixed, work.poly, work.nodes, work.sizes
+    degree = y.equation.shape[3]
+    failed = (False, 0.0, 0.0, 0.0, 0.0)
+    at_opening = u == 0.0
+    dt, dw = 0.0, turn.restitution * y.approach_residual * speed if at_opening else 0.0
+    for _ in range(_MOST_FLIGHTS):
+        ended, T, v, top, peak, a, fastest, changed, left = flight(
+            grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance, at_opening
+        )
+        at_opening = False
+        status = int(ended)
+        if status == LEFT_TRAVEL:
+            found, rate = top, v
+            steady = changed + _steady(sizes, speed, fastest, dt) + left
+            K = exp(_felt(sizes, fastest, T))
+            dy = K * (dw * T + 0.5 * steady * T * T) + fastest * dt + 4.0 * EPS * abs(found)
+            dv = K * (dw + steady * T) + abs(a) * dt + 4.0 * EPS * fastest
+            if not dy < 1e-3 * found:
+                return failed
+            place = case[SCALE] * (found - case[LOW]) - 1.0
+            size_of = turn.touch.shape[1]
+            x = chebyshev(turn.touch, 0, 0, size_of, place)
+            by_y = chebyshev(turn.touch, 1, 0, size_of, place)
+            by_u = chebyshev(turn.touch, 2, 0, size_of, place)
+            # The derivatives change by less than themselves over the whole domain.
+            bent = dy / (case[HIGH] - case[LOW])
+            dx = abs(by_y) * dy + turn.touch_errors[0]
+            dv = (
+                abs(by_y) * dv
+                + abs(rate) * (turn.touch_errors[1] + abs(by_y) * bent)
+                + speed * (turn.touch_errors[2] + abs(by_u) * bent)
+            )
+            return True, x, by_y * rate + by_u * speed, dx, dv
+        if status != AT_REST:
+            return failed
+        duration, dv, _ = flight_errors(sizes, speed, T, v, a, peak, fastest, changed, left, dt, dw)
+        u += speed * T
+        dt += duration
+        w, dw = -turn.restitution * v, turn.restitution * dv
+        if w <= 0.0 or w < rest_rate:
+            return failed
+    return failed
+
+
+@compiled
+def _felt(sizes: FloatArray, fastest: float, T: float) -> float:
+    """Exponent of Gronwall's lemma."""
+    return min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
+
+
+@compiled
+def _steady(sizes: FloatArray, speed: float, fastest: float, dt: float) -> float:
+    """Error of y'' of the tables and of the time."""
+    return size(sizes, RESIDUAL, fastest) + speed * size(sizes, BY_U, fastest) * dt
+
+
+@compiled
+def landed(sizes: FloatArray, speed: float, T: float, v: float, a: float, fastest: float,
+           changed: float, left: float, dx: float, dw: float) -> tuple[float, float]:  # fmt: skip
+    """Errors of time and rate at the end of a flight that starts with errors of x and x'."""
+    felt = _felt(sizes, fastest, T)
+    K = exp(felt)
+    e = felt * changed + _steady(sizes, speed, fastest, 0.0) + left
+    off = K * (dx + dw * T + 0.5 * e * T * T)
+    dt = off / abs(v) + 4.0 * EPS * T
+    rate = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
+    return dt, rate + 4.0 * EPS * abs(v)
+
+
+forget_stale(__file__)

@@ -1,0 +1,234 @@
+"""One flight of the reduced model, compiled: from a collision to the next one."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .compiled import compiled, forget_stale
+from .layout import (
+    AT_REST,
+    EPS,
+    HIGH,
+    LEFT_GAP,
+    LEFT_TRAVEL,
+    LEVELS,
+    LOW,
+    NODE_A,
+    NODE_V,
+    NODE_X,
+    OTHER_STOP,
+    SCALE,
+    SERIES,
+    SIGMA,
+    SPEED,
+    TRAVEL_MOST,
+    UNRESOLVED,
+)
+from .panel import (
+    OVERSHOOT,
+    acceleration,
+    chebyshev,
+    coefficients,
+    contract,
+    position,
+    rate_at,
+    solve_panel,
+)
+
+_MOST_PANELS = 64
+_MOST_HALVINGS = 12
+# A Newton step below this leaves an error of about its square.
+_NEWTON = 1e-8
+
+
+@compiled
+def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: float, high: float,
+          start: float) -> float:  # fmt: skip
+    """Zero of x in (low, high], of x / sigma if x0 = 0, to round-off."""
+    sigma = start
+    for _ in range(60):
+        x = position(nodes, count, h, x0, v0, sigma)
+        v = rate_at(nodes, count, h, v0, sigma)
+        if x0 == 0.0:
+            f = x / sigma
+            slope = (h * v - f) / sigma
+        else:
+            f, slope = x, h * v
+        if f > 0.0:
+            low = sigma
+        else:
+            high = sigma
+        step = abs(f / slope)
+        new = sigma - f / slope
+        if not (low <= new <= high):
+            if step <= 64.0 * EPS * sigma:
+                return sigma
+            new = 0.5 * (low + high)
+        elif step <= _NEWTON * sigma:
+            return new
+        sigma = new
+    return sigma
+
+
+@compiled
+def _first_zero(
+    grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float, v0: float
+) -> float:
+    """First passage of x from positive to not positive on a panel, or -1."""
+    count = LEVELS[level]
+    for j in range(1, count):
+        x, before = nodes[NODE_X, j], grids[SIGMA, level, 0, j - 1]
+        if x <= 0.0:
+            high = grids[SIGMA, level, 0, j]
+            start, v = high, nodes[NODE_V, j]
+            if v < 0.0:
+                start = max(high - x / (h * v), 0.5 * (before + high))
+            return _zero(nodes, count, h, x0, v0, before, high, start)
+        if nodes[NODE_V, j - 1] < 0.0 <= nodes[NODE_V, j]:
+            # A minimum between two positive nodes may be below zero.
+            low, high = before, grids[SIGMA, level, 0, j]
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                if rate_at(nodes, count, h, v0, middle) < 0.0:
+                    low = middle
+                else:
+                    high = middle
+            if position(nodes, count, h, x0, v0, high) <= 0.0:
+                return _zero(nodes, count, h, x0, v0, before, high, high)
+    return -1.0
+
+
+@compiled
+def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: float,
+             v0: float, end: float) -> tuple[float, float]:  # fmt: skip
+    """Largest x on [0, end] and its place."""
+    count = LEVELS[level]
+    best, place, number = x0, 0.0, 0
+    for j in range(1, count):
+        if grids[SIGMA, level, 0, j] < end and nodes[NODE_X, j] > best:
+            best, place, number = nodes[NODE_X, j], grids[SIGMA, level, 0, j], j
+    low = grids[SIGMA, level, 0, max(number - 1, 0)]
+    high = min(grids[SIGMA, level, 0, min(number + 1, count - 1)], end)
+    if rate_at(nodes, count, h, v0, low) <= 0.0 or rate_at(nodes, count, h, v0, high) >= 0.0:
+        return best, place
+    peak = place if low < place < high else 0.5 * (low + high)
+    for _ in range(60):
+        v = rate_at(nodes, count, h, v0, peak)
+        if v > 0.0:
+            low = peak
+        else:
+            high = peak
+        slope = h * chebyshev(nodes, SERIES, 0, count, 2.0 * peak - 1.0)
+        new = peak - v / slope if slope < 0.0 else -1.0
+        if not (low <= new <= high):
+            new = 0.5 * (low + high)
+        step = abs(new - peak)
+        peak = new
+        if step <= _NEWTON:
+            break
+    return max(best, position(nodes, count, h, x0, v0, peak)), peak
+
+
+@compiled
+def _others_open(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray,
+                 degree: int, level: int, end: float, first: int) -> bool:  # fmt: skip
+    """True if the other stops stay open at the nodes up to ``end`` and in dips between them."""
+    for column in range(3 * degree, poly.shape[1], degree):
+        older = old = -np.inf
+        for j in range(first, LEVELS[level]):
+            place = case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0
+            gap = chebyshev(poly, j, column, degree, place)
+            # Between nodes a minimum is lower by less than half the difference of its neighbours.
+            dip = old < older and old <= gap and old <= 0.5 * max(older - old, gap - old)
+            if gap <= 0.0 or dip:
+                return False
+            older, old = old, gap
+            if grids[SIGMA, level, 0, j] >= end:
+                break
+    return True
+
+
+@compiled
+def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: int, u: float,
+               x: float, v: float, a0: float) -> float:  # fmt: skip
+    """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
+    h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
+    if x > 0.0 or u + h * case[SPEED] > case[TRAVEL_MOST]:
+        return h
+    contract(mixed, poly, poly.shape[0] - 1, case[TRAVEL_MOST], u + h * case[SPEED])
+    mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
+    return 2.0 * v / -mean if mean < 0.5 * a0 else h
+
+
+@compiled
+def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
+            nodes: FloatArray, degree: int, u0: float, x0: float, w: float, tolerance: float,
+            touching: bool) -> tuple[float, ...]:  # fmt: skip
+    """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
+
+    Returns:
+        Status (AT_REST: the flight ended at the stop), time, rate at the end, amplitude,
+        time of the peak, acceleration at the end, fastest rate, and of all panels the largest
+        last change and steady error of x''. Of a flight that leaves the travel, too, with x at its
+        end in the place of the amplitude.
+    """
+    speed, travel = case[SPEED], case[TRAVEL_MOST]
+    t, x, v = 0.0, x0, w
+    a = 0.0
+    amplitude = peak_time = fastest = changed = left = 0.0
+    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for panel in range(_MOST_PANELS):
+        u = u0 + speed * t
+        longest = (travel - u) / speed
+        if longest <= 1e-12 * travel / speed:
+            return LEFT_TRAVEL, t, v, x, peak_time, a, fastest, changed, left
+        contract(mixed, poly, poly.shape[0] - 1, travel, u)
+        a0 = acceleration(case, poly, degree, x, v)
+        h = longest
+        # At a release a0 is round-off.
+        if a0 < 0.0 and (x > 0.0 or v > 0.0):
+            h = OVERSHOOT * _ballistic(case, mixed, poly, degree, u, x, v, a0)
+        level = -1
+        change = missing = 0.0
+        for halving in range(_MOST_HALVINGS):
+            level, h, change, missing = solve_panel(
+                grids, case, mixed, poly, nodes, degree, u, h, x, v, a0, halving == 0, tolerance
+            )
+            if level >= 0:
+                break
+            h *= 0.5
+        if level < 0:
+            # Outside the domain the tables do not hold, and the iteration does not converge.
+            highest = 0.0
+            for j in range(LEVELS[-1]):
+                highest = max(highest, nodes[NODE_X, j])
+            return (LEFT_GAP if highest > case[HIGH] else UNRESOLVED), *failed
+        changed, left = max(changed, change), max(left, missing)
+        count = LEVELS[level]
+        coefficients(grids, nodes, level)
+        end = _first_zero(grids, nodes, level, h, x, v)
+        until = end if end >= 0.0 else 1.0
+        top, place = _highest(grids, nodes, level, h, x, v, until)
+        if not top <= case[HIGH]:
+            return LEFT_GAP, *failed
+        if top > amplitude:
+            amplitude, peak_time = top, t + h * place
+        first = 1 if panel == 0 and touching else 0
+        if not _others_open(grids, case, poly, nodes, degree, level, until, first):
+            return OTHER_STOP, *failed
+        for j in range(count):
+            fastest = max(fastest, abs(nodes[NODE_V, j]))
+        if end >= 0.0:
+            rate = rate_at(nodes, count, h, v, end)
+            a = chebyshev(nodes, SERIES, 0, count, 2.0 * end - 1.0)
+            return AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left
+        t += h
+        x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
+        a = nodes[NODE_A, count - 1]
+    return UNRESOLVED, *failed
+
+
+forget_stale(__file__)

@@ -1,0 +1,106 @@
+"""Bounds on the errors of flights, compiled.
+
+Error of a case, as the kernel propagates it: an error of x'' of at most
+
+    eps = r0 w^2 + r1 w |x'| + r2 x'^2 + rg g / g0 + sum_k k (r_k |p| + r_ks) + solver's
+
+(r the residuals) and errors dt, dw of time and rate at the start of a flight of length T that
+ends with rate v and acceleration a change, by Gronwall's lemma with F = Lv T + Lx T^2 / 2,
+K = exp(F), e = eps + Lt dt and rho = a T / v (2 for a ballistic flight),
+
+    |dT|  <= K (dw T + e T^2 / 2) / |v|,
+    |dv|  <= (|1 - rho| + (K - 1) (1 + |rho|)) dw + K e T int_0^1 |1 - rho s| ds,
+
+The solver's part is F times the last change of x'' in the iteration, plus the defect between
+nodes: the equation of motion is evaluated at three points between the nodes, and a defect d
+there acts like a steady error of less than 12 d / n^2 on n nodes, since polynomials of the
+degrees that are missing nearly cancel when they are integrated. That they do not act alike on
+time and rate is allowed for: this part has 1 in the place of the last integral.
+
+The change of x'' by a late start, Lt dt, is nearly constant along a short flight: for it the
+last integral has no modulus, |1 - rho / 2|, and 4 times the travel of the flight in
+radians of that with it.
+
+Lv, Lx, Lt are Lipschitz constants of x'' by rate, coordinate and time from the largest
+values and derivatives of the tables. Times add up; the restitution scales dv to the next dw.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from ...arrays import FloatArray
+from .compiled import compiled, forget_stale
+from .layout import BY_U, BY_V, BY_X, EPS, RESIDUAL, Tables
+
+# A change of x'' enters the time of a bounce once and the next rate twice.
+_FELT = 3.0
+# Part of a late start's change of x'' that is not the same all along a flight, by its travel in
+# radians: what drives and links prescribe changes by itself in about one.
+_UNEVEN = 4.0
+
+
+@compiled
+def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
+           preload: FloatArray) -> None:  # fmt: skip
+    """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
+    for row in range(3):
+        values = tables.residual
+        if row == BY_X:
+            values = tables.steepest_x
+        elif row == BY_U:
+            values = tables.steepest_u
+        total = speed * speed * values[0] + abs(gravity) * values[3]
+        for k in range(len(stiffness)):
+            total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
+        sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
+    sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
+
+
+@compiled
+def size(sizes: FloatArray, row: int, rate: float) -> float:
+    """One of the sums at a rate of x."""
+    return float(sizes[row, 0] + rate * (sizes[row, 1] + rate * sizes[row, 2]))
+
+
+@compiled
+def flight_errors(sizes: FloatArray, speed: float, T: float, v: float, a: float, peak: float,
+                   fastest: float, changed: float, left: float, dt: float,
+                   dw: float) -> tuple[float, float, float]:  # fmt: skip
+    """Errors at the end of a flight, by the formula at the head of this module.
+
+    One more sweep would change x'' by no more than Lv T + Lx T^2 / 2 times the last change.
+
+    Returns:
+        Bounds on the errors of its duration, rate at the end and amplitude.
+    """
+    Lv, Lx = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
+    Lt = speed * size(sizes, BY_U, fastest)
+    felt = min(Lv * T + 0.5 * Lx * T * T, 50.0)
+    # A late start changes x'' by nearly a constant along the flight.
+    shifted = Lt * dt
+    steady = felt * changed + size(sizes, RESIDUAL, fastest)
+    e = steady + shifted + left
+    K = exp(felt)
+    rho = a * T / v
+    duration = K * (dw * T + 0.5 * e * T * T) / abs(v) + 4.0 * EPS * T
+    lever = abs(1.0 - 0.5 * rho)
+    if rho > 1.0:
+        lever = (1.0 + (rho - 1.0) ** 2) / (2.0 * rho)
+    growth = abs(1.0 - rho) + (K - 1.0) * (1.0 + abs(rho))
+    # The defect of a grid changes its sign, so it may act on the rate without acting on the time.
+    even = min(abs(1.0 - 0.5 * rho) + _UNEVEN * speed * T * lever, lever)
+    rate = growth * dw + K * (steady * lever + shifted * even + left) * T + 4.0 * EPS * abs(v)
+    return duration, rate, K * (dw * peak + 0.5 * e * peak * peak)
+
+
+@compiled
+def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> float:
+    """Bound on the relative error of the remaining duration of a bounce series."""
+    by_time = speed * ahead * size(sizes, BY_U, w)
+    by_gap = 0.5 * w * w / -a * size(sizes, BY_X, w)
+    by_rate = 2.0 * w * size(sizes, BY_V, w)
+    return float(min(_FELT * (by_time + by_gap + by_rate) / -a, 1.0))
+
+
+forget_stale(__file__)

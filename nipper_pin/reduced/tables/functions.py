@@ -1,0 +1,209 @@
+"""Functions of the scalar equation of motion, exact at points (u, x).
+
+With held drives the velocities are v = n x' + m w: n is the null direction (n_J = 1 at the
+transition stop J, G n = 0, no drive moves) and m the motion by the cylinder alone (m_J = 0,
+G m = 0). Inverse dynamics along n, n' (M a + h) = n' tau, contains no force of a closure or a
+drive. With a = n x'' + b, b the convective acceleration at x'' = 0 that Pinocchio gives for x held,
+it reads
+
+    C x'' = n' tau - n' (M b + h),   C = n' M n,
+
+and the right side is a quadratic form of (w, x') plus gravity, taken apart by evaluating it at
+(1, 0), (0, 1), (1, 1) and (1, -1). Nothing is differentiated numerically.
+
+Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space form).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import Partition, close_positions, close_velocities
+from ...dynamics.multibody import INFINITE_INERTIA
+from ...dynamics.system import System
+from ...mechanism.cylinder import rad_s_from_rpm
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Functions at N points.
+
+    Attributes:
+        q: Configurations, shape (N, nv).
+        equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N).
+        gaps: Gaps of the other stops, shape (other stops, N) [m or rad].
+        inertia: C, shape (N,) [kg m^2 or kg].
+    """
+
+    q: FloatArray
+    equation: FloatArray
+    gaps: FloatArray
+    inertia: FloatArray
+
+
+class Sampler:
+    """Evaluates a held system whose shaft turns at 1 rad/s from the touch configuration.
+
+    Args:
+        system: The system; its time is the travel u.
+        split: Dependent coordinates; the transition stop and the drives are independent.
+        column: Place of the transition stop's coordinate.
+        others: Places of the other stops.
+    """
+
+    def __init__(
+        self, system: System, split: Partition, column: int, others: tuple[int, ...]
+    ) -> None:
+        """Store the system."""
+        self._system = system
+        self._split = split
+        self._column = column
+        self._others = others
+        self._armature = np.zeros(system.body.nv)
+        self._armature[[*system.driven, column]] = INFINITE_INERTIA
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return self._system.body.nv
+
+    def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
+        """Close the loops on a grid, from neighbour to neighbour, so that the branch is kept.
+
+        Args:
+            u: Travels from zero on, to either side, shape (U,) [rad].
+            x: Coordinates in any order, shape (X,).
+
+        Returns:
+            Configurations, shape (U, X, nv).
+
+        Raises:
+            SimulationError: The mechanism cannot reach a point of the grid.
+        """
+        rows = self._across(x)
+        found = np.empty((len(u), len(x), self._system.body.nv))
+        for number, configurations in enumerate(self.along(u, x, rows)):
+            found[number] = configurations
+        return found
+
+    def along(self, u: FloatArray, x: FloatArray, rows: FloatArray) -> Iterator[FloatArray]:
+        """Follow points from travel to travel, in small steps.
+
+        Args:
+            u: Travels from zero on, to either side, shape (U,) [rad].
+            x: Coordinates of the points, shape (X,).
+            rows: Configurations at travel zero, shape (X, nv).
+
+        Yields:
+            Configurations at every travel, shape (X, nv).
+
+        Raises:
+            SimulationError: The mechanism cannot reach a point.
+        """
+        jacobians = self._system.body.closures(rows)[1]
+        for travel in u:
+            rows, jacobians = self._moved(rows, jacobians, np.full(len(x), travel), x)
+            yield rows
+
+    def rates(self, u: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Rates of all coordinates by that of x, and by that of the travel with x held.
+
+        Args:
+            u: Travels, shape (N,) [rad].
+            q: Closed configurations there, shape (N, nv).
+
+        Returns:
+            n and m, shape (N, nv) each.
+        """
+        return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
+
+    def _across(self, x: FloatArray) -> FloatArray:
+        """Configurations at travel zero, shape (X, nv)."""
+        body = self._system.body
+        q = np.zeros((1, body.nv))
+        jacobian = body.closures(q)[1]
+        first = np.empty((len(x), body.nv))
+        # Outwards from x = 0, first to one side and then to the other.
+        for side in (np.flatnonzero(x >= 0.0), np.flatnonzero(x < 0.0)):
+            row, slope = q, jacobian
+            for place in side[np.argsort(np.abs(x[side]))]:
+                row, slope = self._moved(row, slope, np.zeros(1), x[place : place + 1])
+                first[place] = row[0]
+        return first
+
+    def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
+        """Evaluate all functions.
+
+        Args:
+            u: Travels, shape (N,) [rad].
+            x: Coordinates of the transition stop, shape (N,).
+            guess: Configurations near them, shape (N, nv).
+        """
+        system, body = self._system, self._system.body
+        driven, rates, accelerations = system.shaft.driven(u)
+        q = guess.copy()
+        q[:, system.driven] = driven
+        q[:, self._column] = x
+        q, jacobian = close_positions(body, q, self._split)
+        zero = np.zeros_like(q)
+        n, m = self._rates(rates, q, jacobian)
+        weight = body.inverse_dynamics(q, zero, zero)
+
+        # At the machine's speed: at 1 rad/s the round-off of the subtracted weight would exceed the
+        # inertial forces.
+        fast = rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
+
+        def along(w: float, rate: float) -> FloatArray:
+            v = fast * (w * m + rate * n)
+            tau = zero.copy()
+            tau[:, system.driven] = INFINITE_INERTIA * (fast * w) ** 2 * accelerations
+            b = body.accelerations(q, v, tau, self._armature)
+            forces = body.inverse_dynamics(q, v, b) - weight
+            return np.asarray(np.einsum("ni,ni->n", n, forces)) / fast**2
+
+        both, against = along(1.0, 1.0), along(1.0, -1.0)
+        inertia = 2.0 * body.kinetic_energy(q, n)
+        terms = [
+            along(1.0, 0.0),
+            0.5 * (both - against),
+            along(0.0, 1.0),
+            np.einsum("ni,ni->n", n, weight),
+        ]
+        for spring in system.mechanism.springs:
+            terms += [n[:, spring.index], n[:, spring.index] * q[:, spring.index]]
+        equation = -np.array(terms) / inertia
+        return Samples(q, equation, q[:, list(self._others)].T.copy(), inertia)
+
+    def opening_rates(self) -> FloatArray:
+        """Rates of the other stops by that of x in the touch configuration, shape (others,)."""
+        n, _ = self.rates(np.zeros(1), np.zeros((1, self._system.body.nv)))
+        return np.asarray(n[0, list(self._others)])
+
+    def _rates(
+        self, driven: FloatArray, q: FloatArray, jacobian: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        n, m = np.zeros_like(q), np.zeros_like(q)
+        n[:, self._column] = 1.0
+        m[:, self._system.driven] = driven
+        return (
+            close_velocities(n, jacobian, self._split),
+            close_velocities(m, jacobian, self._split),
+        )
+
+    def _moved(
+        self, q: FloatArray, jacobian: FloatArray, u: FloatArray, x: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Closed configurations at new points, from those of neighbours along the tangent."""
+        system = self._system
+        driven = system.shaft.driven(u)[0]
+        step = np.zeros_like(q)
+        step[:, system.driven] = driven - q[:, system.driven]
+        step[:, self._column] = x - q[:, self._column]
+        guess = q + close_velocities(step, jacobian, self._split)
+        guess[:, system.driven] = driven
+        guess[:, self._column] = x
+        return close_positions(system.body, guess, self._split)

@@ -1,0 +1,111 @@
+"""Tensor Chebyshev series on cells: fit, tails, truncation, evaluation and derivatives.
+
+Source: L. N. Trefethen, Approximation Theory and Approximation Practice, 2013.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ...arrays import FloatArray
+
+
+def gauss_nodes(count: int) -> FloatArray:
+    """Chebyshev-Gauss nodes in (-1, 1), increasing, shape (count,)."""
+    return np.asarray(-np.cos(np.pi * (np.arange(count) + 0.5) / count))
+
+
+def fit(values: FloatArray) -> FloatArray:
+    """Coefficients of the interpolant.
+
+    Args:
+        values: Values at the tensor product of Gauss nodes, shape (..., Nu, Nx).
+
+    Returns:
+        Coefficients of T_i(u) T_j(x), shape (..., Nu, Nx).
+    """
+    by_u = _from_values(values.shape[-2])
+    by_x = _from_values(values.shape[-1])
+    return np.asarray(by_u @ values @ by_x.T)
+
+
+def _from_values(count: int) -> FloatArray:
+    # Discrete orthogonality of the Chebyshev polynomials on the Gauss nodes.
+    matrix = 2.0 / count * chebyshev.chebvander(gauss_nodes(count), count - 1).T
+    matrix[0] *= 0.5
+    return np.asarray(matrix)
+
+
+def tails(coefficients: FloatArray, weights: FloatArray) -> tuple[float, float]:
+    """Size of what a longer series would add, at least.
+
+    Args:
+        coefficients: Shape (functions, cells, Nu, Nx).
+        weights: Weight of an error of each function, shape (functions,).
+
+    Returns:
+        The largest weighted sum of the last two orders, by u and by x.
+    """
+    size = np.abs(coefficients) * weights[:, None, None, None]
+    by_u = size[:, :, -2:, :].sum(axis=(2, 3)).max()
+    by_x = size[:, :, :, -2:].sum(axis=(2, 3)).max()
+    return float(by_u), float(by_x)
+
+
+def needed(coefficients: FloatArray, weights: FloatArray, tolerance: float) -> tuple[int, int]:
+    """Orders (Nu, Nx) that drop no more than a weighted ``tolerance`` of any function."""
+    size = np.abs(coefficients) * weights[:, None, None, None]
+    by_u = size.sum(axis=3).max(axis=(0, 1))
+    by_x = size.sum(axis=2).max(axis=(0, 1))
+    return _kept(by_u, tolerance), _kept(by_x, tolerance)
+
+
+def _kept(size: FloatArray, tolerance: float) -> int:
+    dropped = np.cumsum(size[::-1])[::-1]
+    return max(int(np.count_nonzero(dropped > tolerance)), 2)
+
+
+def evaluate(coefficients: FloatArray, u: FloatArray, x: FloatArray) -> FloatArray:
+    """Evaluate functions of one cell.
+
+    Args:
+        coefficients: Shape (functions, Nu, Nx).
+        u: Places in [-1, 1], shape (N,).
+        x: Places in [-1, 1], shape (N,).
+
+    Returns:
+        Values, shape (functions, N).
+    """
+    basis_u = chebyshev.chebvander(u, coefficients.shape[1] - 1)
+    basis_x = chebyshev.chebvander(x, coefficients.shape[2] - 1)
+    return np.asarray(np.einsum("ni,fij,nj->fn", basis_u, coefficients, basis_x, optimize=True))
+
+
+def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Largest absolute values on a fine grid with its edges: of functions and both derivatives.
+
+    Args:
+        coefficients: Shape (functions, cells, Nu, Nx).
+
+    Returns:
+        Of the functions, of their derivatives by u and by x on [-1, 1], each (functions,).
+    """
+    count_u, count_x = coefficients.shape[2:]
+    place_u = np.cos(np.pi * np.arange(2 * count_u + 1) / (2 * count_u))
+    place_x = np.cos(np.pi * np.arange(2 * count_x + 1) / (2 * count_x))
+    basis_u = chebyshev.chebvander(place_u, count_u - 1)
+    basis_x = chebyshev.chebvander(place_x, count_x - 1)
+    slope_u = _slopes(place_u, count_u)
+    slope_x = _slopes(place_x, count_x)
+
+    def most(left: FloatArray, right: FloatArray) -> FloatArray:
+        values = left @ coefficients @ right.T
+        return np.asarray(np.abs(values).max(axis=(1, 2, 3)))
+
+    return most(basis_u, basis_x), most(slope_u, basis_x), most(basis_u, slope_x)
+
+
+def _slopes(places: FloatArray, count: int) -> FloatArray:
+    derivative = chebyshev.chebder(np.eye(count), axis=0)
+    return np.asarray(chebyshev.chebvander(places, count - 2) @ derivative)

@@ -1,0 +1,196 @@
+"""Tables of a domain: sampled until the series resolve the functions, and checked off the grid."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...errors import ConvergenceError
+from . import series2d
+from .functions import Sampler
+
+CELL_RAD = 0.5
+_COUNT_U = 16
+_MOST_CELLS = 64
+_MOST_X = 40
+# A refinement that reduces the tail by less than this has reached the round-off of the samples.
+_GAIN = 0.1
+_CHECKS = 96
+# Safety factor for the largest residual, which random points miss.
+_SAFETY = 2.0
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Travel u in [0, travel] and coordinate x in [low, high].
+
+    Attributes:
+        travel: Length of the domain [rad].
+        low: Least coordinate.
+        high: Largest coordinate.
+        begin: Travel from the touch configuration at u = 0 [rad]: 0, or minus the length, so that
+            the domain ends in the touch configuration.
+        count_x: Nodes in x to start with.
+    """
+
+    travel: float
+    low: float
+    high: float
+    begin: float = 0.0
+    count_x: int = 12
+
+    def coordinates(self, places: FloatArray) -> FloatArray:
+        """Places in [-1, 1] to x."""
+        return np.asarray(0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * places)
+
+    def places(self, x: FloatArray) -> FloatArray:
+        """Coordinates x to places in [-1, 1]."""
+        return np.asarray((2.0 * x - self.low - self.high) / (self.high - self.low))
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Samples of a domain as series.
+
+    Attributes:
+        u: Travels of the grid, increasing, shape (U,).
+        x: Coordinates of the grid, increasing, shape (X,).
+        q: Configurations on the grid, shape (U, X, nv).
+        equation: Coefficients, shape (functions, cells, Nu, Nx).
+        gaps: Coefficients, shape (other stops, cells, Nu, Nx).
+        inertia: Coefficients at x = 0, shape (cells, Nu).
+    """
+
+    u: FloatArray
+    x: FloatArray
+    q: FloatArray
+    equation: FloatArray
+    gaps: FloatArray
+    inertia: FloatArray
+
+
+def resolved(
+    sampler: Sampler, domain: Domain, weights: FloatArray, tolerance: float
+) -> tuple[Tables, int]:
+    """Refine cells and degrees until the tails of all functions are below the tolerance.
+
+    Args:
+        sampler: Evaluates the functions.
+        domain: The domain.
+        weights: Weight of an error of each function, shape (functions,).
+        tolerance: Largest weighted tail.
+
+    Returns:
+        The tables and the number of points sampled for them and for coarser ones.
+
+    Raises:
+        ConvergenceError: The functions are not smooth enough on this domain.
+    """
+    cells, count_x = max(1, math.ceil(domain.travel / CELL_RAD)), domain.count_x
+    sampled = 0
+    before = (np.inf, np.inf)
+    refined = (False, False)
+    while True:
+        tables = _sampled(sampler, domain, cells, count_x)
+        sampled += cells * _COUNT_U * count_x
+        by_u, by_x = series2d.tails(tables.equation, weights)
+        floor_u = refined[0] and by_u > _GAIN * before[0]
+        floor_x = refined[1] and by_x > _GAIN * before[1]
+        refine = (by_u > tolerance and not floor_u, by_x > tolerance and not floor_x)
+        if not any(refine):
+            # Half of the digits at least, where round-off of the samples keeps the others.
+            if max(by_u, by_x) > math.sqrt(tolerance):
+                break
+            return tables, sampled
+        before, refined = (by_u, by_x), refine
+        cells, count_x = cells * (1 + refine[0]), count_x * (1 + refine[1])
+        if cells > _MOST_CELLS or count_x > _MOST_X:
+            break
+    message = (
+        f"the functions of the mechanism are not resolved on this domain (tails {by_u:.2g} by "
+        f"travel, {by_x:.2g} by gap): it comes near a dead centre; choose a smaller travel or gap"
+    )
+    raise ConvergenceError(
+        message, residual=max(by_u, by_x), tolerance=tolerance, iterations=sampled
+    )
+
+
+def residuals(
+    sampler: Sampler,
+    domain: Domain,
+    tables: Tables,
+    equation: FloatArray,
+    inertia: FloatArray,
+) -> tuple[FloatArray, float]:
+    """Bound the errors of the series from random points off the grid.
+
+    Args:
+        sampler: Evaluates the functions.
+        domain: The domain.
+        tables: The tables, for guesses of the configurations.
+        equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
+        inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
+
+    Returns:
+        Bounds on the error of every function, shape (functions,), and the relative one of the
+        inertia.
+    """
+    # The points do not depend on the run: a model is built the same way every time.
+    random = np.random.default_rng(20)
+    cells = equation.shape[1]
+    u = random.uniform(0.0, domain.travel, _CHECKS)
+    x = random.uniform(domain.low, domain.high, _CHECKS)
+    # The edges of the domain are where series are worst, and x = 0 is where collisions are.
+    u[:4], x[4:8] = (0.0, 0.0, domain.travel, domain.travel), (0.0, 0.0, 0.0, domain.high)
+    row = np.minimum(np.searchsorted(tables.u, u), len(tables.u) - 1)
+    column = np.minimum(np.searchsorted(tables.x, x), len(tables.x) - 1)
+    past = domain.begin + u
+    true = sampler.at(past, x, tables.q[row, column])
+    at_rest = sampler.at(past, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
+    width = domain.travel / cells
+    cell = np.minimum((u / width).astype(int), cells - 1)
+    place = 2.0 * (u - cell * width) / width - 1.0
+    error = np.zeros(len(equation))
+    inertia_error = 0.0
+    for number in range(cells):
+        chosen = cell == number
+        if not chosen.any():
+            continue
+        found = series2d.evaluate(equation[:, number], place[chosen], domain.places(x[chosen]))
+        difference = np.abs(found - true.equation[:, chosen]).max(axis=1)
+        error = np.maximum(error, difference)
+        found = series2d.evaluate(inertia[None, number, :, None], place[chosen], place[chosen])
+        relative = np.abs(found[0] / at_rest.inertia[chosen] - 1.0).max()
+        inertia_error = max(inertia_error, float(relative))
+    floor = 4.0 * float(np.finfo(float).eps)
+    scale = np.abs(true.equation).max(axis=1)
+    return _SAFETY * error + floor * scale, _SAFETY * inertia_error + floor
+
+
+def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tables:
+    width = domain.travel / cells
+    inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
+    u = (width * np.arange(cells)[:, None] + inner).ravel()
+    x = domain.coordinates(series2d.gauss_nodes(count_x))
+    past = domain.begin + u
+    # Loops are closed from the touch configuration outwards.
+    order = slice(None, None, -1 if domain.begin < 0.0 else 1)
+    q = sampler.grid(past[order], x)[order]
+    flat = q.reshape(len(u) * count_x, -1)
+    found = sampler.at(np.repeat(past, count_x), np.tile(x, len(u)), flat)
+    shape = (-1, cells, _COUNT_U, count_x)
+    inertia = series2d.fit(found.inertia.reshape(shape))[0]
+    zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
+    return Tables(
+        u,
+        x,
+        q,
+        series2d.fit(found.equation.reshape(shape)),
+        series2d.fit(found.gaps.reshape(shape))
+        if found.gaps.size
+        else np.zeros((0, cells, _COUNT_U, count_x)),
+        np.asarray(inertia @ zero),
+    )

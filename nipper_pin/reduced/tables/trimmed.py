@@ -1,0 +1,70 @@
+"""Tables without negligible coefficients, and bounds on the errors of the remaining series."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from . import series2d
+from .functions import Sampler
+from .tables import Domain, Tables, residuals
+
+# Share of the tolerance for coefficients that are left out.
+_SHARE = 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trimmed:
+    """Series as the compiled code reads them.
+
+    Attributes:
+        equation: Coefficients of the functions in x'', shape (functions, cells, Nu, Nx).
+        gaps: Coefficients of the gaps of the other stops, shape (other stops, cells, Nu, Nx).
+        inertia: Coefficients of the inertia at x = 0, shape (cells, Nu).
+        residual: Bounds on the errors of the functions, shape (functions,).
+        inertia_residual: Relative one of the inertia.
+        largest: Largest value of each function, shape (functions,).
+        steepest_x: Largest derivative by x, shape (functions,).
+        steepest_u: Largest derivative by u, shape (functions,).
+    """
+
+    equation: FloatArray
+    gaps: FloatArray
+    inertia: FloatArray
+    residual: FloatArray
+    inertia_residual: float
+    largest: FloatArray
+    steepest_x: FloatArray
+    steepest_u: FloatArray
+
+
+def trimmed(
+    sampler: Sampler, domain: Domain, tables: Tables, weights: FloatArray, tolerance: float
+) -> Trimmed:
+    """Leave out the highest degrees while their weighted sums stay below a share of the tolerance.
+
+    Args:
+        sampler: Evaluates the functions, for the errors.
+        domain: The domain.
+        tables: The tables, resolved.
+        weights: Weight of an error of each function, shape (functions,).
+        tolerance: Relative accuracy of the tables.
+    """
+    count_u, count_x = series2d.needed(tables.equation, weights, _SHARE * tolerance)
+    equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
+    inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
+    residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
+    width = domain.travel / equation.shape[1]
+    largest, steep_u, steep_x = series2d.largest(equation)
+    return Trimmed(
+        equation=equation,
+        gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
+        inertia=inertia,
+        residual=residual,
+        inertia_residual=inertia_residual,
+        largest=largest,
+        steepest_x=2.0 / (domain.high - domain.low) * steep_x,
+        steepest_u=2.0 / width * steep_u,
+    )

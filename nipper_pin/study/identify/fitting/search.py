@@ -1,0 +1,125 @@
+"""Search from several starts; the same seed gives the same bits."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy.stats import qmc
+
+from ....arrays import FloatArray
+from ....errors import InputError, SimulationError
+from ...processes import mapped
+from ..problem.problem import Problem
+from ..problem.targets import premises
+from .fit import Descent, Fit, descend
+from .limits import excesses
+from .objective import Objective
+
+Progress = Callable[[int, int, float], None]
+"""Called with (starts done, starts in all, least cost so far)."""
+
+# Draws for one start until it makes a machine whose jaw closes.
+_DRAWS = 64
+
+
+def identify(
+    problem: Problem,
+    *,
+    starts: int = 16,
+    seed: int = 1,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """Fit the free numbers of a problem.
+
+    The first descent starts from the model's own values, the others from a scrambled Sobol
+    sequence over the bounds. Each is independent of all others, so the number of workers does not
+    change a bit of the result.
+
+    Transitions are simulated as if the machine arrived in its initial phase. If it does not at the
+    best fit, the search is done again with the transitions of whole turns, from that fit on.
+
+    Args:
+        problem: The problem.
+        starts: Number of descents.
+        seed: Seed of the starts.
+        workers: Processes; by default as many as there are processors. 1: one, which is this one
+            if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
+        progress: Called after every descent.
+
+    Raises:
+        InputError: An argument is out of range.
+        SimulationError: No start led to a machine that can be simulated.
+    """
+    for name, value in (("starts", starts), ("workers", 1 if workers is None else workers)):
+        if value < 1:
+            message = f"{name} = {value}: at least 1"
+            raise InputError(message, argument=name, value=value)
+    objective = Objective(problem)
+    begins = list(_starts(objective, starts, seed))
+    count = min(starts, workers if workers is not None else os.cpu_count() or 1)
+    fit = _best(objective, begins, seed, count, progress)
+    if all(premise.holds is not False for premise in fit.premises.values()):
+        return fit
+    # Only here: to find out in every step how the machine arrives takes several times as long.
+    begins[0] = fit.best.z
+    return _best(replace(objective, true=True), begins, seed, count, progress)
+
+
+def _best(
+    objective: Objective,
+    begins: Sequence[FloatArray],
+    seed: int,
+    workers: int,
+    progress: Progress | None,
+) -> Fit:
+    """The best of the descents from some starts."""
+    starts = len(begins)
+    found: list[Descent] = []
+    for descent in mapped(partial(descend, objective), begins, workers):
+        found.append(descent)
+        if progress is not None:
+            progress(len(found), starts, min(item.cost for item in found))
+    ranked = tuple(sorted(found, key=lambda item: item.cost))
+    if not np.isfinite(ranked[0].cost):
+        message = (
+            f"none of {starts} starts is a machine whose transitions can be simulated (the first: "
+            f"{found[0].reason}); narrow the bounds around the model's own values"
+        )
+        raise SimulationError(message, starts=starts, seed=seed, reason=found[0].reason)
+    (fit,) = mapped(partial(_fitted, objective, seed), [ranked], 1)
+    return fit
+
+
+def _fitted(objective: Objective, seed: int, ranked: tuple[Descent, ...]) -> Fit:
+    """Result of the best of some descents."""
+    problem, z = objective.problem, ranked[0].z
+    mechanism, excess = objective.mechanism(z), np.zeros(0)
+    if problem.limits is not None:
+        excess = excesses(problem.limits, objective.cycle(mechanism, problem.limits))
+    return Fit(
+        objective=objective,
+        seed=seed,
+        descents=ranked,
+        values=objective.values(z),
+        predicted=objective.predicted(z),
+        excess=excess,
+        premises=premises(mechanism, problem.targets, problem.tolerance),
+    )
+
+
+def _starts(objective: Objective, count: int, seed: int) -> Iterator[FloatArray]:
+    """The model's own values, then points of a Sobol sequence, in blocks of draws."""
+    yield objective.start
+    if count == 1:
+        return
+    size = len(objective.problem.parameters)
+    draws = qmc.Sobol(size, scramble=True, rng=np.random.default_rng(seed))
+    needed = (count - 1) * _DRAWS
+    points = draws.random_base2(int(np.ceil(np.log2(needed))))[:needed]
+    # Drawn within the middle of the ranges: a descent has to have room on both sides.
+    yield from 0.1 + 0.8 * points.reshape(count - 1, _DRAWS, size)

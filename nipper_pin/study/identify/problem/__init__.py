@@ -1,0 +1,1 @@
+"""What is to be identified: free numbers, targets and limits, from their files."""

@@ -1,0 +1,56 @@
+"""Numbers of a model by path: what may be free in an identification or a sensitivity.
+
+The paths are those of ``--set`` (:mod:`nipper_pin.mechanism.edit.dimensions`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ....mechanism.edit.dimensions import HEADS, read_dimension
+from ....mechanism.edit.layout import Layout
+from ....mechanism.edit.overrides import apply_overrides
+from ....mechanism.edit.toml_paths import number_at
+from .geometry import Sources, layout
+
+
+def read_values(sources: Sources, paths: Sequence[str]) -> tuple[float, ...]:
+    """Values that a model has at some paths.
+
+    Args:
+        sources: The model's texts.
+        paths: Paths of numbers.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: There is no number.
+    """
+    found = layout(sources)
+    return tuple(_read(sources, found, path) for path in paths)
+
+
+def with_values(sources: Sources, values: Mapping[str, float]) -> Sources:
+    """Change numbers of a model; it stays assembled.
+
+    Args:
+        sources: The model's texts.
+        values: New values by path.
+
+    Returns:
+        Texts of the changed model.
+
+    Raises:
+        UnknownNameError: A path leads nowhere.
+        ModelError: A value cannot be used.
+    """
+    document, urdf = apply_overrides(
+        sources.document, sources.urdf, values, f"{sources.name}.toml", f"{sources.name}.urdf"
+    )
+    return Sources(name=sources.name, urdf=urdf, document=document, folder=sources.folder)
+
+
+def _read(sources: Sources, found: Layout, path: str) -> float:
+    steps = path.split(".")
+    if steps[0] in HEADS:
+        return read_dimension(found, path, f"{sources.name}.urdf")
+    return number_at(sources.document, path, f"{sources.name}.toml")

@@ -1,0 +1,184 @@
+"""A design problem as plain data: free numbers, aims and limits."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from ....arrays import FloatArray
+from ...identify.problem.geometry import Sources
+from ...sweep.axes import SPEED, Target
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A free number.
+
+    Attributes:
+        name: Its name in the file: a path, a shortcut of the model, or ``speed_rpm``.
+        target: What it changes.
+        low: Lower bound, in the unit of the model's file.
+        high: Upper bound.
+        start: Value in the model; it may lie outside the bounds.
+    """
+
+    name: str
+    target: Target
+    low: float
+    high: float
+    start: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limit:
+    """One side of what a quantity must keep to.
+
+    Attributes:
+        quantity: Name of the quantity.
+        side: "low" or "high".
+        value: The limit, in the unit of the quantity.
+    """
+
+    quantity: str
+    side: Literal["low", "high"]
+    value: float
+
+    def __str__(self) -> str:
+        """The limit in words."""
+        return f"{self.quantity} {'>=' if self.side == 'low' else '<='} {self.value:.6g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Aim:
+    """A quantity to minimise or maximise.
+
+    Attributes:
+        quantity: Name of the quantity.
+        sense: +1.0 to minimise it, -1.0 to maximise it.
+    """
+
+    quantity: str
+    sense: float
+
+    def __str__(self) -> str:
+        """The aim in words."""
+        return f"{'minimise' if self.sense > 0.0 else 'maximise'} {self.quantity}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A design problem.
+
+    Attributes:
+        title: What it is about.
+        model: Name or folder of the model, as ``load`` takes it.
+        changes: What is fixed, by path: overrides of the model.
+        sources: The model's texts with these changes.
+        speed_rpm: Cylinder speed [r/min].
+        parameters: Free numbers.
+        aims: One, or two for a Pareto front.
+        limits: What has to hold.
+        units: Units of the quantities of aims and limits by name.
+        rest_rate: Separation rate at which a transition ends; None: at its limit.
+        tolerance: Relative accuracy of the transitions.
+        versions: Versions of the packages that compute, by name.
+    """
+
+    title: str
+    model: str
+    changes: Mapping[str, object]
+    sources: Sources = field(repr=False)
+    speed_rpm: float
+    parameters: tuple[Parameter, ...]
+    aims: tuple[Aim, ...]
+    limits: tuple[Limit, ...]
+    units: Mapping[str, str]
+    rest_rate: float | None
+    tolerance: float
+    versions: Mapping[str, str]
+
+    @property
+    def low(self) -> FloatArray:
+        """Lower bounds, shape (parameters,)."""
+        return np.array([item.low for item in self.parameters])
+
+    @property
+    def width(self) -> FloatArray:
+        """Widths of the ranges, shape (parameters,)."""
+        return np.array([item.high - item.low for item in self.parameters])
+
+    @property
+    def start(self) -> FloatArray:
+        """Unit coordinates of the model's own values, shape (parameters,)."""
+        return (np.array([item.start for item in self.parameters]) - self.low) / self.width
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of all quantities in aims and limits, each once."""
+        named = [aim.quantity for aim in self.aims] + [limit.quantity for limit in self.limits]
+        return tuple(dict.fromkeys(named))
+
+    def numbers(self, z: FloatArray) -> dict[str, float]:
+        """Values of the free numbers by name.
+
+        Args:
+            z: Unit coordinates, 0 at the lower bounds and 1 at the upper ones, shape (parameters,).
+        """
+        values = self.low + self.width * z
+        return {item.name: float(x) for item, x in zip(self.parameters, values, strict=True)}
+
+    def overrides(self, z: FloatArray) -> dict[str, object]:
+        """Overrides of the model that ``load`` and ``--set`` take, what is fixed included.
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+        """
+        numbers = self.numbers(z)
+        free = {
+            item.target.path: numbers[item.name]
+            for item in self.parameters
+            if item.target.kind != "speed"
+        }
+        return {**self.changes, **free}
+
+    def speed(self, z: FloatArray) -> float:
+        """Cylinder speed [r/min].
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+        """
+        return self.numbers(z).get(SPEED, self.speed_rpm)
+
+    def asking(self, aim: Aim, *limits: Limit) -> Problem:
+        """The same with one aim and more limits.
+
+        Args:
+            aim: The only aim.
+            *limits: Limits beside those that it has.
+        """
+        return replace(self, aims=(aim,), limits=(*self.limits, *limits))
+
+    def text(self) -> bytes:
+        """The problem as JSON; equal problems give equal texts."""
+        return msgspec.json.encode(self, order="deterministic")
+
+    @property
+    def hash(self) -> str:
+        """Name of the results: problems with the same hash have the same optimum."""
+        # Results do not depend on the path of the model's folder.
+        placeless = replace(self, model="", sources=replace(self.sources, folder=""))
+        return hashlib.sha256(placeless.text()).hexdigest()
+
+
+def read_text(text: bytes) -> Problem:
+    """Rebuild a problem from its text.
+
+    Args:
+        text: What :meth:`Problem.text` gave.
+    """
+    return msgspec.json.decode(text, type=Problem)

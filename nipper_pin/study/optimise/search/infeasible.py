@@ -1,0 +1,95 @@
+"""Limits that no descent meets: the nearest design, and its excess over each limit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ....errors import InfeasibleError
+from ..points import Evaluator
+from ..problem.problem import Limit, Problem
+from ..work import Work
+from .descend import Descent, descend, restore
+from .trace import FEASIBLE, Scales
+
+
+def mended(
+    problem: Problem, by: Scales, tried: Sequence[Descent], name: str, work: Work
+) -> list[Descent]:
+    """Descents from designs that meet all limits, found by making violations small alone.
+
+    Args:
+        problem: The problem with one aim.
+        by: Its scales.
+        tried: Descents, none of which meets the limits.
+        name: Begin of the names of the parts.
+        work: Does the parts.
+
+    Raises:
+        InfeasibleError: There are no such designs.
+    """
+    text = problem.text()
+    nearest = work.all(
+        Descent,
+        {f"{name}_mend_{k}": partial(restore, text, by, item.z) for k, item in enumerate(tried)},
+    )
+    met = [item for item in nearest if item.feasible]
+    if met:
+        return work.all(
+            Descent,
+            {f"{name}_again_{k}": partial(descend, text, by, item.z) for k, item in enumerate(met)},
+        )
+    raise _infeasible(problem, by, min(nearest, key=lambda item: item.violation), name, work)
+
+
+def _infeasible(
+    problem: Problem, by: Scales, nearest: Descent, name: str, work: Work
+) -> InfeasibleError:
+    """The error, with every limit that the nearest design breaks."""
+    z = np.array(nearest.z)
+    point = Evaluator(problem).at(z)
+    broken = []
+    for k, (limit, slack) in enumerate(zip(problem.limits, point.slacks, strict=True)):
+        if slack >= -FEASIBLE * by.limits[k]:
+            continue
+        alone = replace(problem, limits=(limit,)).text()
+        task = partial(restore, alone, Scales(by.aim, (by.limits[k],)), nearest.z)
+        (single,) = work.all(Descent, {f"{name}_alone_{k}": task})
+        broken.append(
+            {
+                "limit": str(limit),
+                "reached": point.values[limit.quantity],
+                "missed_by": -slack,
+                "can_be_met_alone": single.feasible,
+                "missed_by_alone": single.violation * by.limits[k],
+            }
+        )
+    words = "; ".join(
+        _sentence(limit, item, problem.units[limit.quantity])
+        for limit, item in zip(_of(problem, broken), broken, strict=True)
+    )
+    numbers = problem.numbers(z)
+    design = ", ".join(f"{key} = {value:.6g}" for key, value in numbers.items())
+    message = (
+        f"no design within the bounds meets all limits; the nearest ({design}) breaks {words}. "
+        "Relax these limits, or widen the bounds"
+    )
+    return InfeasibleError(message, limits=broken, numbers=numbers)
+
+
+def _of(problem: Problem, broken: Sequence[dict[str, object]]) -> list[Limit]:
+    named = [item["limit"] for item in broken]
+    return [limit for limit in problem.limits if str(limit) in named]
+
+
+def _sentence(limit: Limit, item: dict[str, object], unit: str) -> str:
+    short = f"{item['missed_by']:.4g}{f' {unit}' if unit else ''}"
+    alone = (
+        "alone it could be met"
+        if item["can_be_met_alone"]
+        else f"alone it is still missed by {item['missed_by_alone']:.4g}"
+    )
+    return f"{limit}: {item['reached']:.6g} is reached, missed by {short} ({alone})"

@@ -1,0 +1,91 @@
+"""The parts of one search: the screen, descents by an aim, and the global check."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from ....errors import SimulationError
+from ..problem.problem import Aim, Problem
+from ..work import Work
+from .descend import Descent, descend
+from .infeasible import mended
+from .samples import SHARE, Found, Seen, begins, evolve, look, samples, scales
+from .trace import Scales
+
+
+def screen(problem: Problem, seed: int, work: Work) -> list[Seen]:
+    """Evaluate samples of the whole box.
+
+    Args:
+        problem: The problem.
+        seed: Seed of the samples.
+        work: Does the parts.
+
+    Raises:
+        SimulationError: None of them is a machine that can be simulated.
+    """
+    places = [tuple(z) for z in samples(problem, seed).tolist()]
+    text = problem.text()
+    tasks = {
+        f"screen_{k}": partial(look, text, tuple(places[k : k + SHARE]))
+        for k in range(0, len(places), SHARE)
+    }
+    shares = work.all(tuple[Seen, ...], tasks)
+    seen = [item for share in shares for item in share]
+    if not any(item.values for item in seen):
+        message = (
+            f"none of {len(seen)} samples is a machine that can be simulated ({seen[0].why}); "
+            "narrow the bounds around the model's own values"
+        )
+        raise SimulationError(message, samples=len(seen), why=seen[0].why)
+    return seen
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Descents and checks from one screen.
+
+    Attributes:
+        problem: The problem.
+        seen: Its screen.
+        starts: Number of descents by each aim.
+        seed: Seed of the global check.
+        work: Does the parts.
+    """
+
+    problem: Problem
+    seen: Sequence[Seen]
+    starts: int
+    seed: int
+    work: Work
+
+    def scales(self, aim: Aim) -> Scales:
+        """Sizes of an aim and of the limits."""
+        return scales(self.problem, aim, self.seen)
+
+    def descents(self, aim: Aim, name: str, *more: tuple[float, ...]) -> tuple[Descent, ...]:
+        """Descents from all starts, the best first; the limits are met by that one at least."""
+        problem, by = self.problem.asking(aim), self.scales(aim)
+        text = problem.text()
+        places = (*begins(self.seen, aim, by, self.starts), *more)
+        tasks = {f"{name}_{k}": partial(descend, text, by, z) for k, z in enumerate(places)}
+        found = self.work.all(Descent, tasks)
+        if not any(item.feasible for item in found):
+            found += mended(problem, by, found, name, self.work)
+        return tuple(sorted(found, key=lambda item: item.rank))
+
+    def check(self, aim: Aim) -> tuple[Found, Descent | None]:
+        """Differential evolution, and the descent from what it found."""
+        problem, by = self.problem.asking(aim), self.scales(aim)
+        text = problem.text()
+        found = self.work.one(
+            Found, "check", partial(evolve, text, by, self.seed, self.work.mapper)
+        )
+        if not found.feasible:
+            return found, None
+        (polished,) = self.work.all(
+            Descent, {"check_polished": partial(descend, text, by, found.z)}
+        )
+        return found, polished
