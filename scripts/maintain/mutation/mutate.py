@@ -31,7 +31,10 @@ from random_errors.sites import Mutation, compiles
 ROOT = Path(__file__).resolve().parents[3]
 REASONS = Path(__file__).with_name("mutation_survivors.toml")
 # Other rooms' tests come last: they are long and seldom needed.
-ORDER = ("tests/view", "tests/test_", "tests/mechanism", "tests/study", "tests/reduced", "tests")
+ORDER = (
+    "tests/view", "tests/test_", "tests/mechanism", "tests/study", "tests/bench", "tests/reduced",
+    "tests",
+)  # fmt: skip
 # They need a browser, or build the package.
 SKIPPED = ("tests/browser", "tests/test_packaging.py")
 

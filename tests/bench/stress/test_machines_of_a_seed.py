@@ -1,7 +1,7 @@
 """A seed gives the machines that it gave: docs/stress.md and failures in campaigns are told by it.
 
-A family that is changed on purpose gives others. `python tests/study/test_machines_of_a_seed.py`
-then writes the file anew, and campaigns that were published have to say of which version they are.
+A family that is changed on purpose gives others. This file, run by `python`, then writes the
+record anew, and campaigns that were published have to say of which version they are.
 """
 
 from __future__ import annotations

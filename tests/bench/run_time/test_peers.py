@@ -24,7 +24,7 @@ from nipper_pin.mechanism import Mechanism
 
 SPEED_RPM = 650.0
 CASES = json.loads(
-    (Path(__file__).parents[1] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[2] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
 )["cases"]
 ROOM = "nipper_pin.bench.peers"
 SCHEME = "nipper_pin.study.paper.scheme"
@@ -188,7 +188,7 @@ def test_another_mechanism_is_refused() -> None:
     """The hand-derived equation is that of one topology, and says so."""
     _peer("rk4", "numba")
     model = import_module(f"{SCHEME}.planar_model")
-    folder = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
+    folder = Path(__file__).parents[2] / "verification" / "models" / "four_bar"
     with pytest.raises(InputError, match="hand-derived"):
         model.planar_model(load(folder), SPEED_RPM)
 

@@ -24,7 +24,7 @@ from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
 from nipper_pin.study.identify.fitting.outliers import _refitted, leverages
 from nipper_pin.view.paper.identification import identification_plate, identification_tables
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 SIGMAS = 3.0
 
 

@@ -13,7 +13,7 @@ from nipper_pin.study.optimise import Problem, optimise, read_problem
 from nipper_pin.study.optimise.points import Evaluator, bounces
 from nipper_pin.study.optimise.search.samples import evolve, look, samples, scales
 
-MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
+MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 HEAD = f"""
 format = 1
 model = "{MASS}"

@@ -34,7 +34,7 @@ from nipper_pin.study.identify import (
 )
 from nipper_pin.study.identify.fitting.fit import descend
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "reference"))
 
 from events import Settings, transition
 from planar import Machine

@@ -47,7 +47,7 @@ from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark, s
 from nipper_pin.cli import main
 from nipper_pin.errors import SimulationError, UnknownNameError
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/figures"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
 from write_benchmark_pages import least_times, pages
 
@@ -505,7 +505,7 @@ def test_pages_hold_every_table_once(made_up: Benchmark) -> None:
     # Of the two settings of the engine the coarser one is cheaper or equal, and above no bound.
     assert "| direct | 3.25 | 3.25 | 3.25 | 0.0e+00 | 3.25 |" in peers
     assert peers.count("| a peer with a rather long name (by hand) | 3.25 | 3.25 | 3.25 |") == 1
-    docs = Path(__file__).parents[2] / "docs"
+    docs = Path(__file__).parents[3] / "docs"
     for name, page in written.items():
         kept = (docs / f"{name}.md").read_text(encoding="utf-8")
         titles = [line for line in page.splitlines() if line.startswith("#")]

@@ -35,7 +35,7 @@ from nipper_pin.study.optimise.search import descend as descending
 from nipper_pin.study.optimise.search.trace import Trace
 from nipper_pin.study.optimise.store import Store
 
-MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
+MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 GRAVITY = 9.81
 E_N, LEAD = "stops.table.restitution", "drives.table.lead_mm_per_turn"
 PRELOAD, RATIO = "springs.steeve.preload_length_mm", "drives.tension.ratio"
@@ -438,7 +438,7 @@ def test_command_writes_what_simulate_and_load_take(
 
     The direct engine simulates both, and gives what the result says.
     """
-    example = Path(__file__).resolve().parents[2] / "scripts" / "optimise_rebound.toml"
+    example = Path(__file__).resolve().parents[3] / "scripts" / "optimise_rebound.toml"
     out = tmp_path / "out"
     arguments = ["--out", str(out), "--starts", "1", "--points", "2", "--no-check"]
     assert main(["optimise", str(example), *arguments, "--json", "-"]) == 0

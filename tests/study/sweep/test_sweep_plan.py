@@ -276,6 +276,6 @@ def test_unusable_studies_are_refused(
 
 @pytest.mark.parametrize("name", ["sweep_spring", "sweep_eccentric", "sweep_billion"])
 def test_studies_that_come_along_can_be_planned(name: str) -> None:
-    found = read_plan(str(Path(__file__).parents[2] / "scripts" / f"{name}.toml"))
+    found = read_plan(str(Path(__file__).parents[3] / "scripts" / f"{name}.toml"))
     assert found.scenarios == {"sweep_spring": 100_000, "sweep_eccentric": 2000,
                                "sweep_billion": 10**9}[name]  # fmt: skip

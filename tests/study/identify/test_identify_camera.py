@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from nipper_pin.study.identify import Fit, Problem, determinability, identify, read_problem
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/confirm"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/confirm"))
 
 import make_camera_example as example
 

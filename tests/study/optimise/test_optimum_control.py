@@ -17,7 +17,7 @@ from nipper_pin.study.optimise import Design, Problem, read_problem
 from nipper_pin.study.optimise.control import control
 from nipper_pin.study.optimise.points import Evaluator
 
-MASS = Path(__file__).resolve().parents[1] / "verification" / "models" / "bouncing_mass"
+MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 STATED = """
 format = 1
 model = "e62"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts/maintain/confirm"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/confirm"))
 
 import confirm_fits as script
 from confirm_fits import Confirmed, honest
