@@ -62,7 +62,9 @@ def test_tasks_are_drawn_as_processes_need_them() -> None:
             yield k, partial(abs, k)
 
     with Workers(1, nothing, apart=True) as pool:
-        assert next(pool.as_completed(tasks())) == (0, 0)
+        key, result = next(pool.as_completed(tasks()))
+        # Two may be done at the first look, in any order.
+        assert key == result <= 1
         assert len(drawn) <= 3
 
 
