@@ -11,7 +11,7 @@ from lid_box import DROP, GRAVITY, Numbers, followed, lid_box
 from nipper_pin import Case, Event, EventKind, Outcome, Solution, Window, simulate
 from nipper_pin.hybrid.case import Resolution
 from nipper_pin.hybrid.contact.nested_series import NestedSeries
-from nipper_pin.hybrid.run.rest import lowest_gap
+from nipper_pin.hybrid.run.series.guards import lowest_gap
 
 BOTH = {"floor", "lid"}
 CASE = {"speed_rpm": 60.0, "window": Window.CYCLE}

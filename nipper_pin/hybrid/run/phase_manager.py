@@ -10,8 +10,6 @@ from ...arrays import FloatArray
 from ...dynamics.impact import Impact, collide, no_impact
 from ...dynamics.system import System
 from ...errors import SimulationError
-from ...mechanism import Stop
-from ...tolerances import SIMULTANEOUS
 from ..advance import advance
 from ..case import Case
 from ..contact.complementarity import (
@@ -28,8 +26,8 @@ from ..segment import Segment
 from ..state import State
 from .diagnosis import located
 from .event_log import EventLog
-from .jamming import check_jam
-from .series_ends import Rest, SeriesEnds
+from .series.rules import series_rules
+from .series.struck import Rest, Struck
 
 
 class PhaseManager:
@@ -54,7 +52,7 @@ class PhaseManager:
         self.segments: list[Segment] = []
         self.collisions = 0
         self._log = EventLog()
-        self._ends = SeriesEnds(system, case)
+        self._rules = series_rules(system, case, self._log.events)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
 
     @property
@@ -141,33 +139,26 @@ class PhaseManager:
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
         self._log.record(EventKind.COLLISION, state, state.t, _struck(impact, hit), impact, closed)
-        check_jam(self.mechanism, self.events, SIMULTANEOUS * self.system.shaft.period)
+        number = len(self.events)
         after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
         newly = hit & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             self._close(after, newly, closed)
         self.state = after
-        self._series(state, contacts, hit, rates)
+        rebounding = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
+        self._go_on(Struck(number, state, after, hit, rates, rebounding))
 
-    def _series(
-        self, before: State, contacts: list[Stop], hit: set[str], rates: dict[str, float]
-    ) -> None:
-        """Go on with a series of bounces after a collision, or end it."""
-        if len(hit) == 1 and any(rates[name] > 0.0 for name in before.closed):
-            a = self._acceleration(self.state)
-            rest = self._ends.thrown_open(before, self.state, hit, rates, a)
-            if rest is not None:
-                self._rest(rest)
-                return
-        bouncing = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
-        if len(bouncing) == 1:
-            state = self.state
-            a = self._acceleration(state)
-            series, rest = self._ends.bounced(state, before.series, bouncing[0], a)
-            self.state = state._replace(series=series)
-            if rest is not None:
-                self._rest(rest)
+    def _go_on(self, struck: Struck) -> None:
+        """Go on with the series that a collision belongs to, or end it."""
+        for rule in self._rules:
+            if rule.concerns(struck):
+                series, rest = rule.followed(struck, self._acceleration(struck.after))
+                if series is not None:
+                    self.state = self.state._replace(series=series)
+                if rest is not None:
+                    self._rest(rest)
+                    return
 
     def _rest(self, rest: Rest) -> None:
         """End a series at its limit, or at the threshold of the case."""
@@ -196,7 +187,8 @@ class PhaseManager:
         state = self.state
         closed = after_release(state.closed, released)
         # Stops that are not pressed shut are no series any more.
-        self._ends.forget()
+        for rule in self._rules:
+            rule.forget()
         still = no_impact(self.system, state.v)
         self._log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
         self.state = state._replace(closed=closed, series=None)

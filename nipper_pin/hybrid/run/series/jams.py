@@ -8,13 +8,51 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ...errors import ImpactError
-from ...mechanism import Mechanism
-from ...tolerances import SLOWEST_JAM_RATE
-from ..event import Event, EventKind
+from ....arrays import FloatArray
+from ....dynamics.system import System
+from ....errors import ImpactError
+from ....mechanism import Mechanism
+from ....tolerances import SIMULTANEOUS, SLOWEST_JAM_RATE
+from ...event import Event, EventKind
+from .struck import Struck
 
 # As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
 _JAM, _NO_SLOWER = 20, 1e-3
+
+
+class Jams:
+    """Collisions in one instant that do not become slower.
+
+    Args:
+        system: The system.
+        events: The events of the run, as they are written down.
+    """
+
+    name = "jams between two stops"
+
+    def __init__(self, system: System, events: Sequence[Event]) -> None:
+        """Times nearer than an instant are one."""
+        self._mechanism, self._events = system.mechanism, events
+        self._instant = SIMULTANEOUS * system.shaft.period
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether there are as many events within one instant."""
+        first = struck.number - _JAM
+        events = self._events
+        return first >= 0 and events[struck.number - 1].t - events[first].t <= self._instant
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[None, None]:
+        """Refuse to go on from a jam.
+
+        Raises:
+            ImpactError: The last collisions are one.
+        """
+        del a
+        check_jam(self._mechanism, self._events[: struck.number], self._instant)
+        return None, None
+
+    def forget(self) -> None:
+        """Nothing is kept here."""
 
 
 def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> None:
@@ -28,8 +66,6 @@ def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> 
     Raises:
         ImpactError: The last collisions are one.
     """
-    if len(events) < _JAM or events[-1].t - events[-_JAM].t > instant:
-        return
     latest = [event for event in events[-2 * _JAM :] if event.kind is EventKind.COLLISION][-_JAM:]
     if len(latest) < _JAM or latest[-1].t - latest[0].t > instant:
         return

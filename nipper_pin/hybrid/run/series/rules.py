@@ -1,0 +1,32 @@
+"""Rules of what follows a collision, by what a machine has.
+
+Bounces of one stop end at rest after a finite time: every machine with a stop has this rule. Two
+stops may also throw one another open, or jam a link between them: only a machine with two stops or
+more has these rules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ....dynamics.system import System
+from ...case import Case
+from ...event import Event
+from .jams import Jams
+from .nested import NestedBounces
+from .single import SingleBounces
+from .struck import SeriesRule
+
+
+def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[SeriesRule, ...]:
+    """Return the rules of a machine, in the order in which they are asked.
+
+    Args:
+        system: The system.
+        case: The case.
+        events: The events of the run, as they are written down.
+    """
+    alone = SingleBounces(system, case)
+    if len(system.mechanism.stops) < 2:
+        return (alone,)
+    return Jams(system, events), NestedBounces(system, case), alone

@@ -1,0 +1,81 @@
+"""A collision as the rules of series see it, and what a rule makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Protocol
+
+from ....arrays import FloatArray
+from ....dynamics.impact import Impact
+from ....mechanism import Stop
+from ...contact.bounce_series import BounceSeries
+from ...contact.complementarity import Closed
+from ...state import State
+
+
+class Struck(NamedTuple):
+    """A collision that has been computed.
+
+    Attributes:
+        number: Number of its event.
+        before: State just before it, with the series of bounces until then.
+        after: State just after it.
+        hit: Names of the stops that have just closed.
+        rates: Rate of every stop in contact after it, by name [rad/s or m/s].
+        rebounding: The stops that have just closed and open again.
+    """
+
+    number: int
+    before: State
+    after: State
+    hit: set[str]
+    rates: Mapping[str, float]
+    rebounding: Sequence[Stop]
+
+
+class Rest(NamedTuple):
+    """The limit of a series of bounces.
+
+    Attributes:
+        t: Its time [s].
+        error: Estimated error of that [s].
+        stops: Names of the stops that come to rest.
+        impact: What takes their last rates away.
+        closed: Closed stops from then on.
+    """
+
+    t: float
+    error: float
+    stops: list[str]
+    impact: Impact
+    closed: Closed
+
+
+class SeriesRule(Protocol):
+    """One kind of series."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether a collision may belong to such a series."""
+        ...
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[BounceSeries | None, Rest | None]:
+        """Add a collision to its series.
+
+        Args:
+            struck: The collision.
+            a: Acceleration just after it, shape (nv,).
+
+        Returns:
+            The series of a stop that bounces alone, None of other kinds; and the end of the series
+            once that is known.
+        """
+        ...
+
+    def forget(self) -> None:
+        """End the series in which stops stay in contact: one of them is pressed no more."""
+        ...
