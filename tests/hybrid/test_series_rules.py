@@ -27,13 +27,13 @@ def test_rules_of_two_stops_need_two() -> None:
 
 
 def test_rules_are_asked_in_order_until_one_ends_a_series(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the rule of one stop the jaw bounces on, ever faster, to the limit of collisions."""
-    case = Case(speed_rpm=650.0, max_collisions=40)
+    """Without the rule of one stop the jaw bounces on to the round-off of its rates."""
+    case = Case(speed_rpm=650.0)
     own = phase_manager.series_rules
     whole = simulate(load("e62"), case)
     monkeypatch.setattr(phase_manager, "series_rules", lambda *given: own(*given)[:-1])
     followed = simulate(load("e62"), case)
-    assert len(whole.collisions) < 40 == len(followed.collisions)
+    assert len(followed.collisions) > 3 * len(whole.collisions)
     count = len(whole.collisions)
     for one, other in zip(whole.collisions, followed.collisions[:count], strict=True):
         assert one.time == other.time
