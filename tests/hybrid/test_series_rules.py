@@ -36,4 +36,4 @@ def test_rules_are_asked_in_order_until_one_ends_a_series(monkeypatch: pytest.Mo
     assert len(followed.collisions) > 3 * len(whole.collisions)
     count = len(whole.collisions)
     for one, other in zip(whole.collisions, followed.collisions[:count], strict=True):
-        assert one.time == other.time
+        assert one.t == other.t
