@@ -117,7 +117,7 @@ class _End(NamedTuple):
 
 
 class _Way:
-    """What stays the same on the way from one event to the next.
+    """Phase, limits and checks of the motion from one event to the next.
 
     Args:
         system: The system.

@@ -115,7 +115,7 @@ class Spring:
 
 @dataclass(frozen=True, kw_only=True)
 class Contact:
-    """Where and how two lips meet, found from their collision shapes in the touch configuration.
+    """Contact of two lips, found from their collision shapes in the touch configuration.
 
     Attributes:
         point: Contact point in world axes [m], shape (3,).
@@ -201,7 +201,7 @@ class Stop:
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """Where a joint that nothing prescribes stands when whole turns start.
+    """Initial position and rate of a joint that nothing prescribes, at the start of whole turns.
 
     Attributes:
         joint: Name of the joint.
@@ -326,7 +326,7 @@ class Mechanism:
 
     @cached_property
     def drive_offsets(self) -> NDArray[np.float64]:
-        """What makes all driven coordinates zero in the touch configuration, (3, 1, drives).
+        """Offsets that make all driven coordinates zero at touch, shape (3, 1, drives).
 
         First axis: coordinate, rate and acceleration, the latter two being zero.
         """

@@ -147,7 +147,7 @@ def _more(percent: float, up: str, down: str) -> str:
 
 
 def _helps(row: Sensitivity) -> bool:
-    """Whether a small change lowers bounce and time by enough, and raises the force."""
+    """Return whether a small change lowers bounce and time enough and raises the force."""
     bounce, lasts, clamp = row.per
     sense = -1.0 if bounce > 0.0 else 1.0
     small = abs(bounce) * _SMALL.get(row.unit, 0.0) >= _GAIN

@@ -1,4 +1,4 @@
-"""What the files of all studies share: reading, the model they start from, and where they err."""
+"""Files of studies: reading, the model they start from, and errors with file and key."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
 
 
 def _reason(refusal: Refusal) -> str:
-    """What is wrong, and what to write for an earlier word or form."""
+    """Error message, with the replacement of an earlier key or form."""
     word = refusal.unknown
     if word is not None:
         known = _EARLIER if refusal.path else {**_EARLIER, **_EARLIER_AT_TOP}

@@ -118,7 +118,7 @@ def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
 
 
 def stop_place(mechanism: Mechanism, stop: Stop) -> str:
-    """Which limit of which joint a stop is."""
+    """Joint of a stop, and which of its limits it is."""
     joint = next(item for item in mechanism.joints if item.index == stop.index)
     units = _BY_KIND[joint.kind]
     side = "lower" if stop.sense > 0.0 else "upper"

@@ -1,1 +1,1 @@
-"""Which stops are closed after an event, and where a series of bounces ends."""
+"""Closed stops after an event, and the limits of bounce series."""

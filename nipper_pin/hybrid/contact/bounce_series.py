@@ -124,7 +124,7 @@ class BounceSeries:
 
 
 def _later(changes: Sequence[float], order: int) -> float:
-    """What the differences before and after an order say of its error."""
+    """Error of an order, estimated from the differences before and after it."""
     # No order is better than what the next one changes.
     found = max(changes[order : order + 1], default=0.0)
     if order > 2 and changes[order - 3] > 0.0:
@@ -145,7 +145,7 @@ def divided(x: Sequence[float], y: Sequence[float]) -> list[float]:
 def _root(
     x: Sequence[float], rates: Sequence[float], pressing: Sequence[float], half: float, near: float
 ) -> float:
-    """Where the polynomial of rates vanishes with the slope that the deceleration gives it.
+    """Root of the polynomial of rates, with the slope that follows from the deceleration there.
 
     Args:
         x: Times of the collisions, the last one first.

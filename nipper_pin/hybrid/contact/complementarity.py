@@ -43,7 +43,7 @@ def pressed(
     jacobian: FloatArray,
     at_rest: Closed,
 ) -> Closed:
-    """Which stops at rest (zero gap and rate) stay closed: complementarity of the accelerations.
+    """Stops at rest (zero gap and rate) that stay closed, by complementarity of accelerations.
 
     g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest, solved by trying the sets of
     stops that can stay closed together, the largest ones first: with W M^-1 W' positive definite
@@ -95,7 +95,7 @@ def pressed(
 
 
 def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Closed:
-    """Which closed stops stay closed a moment later.
+    """Closed stops that are still closed a moment later.
 
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
 
@@ -117,7 +117,7 @@ def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -
 
 
 class _Held(NamedTuple):
-    """What a choice of closed stops asks of those at rest.
+    """Forces and accelerations of the stops at rest for one choice of closed stops.
 
     Attributes:
         names: The stops that are held closed.

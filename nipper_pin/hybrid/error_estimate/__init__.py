@@ -1,1 +1,1 @@
-"""How far event times and impulses may be off: local errors, carried along the run."""
+"""Stated errors of event times and impulses: local errors, propagated along the run."""

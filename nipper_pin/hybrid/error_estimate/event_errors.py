@@ -103,7 +103,7 @@ def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Devi
 
 
 class _State(NamedTuple):
-    """What is known after an event, or after motion that forgets what was before.
+    """Deviations after an event, or after motion without freedom, which does not depend on them.
 
     Attributes:
         deviations: Of the motion, at the time of the event of each source.
@@ -136,7 +136,7 @@ class _Step(NamedTuple):
 
 
 class _Arrival(NamedTuple):
-    """How a run comes to an event.
+    """Motion of a run from one event to the next.
 
     Attributes:
         event: The event.
@@ -232,7 +232,7 @@ def _struck(
 def _pushed(
     system: System, event: Event, impact: ImpactMap, before: Deviations
 ) -> dict[str, float]:
-    """What deviations before an event make of its impulses [N m s or N s], by stop."""
+    """Errors of the impulses of an event by the deviations before it [N m s or N s], by stop."""
     sizes = np.abs(impact.pushes @ before.states).sum(axis=1).tolist()
     names = [stop.name for stop in pushing(system, event)]
     return dict(zip(names, sizes, strict=True))

@@ -104,7 +104,7 @@ class LinearMaps:
         return self._impacts[event.source]
 
     def left_out(self, rest: Event, remaining: float) -> Deviations:
-        """What bounces make that are not computed, in a time before a rest [s]."""
+        """Deviations by bounces that are not computed, in a time before a rest [s]."""
         if remaining <= 0.0 or self._system.constraint_set(rest.closed_after).freedom == 0:
             return Deviations.of(np.empty((2 * self._system.body.nv, 0)))
         try:
@@ -185,7 +185,7 @@ class LinearMaps:
         return ImpactMap(matrix, own, pushes, motion_before, lost, self._beside(event))
 
     def _beside(self, event: Event) -> dict[str, float]:
-        """One system of equations gives all impulses: each has the round-off of the largest."""
+        """Round-off of impulses: one linear system gives all, so each has that of the largest."""
         names = list(event.P_N)
         columns = [self._system.mechanism.stop(name).index for name in names]
         try:

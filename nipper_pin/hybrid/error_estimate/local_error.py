@@ -1,4 +1,4 @@
-"""What flights leave unresolved in positions and rates: the errors that they make of their own.
+"""Local errors of flights: the unresolved parts of positions and rates.
 
 They come from what the dynamics say between the nodes, where the interpolant is wrong by the
 Chebyshev coefficients that it lacks, from what one more sweep would change and from what the
@@ -76,7 +76,7 @@ def _between(system: System, phase: ConstraintSet, panel: Panel) -> FloatArray:
 
 
 def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
-    """What a flight panel leaves unresolved in all positions and velocities, each (nv,)."""
+    """Unresolved parts of all positions and velocities of a flight panel, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
     motion = system.shaft.driven(panel.times)
     again = system.accelerations(motion, panel.q, panel.v, phase)

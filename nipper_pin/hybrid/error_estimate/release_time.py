@@ -1,4 +1,4 @@
-"""How well the time is known at which a stop lets go, where its force falls through zero."""
+"""Error of the time of a release, at which the force of a stop falls through zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a small deviation before a collision becomes one after it: the saltation matrix.
+"""Saltation matrix: deviations after a collision, linear in those before it.
 
 A neighbouring motion strikes later by dt, at another place and with other rates. At its own time it
 deviates by (dq + v- dt, dv + a- dt); the impact law carries that over to the rates after, and back

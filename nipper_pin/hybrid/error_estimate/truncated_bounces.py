@@ -1,4 +1,4 @@
-"""What the bounces before a rest that are not computed do to the motion after it.
+"""Effect of the bounces that are not computed before a rest on the motion after it.
 
 They are replaced by one impulse that closes the stop where the last computed one has left it. With
 the gap g that is left out, and the rates u of all coordinates by the rate of the gap, the motion is

@@ -1,4 +1,4 @@
-"""How a small deviation at the start of a panel has grown at its end: the variational equation.
+"""Variational equation: deviations at the end of a panel, linear in those at its start.
 
 The free independent coordinates y of a panel tell the others, q(y) and v(y, y'). Neighbouring
 motions differ in them by dy, with
@@ -27,7 +27,7 @@ def free_coordinates(phase: ConstraintSet, split: Partition) -> list[int]:
 
 
 def lifts(jacobian: FloatArray, split: Partition, columns: list[int]) -> FloatArray:
-    """How all coordinates follow some independent ones, dq/dy, at N states.
+    """Derivatives dq/dy of all coordinates by the independent ones, at N states.
 
     Args:
         jacobian: Closure Jacobians G, shape (N, m, nv).
@@ -47,7 +47,7 @@ def lifts(jacobian: FloatArray, split: Partition, columns: list[int]) -> FloatAr
 def tangents(
     system: System, q: FloatArray, v: FloatArray, split: Partition, columns: list[int]
 ) -> tuple[FloatArray, FloatArray]:
-    """How all coordinates and rates follow some independent ones, at N states.
+    """Derivatives of all coordinates and rates by the independent ones, at N states.
 
     Args:
         system: The system.

@@ -87,7 +87,7 @@ class Deviations:
         return replace(self, states=states, late=self.late + late)
 
     def size(self, row: int) -> float:
-        """How far one position or velocity may deviate."""
+        """Largest deviation of one position or velocity."""
         return float(np.abs(self.states[row]).sum())
 
     def within(self, row: int, most: float) -> Deviations:

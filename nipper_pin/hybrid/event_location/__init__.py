@@ -1,1 +1,1 @@
-"""Where a panel of motion ends: gaps that close and contact forces that vanish."""
+"""Events on a panel of motion: gaps that close and contact forces that vanish."""

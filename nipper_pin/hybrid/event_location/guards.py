@@ -23,7 +23,7 @@ _FARTHEST = 0.5 * 3.7
 
 
 class TriggerKind(StrEnum):
-    """What a root function belongs to."""
+    """Kind of a root function."""
 
     GAP = "gap"
     FORCE = "force"

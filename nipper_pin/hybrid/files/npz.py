@@ -267,7 +267,7 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
 
 
 def _source(source: int | None, own: int) -> int:
-    """What a segment or an event is a copy of: one before it, or itself."""
+    """Number of the original of a segment or an event: an earlier one, or its own."""
     if source is not None and source > own:
         message = f"number {own} is a copy of a later one, {source}"
         raise ValueError(message)

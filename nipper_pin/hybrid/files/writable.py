@@ -52,7 +52,7 @@ def check_file(path: str | Path) -> None:
 
 
 def _there(path: Path) -> bool:
-    """Whether something is there; what cannot be looked at is not."""
+    """Return whether a path exists; one that cannot be read counts as missing."""
     try:
         return path.exists()
     except OSError:

@@ -1,4 +1,4 @@
-"""Whether the dependent coordinates of a flight panel serve from its beginning to its end.
+"""Dependent and independent coordinates that suit a flight panel over its whole length.
 
 The motion of a panel does not depend on the choice, but what closes the loops at any of its times
 does: where the closures cease to determine the dependent coordinates, their rates there become

@@ -91,7 +91,7 @@ def _excess(
     moving: FloatArray,
     resolution: Resolution,
 ) -> float:
-    """What a panel leaves unresolved of positions and stop forces, in units of the tolerance.
+    """Unresolved parts of positions and stop forces of a panel, in units of the tolerance.
 
     Stop forces are second derivatives: they are resolved less far than positions, and their roots
     are polished on the exact motion.
@@ -113,7 +113,7 @@ def _rough_pulls(system: System, panel: Panel, resolution: Resolution) -> float:
 def _rough_accelerations(
     h: float, v: FloatArray, a: FloatArray, round_off: FloatArray, resolution: Resolution
 ) -> FloatArray:
-    """What a panel leaves unresolved of accelerations, in units of the tolerance, shape (nv,).
+    """Unresolved part of the accelerations of a panel, in units of the tolerance, shape (nv,).
 
     They are second derivatives: they are resolved less far than positions, by what they change.
     Near a dead centre they rise within the round-off of the positions.

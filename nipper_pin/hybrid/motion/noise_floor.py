@@ -1,4 +1,4 @@
-"""What round-off of forces makes of accelerations: nothing finer can be resolved, nor need it be.
+"""Noise of accelerations by round-off of forces, the limit of any resolution.
 
 Near an equilibrium forces make up for one another, and what they leave is round-off. It changes
 from state to state as noise does, so no polynomial fits it and no shorter panel holds less of it.

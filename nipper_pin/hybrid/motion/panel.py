@@ -17,7 +17,7 @@ from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
 
 
 class Begin(NamedTuple):
-    """What is known where a panel begins (right limit).
+    """State and acceleration at the start of a panel (right limit).
 
     Attributes:
         t: Time [s].
@@ -191,7 +191,7 @@ def forces_at(
 
 
 def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
-    """How far the interpolated accelerations of a panel are from the dynamics.
+    """Residual of the equations of motion: interpolated accelerations minus computed ones.
 
     Args:
         system: The system.

@@ -1,4 +1,4 @@
-"""What a panel has to show beside what its nodes resolve, by what a machine has.
+"""Checks of a panel beyond its nodes, registered by the force elements of a machine.
 
 The nodes of a panel resolve motion that is smooth. Force elements may do something between two
 nodes: each kind of element that a machine has brings the check that looks for it, and a machine
@@ -21,11 +21,11 @@ from .residual_check import shows_end, shows_forces, shows_turns
 
 
 class PanelCheck(Protocol):
-    """One thing that nodes may not show."""
+    """One check of a panel."""
 
     @property
     def name(self) -> str:
-        """What it looks for."""
+        """Name of the effect that it checks."""
         ...
 
     def resolved(self, phase: ConstraintSet, panel: Panel) -> bool:

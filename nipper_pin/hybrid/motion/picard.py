@@ -109,7 +109,7 @@ def _run_away(system: System, moved: FloatArray) -> SimulationError:
 
 
 def _next(moved: FloatArray, guess: FloatArray) -> float:
-    """What a third sweep would change, coordinate by coordinate.
+    """Estimate of the change by a third sweep, the largest of all coordinates.
 
     The first change is that of the guess: a large one, of a coordinate that is then right at once,
     would hide another one that hardly moves towards its solution.

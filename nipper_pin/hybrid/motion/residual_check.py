@@ -1,4 +1,4 @@
-"""What nodes may miss of tables and struts: what happens between them.
+"""Residual of the equations of motion between nodes, where tables and struts may change.
 
 A force that changes within a narrow step or spike, and changes back before the next node, leaves no
 trace in the nodes; of a step that stays they show the height, not the place. So the equations of
@@ -50,14 +50,14 @@ def shows_turns(elements: Elements, panel: Panel, tolerance: float) -> bool:
 
 
 def _turned(before: FloatArray, after: FloatArray) -> FloatArray:
-    """Whether lines (x, z) turn by more than an interval may show, shape (...)."""
+    """Return whether lines (x, z) turn by too much for one interval, shape (...)."""
     along = np.einsum("...i,...i->...", before, after)
     sizes = np.linalg.norm(before, axis=-1) * np.linalg.norm(after, axis=-1)
     return np.asarray(along < _TURN * sizes)
 
 
 def _hidden(before: FloatArray, after: FloatArray, tolerance: float) -> FloatArray:
-    """Whether lines (x, z) turn beside a node where they are short, shape (...).
+    """Return whether short lines (x, z) beside a node may turn unresolved, shape (...).
 
     A line of length d turns by delta within a way of about d. For so long the damper lacks a share
     sin^2 delta of its force, and its impulse that of d beside the whole way of the interval.

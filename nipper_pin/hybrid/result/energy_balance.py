@@ -48,7 +48,7 @@ class EnergyBalance:
 
     @property
     def residual(self) -> float:
-        """What the balance fails to close by [J]."""
+        """Residual of the balance [J]."""
         supplied = self.drive_work + self.drive_impulse_work + self.gravity_work
         stored = self.spring_change + self.kinetic_change
         return supplied - stored - self.impact_losses - self.dissipated

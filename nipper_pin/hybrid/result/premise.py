@@ -76,7 +76,7 @@ def premise_of(solution: Solution) -> Premise:
 
 
 def _unanswerable(system: System, touch: Event) -> str:
-    """Why it cannot be told; empty if it can."""
+    """Reason why the premise cannot be checked; empty if it can."""
     if not system.held:
         return "Inertial shafts remember the turns before, which a transition does not know."
     if system.constraint_set(touch.closed_before).freedom != 0:

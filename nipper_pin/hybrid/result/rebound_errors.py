@@ -1,4 +1,4 @@
-"""How well the rebound after a collision is known: its amplitude and its time."""
+"""Errors of amplitude and time of the rebound after a collision."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class LinkVelocities:
 
 @dataclass(frozen=True)
 class Checks:
-    """What a run should be zero in.
+    """Residuals of a run, all of which should be zero.
 
     Attributes:
         closure_m: Largest closure gap of the computed motion [m].
@@ -151,7 +151,7 @@ class Solution:
 
     @cached_property
     def premise(self) -> Premise:
-        """Whether a turn brings the machine to where a transition starts, and why."""
+        """Premise of a transition: whether a whole turn arrives in its start state, and why not."""
         from .premise import premise_of
 
         return premise_of(self)

@@ -1,4 +1,4 @@
-"""Where a run broke down, and how near it was to a dead centre there."""
+"""Time and place at which a run failed, and the condition of the closures there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where and how the two bodies of a stop meet, found from their collision shapes at load time."""
+"""Contact points and normals of stops, found from collision shapes when a model is loaded."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class _Gap:
 
 
 class _Asked(NamedTuple):
-    """Where a stop is to be closed, and how messages name it.
+    """Configuration in which a stop is closed, and its name in messages.
 
     Attributes:
         pair: Names of both bodies.

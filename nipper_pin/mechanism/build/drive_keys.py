@@ -1,4 +1,4 @@
-"""Which laws move which kind of joint, and in which unit."""
+"""Drive laws by kind of joint, and their units."""
 
 from __future__ import annotations
 

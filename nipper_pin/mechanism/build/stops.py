@@ -86,7 +86,7 @@ def _check_transition(description: Description, file: str) -> None:
 def _restitution_law(
     name: str, stop: StopDescription, joint: Joint, file: str
 ) -> RestitutionLaw | None:
-    """How the restitution of a stop depends on the rate; None if it does not."""
+    """Restitution law of a stop; None if its restitution is constant."""
     if stop.restitution_law is None:
         return None
     try:

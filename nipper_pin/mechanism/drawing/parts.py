@@ -1,4 +1,4 @@
-"""What a drawing of a machine consists of: bodies through points, joints, drives, springs, stops.
+"""Parts of a drawing of a machine: bodies through points, joints, drives, springs, stops.
 
 The drawing shows the touch configuration, where all coordinates are zero. Points are (x, z) in mm,
 x to the right and z upwards; hinges turn counter-clockwise. The name of two points with a stroke
@@ -181,7 +181,7 @@ class Force:
 
 @dataclass(frozen=True)
 class Start:
-    """Where a joint that nothing drives starts.
+    """Initial position of a joint without a drive.
 
     Attributes:
         joint: The joint.

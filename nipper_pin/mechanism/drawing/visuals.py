@@ -1,4 +1,4 @@
-"""What is seen of a drawing: bars between points, blocks, and the ground under fixed pins."""
+"""Visual shapes of a drawing: bars between points, blocks, and the ground under fixed pins."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def body_visuals(tree: Tree, body: Body, number: int) -> list[str]:
 
 
 def frame_visuals(tree: Tree) -> list[str]:
-    """What stands still: a foot under each fixed pin, a rail along each guide of the frame.
+    """Shapes of the frame: a foot under each fixed pin, a rail along each guide.
 
     Args:
         tree: The drawing's tree.

@@ -1,4 +1,4 @@
-"""What a drive law is, and laws that are geared to another one."""
+"""Drive laws, and laws that are geared to another one."""
 
 from __future__ import annotations
 

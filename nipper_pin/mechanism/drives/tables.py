@@ -1,4 +1,4 @@
-"""What the tables of drives in a model file have in common."""
+"""Common keys of the tables of drives in a model file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ HINGE, SLIDE = "revolute", "prismatic"
 
 
 class DriveTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
-    """What every drive has; the numbers of its shaft are only needed where drives are inertial.
+    """Keys of every drive; those of its shaft are needed for inertial drives only.
 
     Attributes:
         joint: Driven joint.
@@ -46,7 +46,7 @@ class DriveTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
 
 
 class ShaftTable(DriveTable, frozen=True, kw_only=True):
-    """What every drive of a hinge has.
+    """Keys of every drive of a hinge.
 
     Attributes:
         reflected_inertia_kg_m2: Inertia of shaft and drive train seen at the joint [kg m2].
@@ -58,7 +58,7 @@ class ShaftTable(DriveTable, frozen=True, kw_only=True):
 
 
 class AnyTable(DriveTable, frozen=True, kw_only=True):
-    """What every drive of either kind of joint has.
+    """Keys of every drive of either kind of joint.
 
     Attributes:
         reflected_inertia_kg_m2: Inertia of shaft and drive train seen at a hinge [kg m2].
@@ -70,7 +70,7 @@ class AnyTable(DriveTable, frozen=True, kw_only=True):
 
 
 class FollowingTable(ShaftTable, frozen=True, kw_only=True):
-    """What every drive has that follows another one.
+    """Keys of every drive that follows another one.
 
     Attributes:
         of: Name of the other drive.

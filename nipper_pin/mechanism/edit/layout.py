@@ -1,4 +1,4 @@
-"""Where links and points of a model stand in its touch configuration, read from its two texts.
+"""Places of links and points in the touch configuration, read from the two texts of a model.
 
 A *point* is a hinge or a named frame. Closures are cut pins, so two points can be one pin.
 """
@@ -20,7 +20,7 @@ from ..files.urdf_values import origin, rotation_from_rpy
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where links and points stand at touch.
+    """Places of links and points at touch.
 
     Attributes:
         root: The ``robot`` element.

@@ -37,7 +37,7 @@ _PARTS = ("inertial", "visual", "collision")
 
 @dataclass(frozen=True)
 class _Swing:
-    """How the parts of a link move in the world: x -> new + turn (x - old)."""
+    """Motion of the parts of a link in the world: x -> new + turn (x - old)."""
 
     old: FloatArray
     new: FloatArray
@@ -127,7 +127,7 @@ def _swings(
     pins: Mapping[str, tuple[str, ...]],
     slides: Sequence[ElementTree.Element],
 ) -> dict[str, _Swing]:
-    """How the links turn that have two pins, those at both ends of a slide taken as one.
+    """Motions of the links with two pins; those at both ends of a slide count as one link.
 
     The frame turns with nothing, and so does a slide in a guide on it.
     """

@@ -130,7 +130,7 @@ class StopDescription(TomlTable, frozen=True, kw_only=True):
 
 
 class InitialDescription(TomlTable, frozen=True, kw_only=True):
-    """Where a joint that nothing prescribes starts, and how fast it moves there.
+    """Initial position and rate of a joint that nothing prescribes.
 
     Attributes:
         at_mm: Coordinate of a slide, 0 if not given [mm].

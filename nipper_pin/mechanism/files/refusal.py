@@ -1,4 +1,4 @@
-"""Where plain data of a TOML file do not fit their typed tables."""
+"""Errors of plain data that do not fit their typed tables, with the key and what is allowed."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def _items(value: object, kind: Any) -> Iterator[tuple[Step, object, Any]]:
 
 
 def _whole(value: object, kind: Any, path: tuple[Step, ...]) -> Refusal | None:
-    """What is wrong with a value whose members fit."""
+    """Error of a table each of whose values is valid."""
     try:
         msgspec.convert(value, kind)
     except msgspec.ValidationError as error:

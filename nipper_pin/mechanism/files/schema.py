@@ -67,7 +67,7 @@ def schema_text() -> str:
 
 
 def _plain(value: dict[str, Any], words: str | None) -> dict[str, Any]:
-    """One key: without what TOML does not have, with what it means."""
+    """Schema of one key, without types that TOML lacks, with its description."""
     choices = [item for item in value.pop("anyOf", []) if item != {"type": "null"}]
     if len(choices) == 1:
         value = {**choices[0], **value}
@@ -88,7 +88,7 @@ def _summary(kind: type) -> str:
 
 
 def _attributes(kind: type) -> dict[str, str]:
-    """What the attributes of a table mean, those of its bases included."""
+    """Descriptions of the attributes of a table, those of its bases included."""
     found: dict[str, str] = {}
     for base in reversed(kind.__mro__):
         _, _, text = (inspect.getdoc(base) or "").partition("Attributes:\n")

@@ -1,4 +1,4 @@
-"""What a force law is."""
+"""Force laws."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tables of force elements in a model file have in common."""
+"""Common keys of the tables of force elements in a model file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ HINGE, SLIDE = "revolute", "prismatic"
 
 
 class ForceTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
-    """What every force element has.
+    """Keys of every force element.
 
     Attributes:
         joint: Joint it acts on.

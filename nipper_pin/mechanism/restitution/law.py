@@ -1,4 +1,4 @@
-"""What a restitution law is."""
+"""Restitution laws."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tables of restitution laws in a model file have in common."""
+"""Common keys of the tables of restitution laws in a model file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tables of adjustable stops in a model file have in common."""
+"""Common keys of the tables of adjustable stops in a model file."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from ..files.toml_types import TomlTable
 
 
 class StopTable(TomlTable, frozen=True, kw_only=True, tag_field="law"):
-    """Where a stop is closed, by how it is adjusted."""
+    """Coordinate at which a stop is closed, from its adjustment."""
 
     def place(self, kind: str) -> float:
         """Return the coordinate at which the stop is closed [m or rad].

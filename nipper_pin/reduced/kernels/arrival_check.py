@@ -1,4 +1,4 @@
-"""How a turn arrives at the touch, compiled: opening, bounces and rests of the waiting stop.
+"""Arrival of a turn at the touch, compiled: opening, bounces and rests of the waiting stop.
 
 Motion after a rest is independent of the motion before it. Whether the machine rests is computed
 with low accuracy; only flight at the touch is computed accurately, from the last rest on.

@@ -1,4 +1,4 @@
-"""How functions are compiled with numba, and how its cache is kept valid."""
+"""Compilation with numba, and validity of its cache."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Arrival:
 
 
 class Opening(NamedTuple):
-    """Where the waiting stop is reached again, and opens the transition stop.
+    """Angle at which the waiting stop is reached again and the transition stop opens.
 
     Attributes:
         travel: Travel from the touch configuration [rad].
@@ -172,7 +172,7 @@ def arrival(
 
 
 def found_opening(sampler: Sampler, stop: Stop) -> Opening | None:
-    """Where y comes back to zero with x at zero; None where it does not, or cannot be followed."""
+    """Angle at which y returns to zero with x at zero; None if it does not, or is unknown."""
     u = np.arange(_STEP, 2.0 * math.pi, _STEP)
     before = np.zeros((1, sampler.size))
     try:

@@ -135,7 +135,7 @@ def _optimum(search: Search, led: _Led, began: float) -> Optimum:
         seed=search.seed,
         before=design(source, by, tuple(problem.start.tolist())),
         best=best,
-        account=account(problem.asking(problem.aims[0]), by, led.best.z),
+        account=account(problem.with_aim(problem.aims[0]), by, led.best.z),
         descents=led.descents,
         screened=len(search.seen),
         no_machine=tuple(dict.fromkeys(item.why for item in search.seen if item.why)),

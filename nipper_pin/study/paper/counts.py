@@ -1,4 +1,4 @@
-"""How many collisions a transition has: a question of the threshold at which one stops to count.
+"""Number of collisions of a transition, by the threshold below which they do not count.
 
 With a constant restitution the bounces are a geometric series without end. The published study
 stops at a separation rate that it does not print, so its numbers of collisions say as much about

@@ -1,4 +1,4 @@
-"""What the study published, read from the file beside this one, and the same for other machines."""
+"""Published numbers, read from the file beside this one, and the same numbers of other machines."""
 
 from __future__ import annotations
 

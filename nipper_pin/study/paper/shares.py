@@ -1,4 +1,4 @@
-"""Why the first two rebounds carry about 1 - e^2 of the transition time, and its limits.
+"""Share of the first two rebounds in the transition time, about 1 - e^2, and its limits.
 
 Take the force that closes the jaw as constant: the jaw leaves with the rate w, comes back after
 T = 2 w / b with the rate w and leaves with e w. So every rebound takes e times the one before, the

@@ -96,7 +96,7 @@ class PaperStudy:
 
 
 def note(study: PaperStudy) -> str:
-    """What must be known of the numbers of the model, wherever a result of them is shown."""
+    """Note on the origin of the model's numbers, shown beside every result of them."""
     if study.compared:
         return (
             "Numbers of the model are an estimate of the E62 class identified from the published "

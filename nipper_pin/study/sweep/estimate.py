@@ -1,4 +1,4 @@
-"""How long a sweep will take: a few of its scenarios, timed."""
+"""Estimate of the time of a sweep, from a few scenarios that are timed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _START_S = 1.5
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """What a sweep, or a range of its chunks, will take, from scenarios that were timed.
+    """Estimated time of a sweep, or of a range of its chunks.
 
     Attributes:
         seconds: Time on so many processes [s].
@@ -105,7 +105,7 @@ def estimate(
 
 @dataclass(frozen=True, kw_only=True)
 class Timed:
-    """What was timed: blocks of scenarios of one mechanism, computed together.
+    """Times of blocks of scenarios of one mechanism, computed together.
 
     Attributes:
         blocks: Blocks of the whole sweep.

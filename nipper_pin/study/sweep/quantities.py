@@ -1,4 +1,4 @@
-"""What a sweep can keep of each scenario, by name."""
+"""Quantities of a scenario that a sweep can store, by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OF_FIRST = ("impulse_N_s", "impulse_N_m_s", "rebound_amplitude", "rebound_time_
 
 
 def default(mechanism: Mechanism) -> tuple[str, ...]:
-    """What is kept if a study does not say: the transition and its first collision.
+    """Quantities that are stored by default: those of the transition and its first collision.
 
     Args:
         mechanism: The model.

@@ -1,4 +1,4 @@
-"""What a run of a sweep did, and whether it gave anything."""
+"""Report of a run of a sweep."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .results import Tally
 
 @dataclass(frozen=True, kw_only=True)
 class SweepReport:
-    """What a run of a sweep did.
+    """Report of a run of a sweep.
 
     Attributes:
         folder: Where the results are.
@@ -67,7 +67,7 @@ class SweepReport:
         raise SimulationError(message, scenarios=self.scenarios, reason=reason)
 
     def sentences(self) -> list[str]:
-        """What of the rows one has to know before one uses them."""
+        """Sentences about rows that need care: failures, doubtful premises, other engines."""
         tally, found = self.tally, []
         if self.damaged:
             found.append(f"damaged, and computed anew: {', '.join(self.damaged)}")

@@ -82,7 +82,7 @@ def run_sweep(
 
 
 class _Run:
-    """One run of a sweep: what is there, what this process computes, what others do."""
+    """One run of a sweep, which may share its chunks with other processes."""
 
     def __init__(
         self,

@@ -32,7 +32,7 @@ _Count = Annotated[int, Meta(ge=1)]
 
 
 class _CaseTable(Table, frozen=True, kw_only=True):
-    """What all scenarios share."""
+    """Settings of all scenarios."""
 
     window: Literal["transition"] = "transition"
     speed_rpm: Positive | None = None
@@ -76,7 +76,7 @@ class _StudyTable(Table, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What a file says, checked; attributes as in :class:`~nipper_pin.study.sweep.plan.Plan`."""
+    """Checked content of a file; attributes as in :class:`~nipper_pin.study.sweep.plan.Plan`."""
 
     title: str
     job: Job
@@ -131,7 +131,7 @@ def read_study(path: str) -> Study:
 
 
 def _words(samples: Samples | None) -> str:
-    """What of the samples their points depend on, however many are asked for."""
+    """Settings that determine the points of the samples, except for their number."""
     if samples is None:
         return ""
     whole = "" if samples.method == "sobol" else f" of {samples.count}"

@@ -32,7 +32,7 @@ _AT_REST, _TOO_MANY, _UNTOLD = (
 
 @dataclass(frozen=True)
 class Settings:
-    """What is the same for all cases.
+    """Settings of all cases.
 
     Attributes:
         drive: Behaviour of the driven shafts.

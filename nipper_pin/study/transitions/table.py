@@ -1,4 +1,4 @@
-"""What a table of transitions holds."""
+"""Columns of a table of transitions."""
 
 from __future__ import annotations
 

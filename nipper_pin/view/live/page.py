@@ -41,7 +41,7 @@ _NOTE = (
 
 
 class Page:
-    """What the browsers show, which all see the same; one thread computes and sends.
+    """State of the live page, the same in all browsers; one thread computes and sends.
 
     Args:
         server: The server.

@@ -1,4 +1,4 @@
-"""What the sliders set: which numbers of a mechanism, in which units and between which ends."""
+"""Numbers of a mechanism that the sliders set, with their units and ranges."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Terms:
     preload_unit: str
 
     def of_paper(self, what: str) -> str:
-        """What a figure or table is in the paper, in brackets; nothing for another machine."""
+        """Number of the figure or table of the paper, in brackets; empty for other machines."""
         return f" ({what} of the paper)" if self.compared else ""
 
 

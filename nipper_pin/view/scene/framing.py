@@ -1,4 +1,4 @@
-"""Where the camera stands: so that all of a mechanism is seen, from front and above."""
+"""Camera position from which a whole mechanism is visible, from front and above."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _DIRECTION = (0.38, -1.0, 0.34)
 def camera(
     mechanism: Mechanism, points: FloatArray, near: float, shift: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[FloatArray, FloatArray]:
-    """Where to look, and where to stand.
+    """Target and position of the camera.
 
     Args:
         mechanism: The mechanism.
@@ -50,7 +50,7 @@ def _corners(mechanism: Mechanism) -> FloatArray:
 
 
 def _reach(solid: Solid, rotation: FloatArray) -> FloatArray:
-    """How far a shape reaches from its middle along the axes of the world, shape (3,) [m]."""
+    """Half extents of a shape along the axes of the world, shape (3,) [m]."""
     if solid.kind == "box":
         return np.asarray(np.abs(rotation) @ (0.5 * np.array(solid.sizes)))
     radius, length = solid.sizes if solid.kind == "cylinder" else (solid.sizes[0], 0.0)

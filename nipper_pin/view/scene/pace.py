@@ -1,4 +1,4 @@
-"""How fast a film runs: slow around events, quick between them."""
+"""Pace of a film: slow around events, quick between them."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
 
 
 def _camera(shown: Film) -> dict[str, object]:
-    """Where the camera stands and looks (x, y, z) [m]: at all that moves."""
+    """Position and target of the camera (x, y, z) [m], for a view of all moving parts."""
     target, position = camera(
         shown.solution.mechanism, shown.position.reshape(-1, 2), _NEAR, _SHIFT
     )

@@ -1,4 +1,4 @@
-"""What the page says beside the picture: numbers of every frame, phases and collisions."""
+"""Numbers of every frame, phases and collisions, as text beside the picture."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def readings(film: Film) -> dict[str, object]:
 
 
 def collision_text(mechanism: Mechanism, hit: Collision) -> str:
-    """What is said of the last collision."""
+    """Text about the last collision."""
     unit = force_unit(mechanism, mechanism.stop(hit.stop))
     return f"last: collision {hit.number} ({hit.stop}): impulse {digits(hit.impulse)} {unit} s"
 
@@ -88,7 +88,7 @@ def _force(film: Film, stop: Stop) -> str:
 
 
 def note(film: Film) -> str:
-    """What the shapes are, and what of them is exaggerated."""
+    """Note about the origin of the shapes and about exaggerated motion."""
     source = ""
     if "estimate" in film.solution.mechanism.title:
         source = "these dimensions are estimates, not the maker's drawings; "
@@ -103,7 +103,7 @@ def note(film: Film) -> str:
 
 
 def _limit(film: Film) -> str:
-    """What an exaggerated gap is drawn up to, with its unit."""
+    """Largest exaggerated gap that is drawn, with its unit."""
     mechanism = film.solution.mechanism
     units = units_of(mechanism, mechanism.stop(mechanism.transition_stop).index)
     limit = units.coordinate_factor * drawn_limit(mechanism)

@@ -1,4 +1,4 @@
-"""What a mechanism is drawn with: the visuals of its URDF, or the best stand-in for them.
+"""Shapes of a mechanism: the visuals of its URDF, or substitutes for them.
 
 Two conventions tie visuals to what the URDF cannot say. A visual of the root link named
 ``cylinder_...`` turns with the cylinder, whose axis is the crank axis of an oscillating guide. A

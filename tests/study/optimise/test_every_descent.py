@@ -160,7 +160,7 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert near.rank == (near.violation, near.aim)
     assert sources
     with pytest.raises(InfeasibleError) as caught, work() as parts:
-        infeasible.mended(asking, by, [near], "first", parts)
+        infeasible.from_feasible_designs(asking, by, [near], "first", parts)
     one, two = caught.value.evidence["limits"]
     assert (one["limit"], two["limit"]) == ("duration_s >= 4", "duration_s <= 2")
     assert one["reached"] == two["reached"] == pytest.approx(3.0, abs=1e-5)
@@ -174,7 +174,9 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert f"the nearest (one = {numbers['one']:.6g}, two = " in caught.value.message
     wide = problem(Limit(quantity=TIME, side="low", value=3.0))
     with work() as parts:
-        (again,) = infeasible.mended(wide, Scales(2.0, (0.5,)), [near], "first", parts)
+        (again,) = infeasible.from_feasible_designs(
+            wide, Scales(2.0, (0.5,)), [near], "first", parts
+        )
     assert again.feasible
     assert again.aim == pytest.approx(4.25, abs=1e-4)
 
@@ -188,7 +190,7 @@ def test_the_front_of_two_aims() -> None:
     aims = (Aim(quantity=AIM, sense=1.0), Aim(quantity=TIME, sense=-1.0))
     asking, by = problem(aims=aims), (Scales(2.0, ()), Scales(1.0, ()))
     one, two = (
-        descend.descend(asking.asking(aim).text(), Scales(1.0, ()), (0.4, 0.3)) for aim in aims
+        descend.descend(asking.with_aim(aim).text(), Scales(1.0, ()), (0.4, 0.3)) for aim in aims
     )
     with work() as parts:
         places, descents = front.front(asking, by, (one, two), 5, parts)

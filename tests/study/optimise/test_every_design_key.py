@@ -88,7 +88,7 @@ def test_the_file_of_a_design(tmp_path: Path, e62: Mechanism) -> None:
     assert (plain.title, plain.model, plain.speed_rpm) == (e62.title, "e62", 450.0)
     assert (plain.rest_rate, plain.tolerance, plain.limits, plain.changes) == (None, 1e-10, (), {})
     assert plain.speed(plain.start) == 450.0
-    asked = plain.asking(found.aims[1], *found.limits[:1])
+    asked = plain.with_aim(found.aims[1], *found.limits[:1])
     assert (asked.aims, asked.limits) == (found.aims[1:], found.limits[:1])
 
 

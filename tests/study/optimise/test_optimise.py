@@ -245,7 +245,7 @@ def test_global_check_finds_what_descents_miss(
 
     def stay(text: bytes, scales: Any, start: tuple[float, ...]) -> Any:
         calls.append(start)
-        trace = Trace(Evaluator(found.asking(found.aims[0])), scales)
+        trace = Trace(Evaluator(found.with_aim(found.aims[0])), scales)
         point = trace.at(np.array(start))
         return replace(
             whole(text, scales, start), z=start, aim=trace.aim(point), violation=0.0

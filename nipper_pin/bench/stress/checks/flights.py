@@ -50,7 +50,7 @@ def _beside(
     longest: float,
     state: tuple[float, FloatArray, FloatArray, FloatArray],
 ) -> FloatArray:
-    """How far told accelerations are off by more than round-off explains, shape (nv,)."""
+    """Error of the stored accelerations in excess of round-off, shape (nv,)."""
     t, q, v, told = state
     there = equations.accelerations(t, q, v, closed)
     unsure = equations.round_off(t, q, v, closed)
@@ -73,6 +73,6 @@ def _beside(
 
 
 def _moved(solution: Solution, panel: Panel) -> FloatArray:
-    """How far each coordinate is moved on a panel, shape (nv,): what its tolerance refers to."""
+    """Largest change of each coordinate on a panel, shape (nv,), to which the tolerance refers."""
     size = np.abs(panel.h * panel.v[0]) + panel.h**2 * np.abs(panel.a).max(axis=0)
     return np.asarray(size + EPS * solution.system.body.reach_m)

@@ -145,7 +145,7 @@ def box_parts(
 
 
 def open_at(stops: list[Struck]) -> int | None:
-    """Where in ``ANGLES`` all stops stand furthest open; None if nowhere well.
+    """Place in ``ANGLES`` at which the smallest gap is largest; None if it is too small everywhere.
 
     Args:
         stops: The stops.

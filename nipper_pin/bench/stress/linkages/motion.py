@@ -1,4 +1,4 @@
-"""Where the points of a growing linkage are over a turn of its crank, dyad by dyad, in closed form.
+"""Points of a growing linkage over a turn of its crank, dyad by dyad, in closed form.
 
 A dyad is two links and three joints that two links more are joined by: each letter is a pin (R) or
 a slide (P). It adds no freedom, so a crank and any dyads move as the crank says.
@@ -58,7 +58,7 @@ class Rod:
 
 @dataclass(frozen=True)
 class Output:
-    """What a dyad moves against the frame or the link that it stands on.
+    """Motion of a dyad relative to the frame or the link that carries it.
 
     Attributes:
         joint: Name of the joint.
@@ -162,7 +162,7 @@ def crossing(
     way_second: FloatArray,
     least: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """How far two lines go to where they cross, each of shape (angles,) [mm].
+    """Distances along two lines to their intersection, each of shape (angles,) [mm].
 
     Args:
         first: A point of the first line, shape (angles, 2) [mm].

@@ -1,4 +1,4 @@
-"""What the families of a stress campaign draw their numbers with."""
+"""Random numbers for the families of a stress campaign."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def _gravity(rng: Generator) -> float:
 
 
 def _two_stops(rng: Generator) -> Draft:
-    """One body, or two, that rattle between stops from a metre to a nanometre apart."""
+    """One or two bodies between two stops, with clearances from one metre to one nanometre."""
     machine = Chain()
     machine.add_base(rng, str(rng.choice(_BASES[1:])))
     for _ in range(int(rng.integers(1, 3))):

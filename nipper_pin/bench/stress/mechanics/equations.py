@@ -75,7 +75,7 @@ class Equations:
         return [place for place in range(self.nv) if place not in given]
 
     def opened(self, q: FloatArray, closed: frozenset[str]) -> FloatArray:
-        """How far coordinates may be off where closures are met to round-off, shape (nv,)."""
+        """Errors of coordinates for closure gaps of round-off size, shape (nv,)."""
         gaps, jacobian = self.tree.closures(q)
         loose = self.loose(closed)
         off = np.zeros(self.nv)
@@ -107,7 +107,7 @@ class Equations:
         return float(np.linalg.cond(matrix / size / size[:, None]))
 
     def sizes(self, q: FloatArray) -> FloatArray:
-        """What coordinates are sums of, with signs that alternate, shape (nv,).
+        """Sums of the terms of the coordinates with alternating signs, shape (nv,).
 
         The length of a strut is a difference of places, which have the round-off of the reach.
         """
@@ -130,7 +130,7 @@ class Equations:
     def round_off(
         self, t: float, q: FloatArray, v: FloatArray, closed: frozenset[str]
     ) -> FloatArray:
-        """What round-off of the equations makes of accelerations; arguments as there."""
+        """Errors of the accelerations by round-off in the equations; arguments as there."""
         found = self._solve(t, q, v, closed)
         count, loose = len(found.loose), found.loose
         forces, opened = self._sizes.of(q, v, found.a)

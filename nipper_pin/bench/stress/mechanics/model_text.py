@@ -42,7 +42,7 @@ class _Mass:
 
 @dataclass(frozen=True)
 class Inertias:
-    """What masses and places make of a configuration.
+    """Mass properties of a configuration, from masses and places.
 
     Attributes:
         mass_matrix: M, shape (nv, nv).

@@ -1,4 +1,4 @@
-"""What keeps a limit of bounces from being taken: knots of drives, and other stops on the way."""
+"""Conditions under which the limit of a bounce series is not taken."""
 
 from __future__ import annotations
 

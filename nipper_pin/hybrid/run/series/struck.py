@@ -1,4 +1,4 @@
-"""A collision as the rules of series see it, and what a rule makes of it."""
+"""A collision as it is passed to the rules of series, and their result."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ _SIGMAS = dict(
 
 
 def excesses(limits: Limits, cycle: WorkingCycle) -> FloatArray:
-    """How far a working cycle is outside its limits, in sigmas, in the order of :data:`LIMITS`.
+    """Excess of a working cycle over its limits, in sigmas, in the order of :data:`LIMITS`.
 
     Args:
         limits: The limits.

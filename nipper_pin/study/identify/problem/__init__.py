@@ -1,1 +1,1 @@
-"""What is to be identified: free numbers, targets and limits, from their files."""
+"""Identification problems: free numbers, targets and limits, from their files."""

@@ -95,7 +95,7 @@ class Transitions:
 
     @property
     def why(self) -> str:
-        """Why the reduced engine is taken, or not."""
+        """Reason for the choice of the engine."""
         return self._sampled()[1]
 
     def at(self, mechanism: Mechanism, speed_rpm: float) -> Bounces:

@@ -1,1 +1,1 @@
-"""What is to be optimised: free numbers, aims, limits and quantities, from their files."""
+"""Design problems: free numbers, aims, limits and quantities, from their files."""

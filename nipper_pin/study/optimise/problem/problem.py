@@ -154,8 +154,8 @@ class Problem:
         """
         return self.numbers(z).get(SPEED, self.speed_rpm)
 
-    def asking(self, aim: Aim, *limits: Limit) -> Problem:
-        """The same with one aim and more limits.
+    def with_aim(self, aim: Aim, *limits: Limit) -> Problem:
+        """Return the problem with one aim and more limits.
 
         Args:
             aim: The only aim.

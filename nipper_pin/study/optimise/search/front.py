@@ -76,7 +76,7 @@ def _held(
     side: Literal["low", "high"] = "high" if two.sense > 0.0 else "low"
     limit = Limit(quantity=two.quantity, side=side, value=two.sense * held)
     scales = Scales(by[0].aim, (*by[0].limits, by[1].aim))
-    return problem.asking(one, limit).text(), scales
+    return problem.with_aim(one, limit).text(), scales
 
 
 def _second(source: Evaluator, item: Descent) -> float:

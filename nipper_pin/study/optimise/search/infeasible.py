@@ -16,7 +16,7 @@ from .descend import Descent, descend, restore
 from .trace import FEASIBLE, Scales
 
 
-def mended(
+def from_feasible_designs(
     problem: Problem, by: Scales, tried: Sequence[Descent], name: str, work: Work
 ) -> list[Descent]:
     """Descents from designs that meet all limits, found by making violations small alone.

@@ -10,7 +10,7 @@ from ....errors import SimulationError
 from ..problem.problem import Aim, Problem
 from ..work import Work
 from .descend import Descent, descend
-from .infeasible import mended
+from .infeasible import from_feasible_designs
 from .samples import SHARE, Found, Seen, begins, evolve, look, samples, scales
 from .trace import Scales
 
@@ -67,18 +67,18 @@ class Search:
 
     def descents(self, aim: Aim, name: str, *more: tuple[float, ...]) -> tuple[Descent, ...]:
         """Descents from all starts, the best first; the limits are met by that one at least."""
-        problem, by = self.problem.asking(aim), self.scales(aim)
+        problem, by = self.problem.with_aim(aim), self.scales(aim)
         text = problem.text()
         places = (*begins(self.seen, aim, by, self.starts), *more)
         tasks = {f"{name}_{k}": partial(descend, text, by, z) for k, z in enumerate(places)}
         found = self.work.all(Descent, tasks)
         if not any(item.feasible for item in found):
-            found += mended(problem, by, found, name, self.work)
+            found += from_feasible_designs(problem, by, found, name, self.work)
         return tuple(sorted(found, key=lambda item: item.rank))
 
     def check(self, aim: Aim) -> tuple[Found, Descent | None]:
         """Differential evolution, and the descent from what it found."""
-        problem, by = self.problem.asking(aim), self.scales(aim)
+        problem, by = self.problem.with_aim(aim), self.scales(aim)
         text = problem.text()
         found = self.work.one(
             Found, "check", partial(evolve, text, by, self.seed, self.work.mapper)

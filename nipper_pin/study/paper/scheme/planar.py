@@ -67,7 +67,7 @@ class Planar(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """What the drives prescribe at one time; the suffixes v and a are derivatives by time."""
+    """Prescribed motion at one time; the suffixes v and a denote derivatives by time."""
 
     u2: complex
     w2: float

@@ -1,4 +1,4 @@
-"""What a sweep leaves on disk: its folder, the files in it, and what they say together."""
+"""Results of a sweep on disk: its folder, its files, and their summary."""
 
 from .store import Store, need_pyarrow
 from .table import SweepTable, read_sweep

@@ -98,7 +98,7 @@ def check(table: pa.Table, name: str, start: int, stop: int, plan: str) -> None:
 
 
 def about(table: pa.Table) -> dict[str, Any]:
-    """What a chunk says of its rows."""
+    """Metadata of a chunk: its rows and their plan."""
     found: dict[str, Any] = json.loads(table.schema.metadata[_ABOUT.encode()])
     return found
 
@@ -126,7 +126,7 @@ def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
 
 
 def _place(content: bytes) -> int:
-    """Where the checksum stands: behind the last mark, since all other metadata come before."""
+    """Position of the checksum: after the last mark, since all other metadata precede it."""
     return content.rfind(_MARK) + len(_MARK)
 
 

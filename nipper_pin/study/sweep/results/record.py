@@ -17,7 +17,7 @@ _NOT_COMPARED = ("format", "hash", "identity", "title", "study", "scenarios", "m
 
 
 def plan_record(plan: Plan) -> dict[str, Any]:
-    """What the folder says of its plan."""
+    """Record of the plan of a sweep in its folder."""
     job, samples = plan.job, plan.samples
     return {
         "format": _FORMAT,

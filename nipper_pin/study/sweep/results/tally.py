@@ -1,4 +1,4 @@
-"""What the rows of a sweep say together: engines, outcomes, and the reasons."""
+"""Counts over the rows of a sweep: engines, outcomes, and their reasons."""
 
 from __future__ import annotations
 
