@@ -443,7 +443,7 @@ def test_screens_without_a_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_check_that_finds_no_feasible_design(monkeypatch: pytest.MonkeyPatch) -> None:
     """Only what meets the limits is polished."""
     monkeypatch.setattr(searches.Search, "scales", lambda *_: "scales")
-    asked = SimpleNamespace(asking=lambda _: SimpleNamespace(text=lambda: b"text"))
+    asked = SimpleNamespace(with_aim=lambda _: SimpleNamespace(text=lambda: b"text"))
     for feasible in (False, True):
         found = SimpleNamespace(feasible=feasible, z=(0.5,))
         done: list[str] = []
