@@ -15,6 +15,10 @@ def test_code_that_is_older_than_any_source_of_its_room_is_forgotten(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of the file in question alone; what is as old as the newest source stays."""
+    old = tmp_path / "tolerances.py"
+    old.touch()
+    os.utime(old, (100, 100))
+    monkeypatch.setattr(compiled, "_TOLERANCES", old)
     room, cache = tmp_path / "room", tmp_path / "cache"
     room.mkdir()
     cache.mkdir()
@@ -34,6 +38,25 @@ def test_code_that_is_older_than_any_source_of_its_room_is_forgotten(
     assert {path.name for path in cache.iterdir()} == {
         name for name, (_, stays) in kept.items() if stays
     }
+
+
+@pytest.mark.parametrize(("changed", "stays"), [(150, False), (100, True)])
+def test_code_that_is_older_than_the_tolerances_is_forgotten(
+    changed: int, stays: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their values are compiled into it, and they are no file of its room."""
+    assert compiled._TOLERANCES.name == "tolerances.py"
+    assert compiled._TOLERANCES.is_file()
+    source, kept = tmp_path / "room/a.py", tmp_path / "cache/a.f-3.py312.nbi"
+    constants = tmp_path / "tolerances.py"
+    for file, time in ((source, 100), (kept, 100), (constants, changed)):
+        file.parent.mkdir(exist_ok=True)
+        file.touch()
+        os.utime(file, (time, time))
+    monkeypatch.setattr(compiled, "_folders", {kept.parent})
+    monkeypatch.setattr(compiled, "_TOLERANCES", constants)
+    compiled.forget_stale(str(source))
+    assert kept.exists() is stays
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from typing import TypeVar, cast
 
 import numba
 
+from ... import tolerances
+
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
@@ -25,20 +27,23 @@ def compiled(function: _Function) -> _Function:
 
 
 _folders: set[Path] = set()
+# Compiled functions hold the values of its constants.
+_TOLERANCES = Path(tolerances.__file__)
 
 
 def forget_stale(file: str) -> None:
-    """Remove cached machine code that is older than a source file of this package folder.
+    """Remove cached machine code that is older than a file of this folder or the tolerances.
 
-    The cache of numba compares only the file of a function, not the files of the functions that are
-    compiled into it.
+    The cache of numba compares only the file of a function, not the files of the functions and
+    constants that are compiled into it.
 
     Args:
         file: The source file whose code includes that of others.
     """
     source = Path(file)
     with suppress(OSError):
-        newest = max(other.stat().st_mtime_ns for other in source.parent.glob("*.py"))
+        sources = (*source.parent.glob("*.py"), _TOLERANCES)
+        newest = max(other.stat().st_mtime_ns for other in sources)
         for folder in _folders:
             for kept in folder.glob(f"{source.stem}.*.nb[ic]"):
                 if kept.stat().st_mtime_ns < newest:
