@@ -1,4 +1,4 @@
-"""Tolerances of models, dynamics and motion stand in one module, each with a unit and a reason."""
+"""Tolerances stand in one module, each with a unit and a reason."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "nipper_pin"
-ROOMS = ("mechanism", "dynamics", "hybrid")
+ROOMS = ("mechanism", "dynamics", "hybrid", "reduced")
 
 
 def small(value: ast.expr) -> bool:

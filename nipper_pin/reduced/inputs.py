@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError
+from ..tolerances import COARSEST_TOLERANCE, FINEST_TOLERANCE
 
 
 def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:
@@ -22,7 +23,7 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
     Raises:
         InputError: One of them is out of range.
     """
-    if not 1e-13 <= tolerance <= 1e-3 or max_collisions < 1:
+    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE or max_collisions < 1:
         message = "tolerance must lie in 1e-13 to 1e-3, and max_collisions be at least 1"
         raise InputError(message, tolerance=tolerance, max_collisions=max_collisions)
     if rest_rate is not None and not (math.isfinite(rest_rate) and rest_rate > 0.0):

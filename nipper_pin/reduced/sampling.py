@@ -15,6 +15,7 @@ from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
+from ..tolerances import ARRIVAL_TABLES, COARSEST_TOLERANCE, FINEST_TOLERANCE, NO_ACCELERATION
 from .model import (
     BY_GRAVITY,
     BY_RATE,
@@ -35,12 +36,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
-# Relative accuracy of the tables of a turn: a rest removes most of their effect.
-_ARRIVING = 1e-10
 # Travel of a domain where no opening is known, and the longest [rad].
 _USUAL, _LONGEST = math.radians(95.0), math.radians(150.0)
-# Accelerations at touch below this are zero: dividing by them would overflow.
-_NOTHING = 1e-290
 
 
 def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str | None:
@@ -169,7 +166,8 @@ def _check_arguments(
         raise InputError(message, model=mechanism.name, drive=str(drive))
     if travel_rad is not None:
         _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
-    _check(1e-13 <= tolerance <= 1e-3, "tolerance", tolerance, "1e-13 to 1e-3")
+    allowed = FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE
+    _check(allowed, "tolerance", tolerance, "1e-13 to 1e-3")
     if gap_max is not None:
         _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
 
@@ -221,7 +219,7 @@ def _arrival(
     others = tuple(item.index for item in mechanism.stops if item.name not in between)
     n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
     throw = float(n[0, stop.index])
-    tolerance = max(tolerance, _ARRIVING)
+    tolerance = max(tolerance, ARRIVAL_TABLES)
     try:
         of_stop = Sampler(system, _split(system, stop.index, name), stop.index, others)
         closed = frozenset({name})
@@ -291,7 +289,7 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
     gap = 0.0 if a >= 0.0 else _ROOM * 0.5 * w**2 / -a
     size = float(np.abs(terms).sum())
     # Without acceleration at touch the scale is arbitrary.
-    weights = np.abs(weights) / (size if size > _NOTHING else 1.0)
+    weights = np.abs(weights) / (size if size > NO_ACCELERATION else 1.0)
     # A spring that is slack in the file may be preloaded in a case.
     for place in range(BY_SPRINGS, len(weights), 2):
         unit = abs(float(touch.equation[place, 0]))

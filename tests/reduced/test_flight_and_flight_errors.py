@@ -18,7 +18,6 @@ from nipper_pin.reduced.kernels.layout import (
     BY_U,
     BY_V,
     BY_X,
-    EPS,
     LEFT_GAP,
     LEFT_TRAVEL,
     OTHER_STOP,
@@ -26,6 +25,7 @@ from nipper_pin.reduced.kernels.layout import (
     UNRESOLVED,
     Tables,
 )
+from nipper_pin.tolerances import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 

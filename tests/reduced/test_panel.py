@@ -17,7 +17,6 @@ from nipper_pin.reduced.kernels import arrival_check, panel
 from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import (
     DOUBLE,
-    EPS,
     INTEGRAL,
     LEVELS,
     NODE_A,
@@ -33,6 +32,7 @@ from nipper_pin.reduced.kernels.layout import (
     TWICE,
     VALUE,
 )
+from nipper_pin.tolerances import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -11,6 +11,15 @@ from math import exp
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances import (
+    BEFORE_TOUCH,
+    EPS,
+    FLIGHT_UNRESOLVED,
+    FORCE_SIGN,
+    LATE_REST_SAFETY,
+    PHASE_TOLERANCE,
+    STEADY_DECELERATION,
+)
 from .compiled import compiled, forget_stale
 from .flight import flight
 from .flight_errors import drift, flight_errors, size, sizes_of
@@ -19,7 +28,6 @@ from .layout import (
     BY_U,
     BY_V,
     BY_X,
-    EPS,
     FAILS,
     HIGH,
     HOLDS,
@@ -36,14 +44,7 @@ from .layout import (
 )
 from .panel import acceleration, chebyshev, contract, mix
 
-# Relative accuracy where only the phase is decided.
-_DECIDED = 1e-6
 _MOST_FLIGHTS = 64
-# Safety factor on the duration of a bounce series at constant deceleration, and the largest
-# relative change of the deceleration for which it is used.
-_LATER, _STEADY = 2.0, 0.25
-# A rest lies before the touch, or a force beside zero, by this part of a turn [rad] or of its size.
-_BEFORE, _BESIDE = 1e-5, 1e-9
 _PLACES = 24
 _ROOT_STEPS = 60
 
@@ -73,7 +74,7 @@ def released(line: FloatArray, cells: int, count: int, length: float, begin: flo
     scale = 0.0
     for cell in range(cells):
         scale = max(scale, abs(line[cell, 0]))
-    beside = _BESIDE * scale
+    beside = FORCE_SIGN * scale
     older = old = -np.inf
     for cell in range(min(max(int(begin / width), 0), cells - 1), cells):
         left, right = max(begin, cell * width), min(end, (cell + 1) * width)
@@ -194,22 +195,23 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
                 resting = w < rest_rate and still < 0.0
             elif a < 0.0 and still < 0.0 and e_N < 1.0:
                 ahead = -2.0 * w / (a * (1.0 - e_N))
-                over = u + _LATER * speed * ahead
-                if over < touch - _BEFORE and drift(work.sizes, speed, w, a, ahead) < _STEADY:
+                over = u + LATE_REST_SAFETY * speed * ahead
+                steady = drift(work.sizes, speed, w, a, ahead) < STEADY_DECELERATION
+                if over < touch - BEFORE_TOUCH and steady:
                     next_one = released(work.line, cells, count, touch, u, touch)
                     if next_one < 0.0:
                         return UNKNOWN, 0.0, 0.0
                     resting = next_one > over
         if resting:
             u = released(work.line, cells, count, touch, u, touch)
-            if u < 0.0 or abs(u - touch) < _BEFORE:
+            if u < 0.0 or abs(u - touch) < BEFORE_TOUCH:
                 return UNKNOWN, 0.0, 0.0
             if u > touch:
                 return HOLDS, 0.0, 0.0
             w = 0.0
             u_free, w_free = u, w
         ended, T, v, _, _, _, _, _, _ = flight(
-            grids, case, mixed, poly, nodes, degree, u, 0.0, w, _DECIDED, at_opening
+            grids, case, mixed, poly, nodes, degree, u, 0.0, w, PHASE_TOLERANCE, at_opening
         )
         at_opening = False
         if int(ended) == LEFT_TRAVEL:
@@ -217,7 +219,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
         if int(ended) != AT_REST:
             return UNKNOWN, 0.0, 0.0
         u += speed * T
-        if u > touch - _BEFORE:
+        if u > touch - BEFORE_TOUCH:
             return UNKNOWN, 0.0, 0.0
         w = -e_N * v
     return UNKNOWN, 0.0, 0.0
@@ -249,7 +251,7 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
             K = exp(_felt(sizes, fastest, T))
             dy = K * (dw * T + 0.5 * steady * T * T) + fastest * dt + 4.0 * EPS * abs(found)
             dv = K * (dw + steady * T) + abs(a) * dt + 4.0 * EPS * fastest
-            if not dy < 1e-3 * found:
+            if not dy < FLIGHT_UNRESOLVED * found:
                 return failed
             place = case[SCALE] * (found - case[LOW]) - 1.0
             size_of = turn.touch.shape[1]

@@ -7,10 +7,10 @@ from math import sqrt
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from .compiled import compiled, forget_stale
 from .layout import (
     AT_REST,
-    EPS,
     HIGH,
     LEFT_GAP,
     LEFT_TRAVEL,
@@ -40,8 +40,6 @@ from .panel import (
 
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
-# A Newton step below this leaves an error of about its square.
-_NEWTON = 1e-8
 
 
 @compiled
@@ -64,10 +62,10 @@ def _zero(nodes: FloatArray, count: int, h: float, x0: float, v0: float, low: fl
         step = abs(f / slope)
         new = sigma - f / slope
         if not (low <= new <= high):
-            if step <= 64.0 * EPS * sigma:
+            if step <= ZERO_RESOLUTION * sigma:
                 return sigma
             new = 0.5 * (low + high)
-        elif step <= _NEWTON * sigma:
+        elif step <= NEWTON_STEP * sigma:
             return new
         sigma = new
     return sigma
@@ -127,7 +125,7 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
             new = 0.5 * (low + high)
         step = abs(new - peak)
         peak = new
-        if step <= _NEWTON:
+        if step <= NEWTON_STEP:
             break
     return max(best, position(nodes, count, h, x0, v0, peak)), peak
 
@@ -183,7 +181,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
-        if longest <= 1e-12 * travel / speed:
+        if longest <= TRAVEL_END * travel / speed:
             return LEFT_TRAVEL, t, v, x, peak_time, a, fastest, changed, left
         contract(mixed, poly, poly.shape[0] - 1, travel, u)
         a0 = acceleration(case, poly, degree, x, v)

@@ -30,8 +30,9 @@ from __future__ import annotations
 from math import exp
 
 from ...arrays import FloatArray
+from ...tolerances import EPS
 from .compiled import compiled, forget_stale
-from .layout import BY_U, BY_V, BY_X, EPS, RESIDUAL, Tables
+from .layout import BY_U, BY_V, BY_X, RESIDUAL, Tables
 
 # A change of x'' enters the time of a bounce once and the next rate twice.
 _FELT = 3.0

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...tolerances import ARRIVAL_SHARE, EPS, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled, forget_stale
 from .flight import flight
@@ -21,7 +22,6 @@ from .layout import (
     CASE_NUMBERS,
     COLUMNS,
     ENERGY,
-    EPS,
     FAILS,
     IMPULSE,
     IMPULSE_ERROR,
@@ -46,11 +46,6 @@ from .layout import (
 from .panel import acceleration, chebyshev, contract
 
 _POINTS = 8
-# What the last extrapolations differ by may be less than the error of the better one: by up to 10
-# in one of 20000 random cases, near the speed at which the stop is no longer pressed shut.
-_SAFETY = 16.0
-# The long flight before the touch is followed with this part of the tolerance.
-_FINER = 1e-2
 
 
 @compiled
@@ -158,7 +153,7 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
         if found:
             rest = t + ahead
             # What is ahead is proportional to the rate that it starts with.
-            rest_error = dt + _SAFETY * uncertain + abs(ahead) * (dw / w)
+            rest_error = dt + LIMIT_ERROR_SAFETY * uncertain + abs(ahead) * (dw / w)
         ended, T, v, top, peak, a, fastest, changed, left = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance,
             n == 0 and start.travel == 0.0,
@@ -227,7 +222,7 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
            ) -> tuple[bool, Start]:  # fmt: skip
     """First collision of a machine that arrives in flight."""
     none = Start(0.0, 0.0, 0.0, 0.0)
-    finer = max(_FINER * tolerance, 1e-13)
+    finer = max(ARRIVAL_SHARE * tolerance, FINEST_TOLERANCE)
     known, x, rate, dx, dv = in_flight(grids, y, turn, waiting, speed, u, w, rest_rate, finer)
     if not known or not 0.0 < x < tables.high:
         return False, none

@@ -15,7 +15,6 @@ AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, U
 ) = range(13)  # fmt: skip
 COLUMNS = 13
 LEVELS = (4, 7, 13, 25)
-EPS = 2.220446049250313e-16
 
 # Operators on nodal values: integrals at nodes (ONCE, TWICE) and probes, Chebyshev coefficients
 # (VALUE, INTEGRAL, DOUBLE); REFINE from the coarser grid; SIGMA holds the nodes, then the probes.

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances import COARSE_SWEEP, DEFECT_EFFECT, EPS, ITERATION_FLOOR
 from .compiled import compiled
 from .layout import (
     DOUBLE,
-    EPS,
     INTEGRAL,
     LEVELS,
     LOW,
@@ -40,9 +40,6 @@ from .layout import (
 
 # Panels end this much beyond the zero of x that is expected.
 OVERSHOOT = 1.01
-# A defect d of x'' between n nodes acts on end and peak at most as a constant error of 7.9 d / n^2,
-# computed for the first missing polynomials with decays of 0.1 to 0.8; times 1.5 for other decays.
-_MISSING = 12.0
 
 
 @compiled
@@ -214,7 +211,7 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
             break
         for _ in range(3):
             change = _sweep(grids, case, poly, nodes, degree, 0, h, x0, v0)
-            if change <= 1e-4 * abs(a0):
+            if change <= COARSE_SWEEP * abs(a0):
                 break
         _positions(grids, nodes, 0, h, x0, v0)
         end_x, end_v = nodes[NODE_X, LEVELS[0] - 1], nodes[NODE_V, LEVELS[0] - 1]
@@ -248,12 +245,12 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
                 converged = True
                 break
             if sweep > 4 and change > 0.5 * previous:
-                converged = change <= 1e3 * EPS * scale
+                converged = change <= ITERATION_FLOOR * scale
                 break
         if not converged:
             continue
         left = _defect(grids, case, mixed, poly, nodes, degree, level, u, h, x0, v0)
-        left *= _MISSING / (count * count)
+        left *= DEFECT_EFFECT / (count * count)
         if left <= tolerance * scale:
             _positions(grids, nodes, level, h, x0, v0)
             return level, h, change, left + 8.0 * EPS * scale

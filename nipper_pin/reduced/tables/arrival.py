@@ -19,6 +19,7 @@ from ...dynamics.system import System
 from ...errors import SimulationError
 from ...hybrid.error_estimate.linear_maps import of_rates
 from ...mechanism import Mechanism, Stop
+from ...tolerances import EPS, TABLE_ERROR_SAFETY
 from ..kernels.layout import Tables, Turn
 from . import series2d
 from .functions import Sampler
@@ -32,8 +33,6 @@ _ROOT_STEPS = 40
 # Nodes of functions of one variable; cells as in tables of two.
 _NODES, _TOUCH_NODES, _NODES_Y = 16, 24, 8
 _CHECKS = 16
-_SAFETY = 2.0
-_EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,7 +200,7 @@ def _root(sampler: Sampler, stop: Stop, low: float, high: float, q: FloatArray) 
         new = travel - gap / rate if rate < 0.0 else math.nan
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - travel) <= 4.0 * _EPS * travel or gap == 0.0:
+        if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
             break
         travel = new
     return Opening(travel, row)
@@ -226,7 +225,8 @@ def _clamping(sampler: Sampler, opening: float) -> tuple[FloatArray, FloatArray]
     values = sampler.at(u, zero, q).equation.reshape(-1, cells, _NODES, 1)
     series = series2d.fit(values)[..., 0]
     tail = np.abs(series[:, :, -2:]).sum(axis=2).max(axis=1)
-    return np.ascontiguousarray(series), _SAFETY * tail + 4.0 * _EPS * np.abs(values).max((1, 2, 3))
+    round_off = 4.0 * EPS * np.abs(values).max((1, 2, 3))
+    return np.ascontiguousarray(series), TABLE_ERROR_SAFETY * tail + round_off
 
 
 def _touch(sampler: Sampler, mechanism: Mechanism, domain: Domain) -> tuple[FloatArray, FloatArray]:
@@ -243,4 +243,4 @@ def _touch(sampler: Sampler, mechanism: Mechanism, domain: Domain) -> tuple[Floa
     true = values(between)
     found = np.array([np.polynomial.chebyshev.chebval(between, row) for row in series])
     error = np.abs(found - true).max(axis=1)
-    return series, _SAFETY * error + 4.0 * _EPS * np.abs(true).max(axis=1)
+    return series, TABLE_ERROR_SAFETY * error + 4.0 * EPS * np.abs(true).max(axis=1)

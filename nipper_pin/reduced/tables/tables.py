@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
+from ...tolerances import EPS, REFINEMENT_GAIN, TABLE_ERROR_SAFETY
 from . import series2d
 from .functions import Sampler
 
@@ -16,11 +17,7 @@ CELL_RAD = 0.5
 _COUNT_U = 16
 _MOST_CELLS = 64
 _MOST_X = 40
-# A refinement that reduces the tail by less than this has reached the round-off of the samples.
-_GAIN = 0.1
 _CHECKS = 96
-# Safety factor for the largest residual, which random points miss.
-_SAFETY = 2.0
 
 
 @dataclass(frozen=True)
@@ -97,8 +94,8 @@ def resolved(
         tables = _sampled(sampler, domain, cells, count_x)
         sampled += cells * _COUNT_U * count_x
         by_u, by_x = series2d.tails(tables.equation, weights)
-        floor_u = refined[0] and by_u > _GAIN * before[0]
-        floor_x = refined[1] and by_x > _GAIN * before[1]
+        floor_u = refined[0] and by_u > REFINEMENT_GAIN * before[0]
+        floor_x = refined[1] and by_x > REFINEMENT_GAIN * before[1]
         refine = (by_u > tolerance and not floor_u, by_x > tolerance and not floor_x)
         if not any(refine):
             # Half of the digits at least, where round-off of the samples keeps the others.
@@ -165,9 +162,9 @@ def residuals(
         found = series2d.evaluate(inertia[None, number, :, None], place[chosen], place[chosen])
         relative = np.abs(found[0] / at_rest.inertia[chosen] - 1.0).max()
         inertia_error = max(inertia_error, float(relative))
-    floor = 4.0 * float(np.finfo(float).eps)
+    floor = 4.0 * EPS
     scale = np.abs(true.equation).max(axis=1)
-    return _SAFETY * error + floor * scale, _SAFETY * inertia_error + floor
+    return TABLE_ERROR_SAFETY * error + floor * scale, TABLE_ERROR_SAFETY * inertia_error + floor
 
 
 def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tables:

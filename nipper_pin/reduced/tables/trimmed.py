@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances import TRIMMED_SHARE
 from . import series2d
 from .functions import Sampler
 from .tables import Domain, Tables, residuals
-
-# Share of the tolerance for coefficients that are left out.
-_SHARE = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +50,7 @@ def trimmed(
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Relative accuracy of the tables.
     """
-    count_u, count_x = series2d.needed(tables.equation, weights, _SHARE * tolerance)
+    count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)
     equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
     inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
     residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
