@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..tolerances import NO_EFFECT
 from ..units import MRAD_PER_RAD, MS_PER_S
 from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
 
@@ -25,7 +26,6 @@ _WORDS = {
 }
 _SAID = ("first bounce", "transition", "clamping force")
 _FEW = 3
-_NOTHING = 1e-6
 _GAIN = 10.0
 # Larger changes than these are no longer small, and the sentences would not hold.
 _SMALL = {"mm": 5.0, "deg": 5.0, "%": 20.0}
@@ -116,7 +116,7 @@ def _doubtful(found: Sensitivities) -> Iterator[str]:
 
 
 def _without_effect(found: Sensitivities) -> Iterator[str]:
-    still = [row.path for row in found.rows if np.abs(row.per).max() < _NOTHING]
+    still = [row.path for row in found.rows if np.abs(row.per).max() < NO_EFFECT]
     if still:
         links = sorted({path.split(".")[1] for path in still if path.startswith("links.")})
         others = [label(path) for path in still if not path.startswith("links.")]
@@ -134,7 +134,7 @@ def _strongest(
         if row.unit == unit
         and row.path != SPEED
         and not row.doubtful
-        and abs(row.per[place]) >= _NOTHING
+        and abs(row.per[place]) >= NO_EFFECT
     ][:_FEW]
     if not rows:
         return ()

@@ -13,9 +13,8 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..hybrid.result.solution import Solution
 from ..mechanism import Mechanism, collision_model
+from ..tolerances import OVERLAP_M
 
-# Lips in contact meet to the tolerance of the distance computation, not to zero.
-_TOUCH_M = 1e-6
 # Pairs further apart than this are clear, whatever their exact distance.
 _FAR_M = 0.02
 
@@ -45,7 +44,7 @@ class Clearance:
     @property
     def interferes(self) -> bool:
         """True if the links overlap."""
-        return self.distance_m < -_TOUCH_M
+        return self.distance_m < -OVERLAP_M
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from ..hybrid.case import Case, Window
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
+from ..tolerances import DOUBTFUL, SMALL_EFFECT, STUDY_TOLERANCE
 from .identify.problem.geometry import Sources, layout
 from .identify.problem.parameters import read_values, with_values
 from .identify.problem.targets import Condition, transition_quantities
@@ -37,12 +38,7 @@ middle half of the closed phase."""
 SPEED = "speed_rpm"
 """The path of the cylinder speed, which is a setting and no number of the model."""
 
-DOUBTFUL = 1e-3
-"""Disagreement of the two ways, by the largest effect of a number, from which neither counts."""
 
-_TOLERANCE = 1e-12
-# Effects below this are compared with it instead [% per unit].
-_SMALL = 0.1
 _SAMPLES = 48
 # What the tables of the reduced engine cover, by what the transition needs.
 _ROOM = 1.5
@@ -89,7 +85,7 @@ class Sensitivity:
     @property
     def doubtful(self) -> bool:
         """Whether the two ways disagree by more than the truncation of either explains."""
-        largest = max(_SMALL, float(np.abs(self.per).max()))
+        largest = max(SMALL_EFFECT, float(np.abs(self.per).max()))
         return not self.disagreement <= DOUBTFUL * largest
 
 
@@ -265,7 +261,7 @@ def _row(
 
 def _direct(mechanism: Mechanism, speed_rpm: float, *, true: bool) -> FloatArray:
     """The quantities by the direct engine, of the turn or as assumed, and by kinematics."""
-    found = transition_quantities(mechanism, Condition(speed_rpm), _TOLERANCE, None, true=true)
+    found = transition_quantities(mechanism, Condition(speed_rpm), STUDY_TOLERANCE, None, true=true)
     force = working_cycle(mechanism, speed_rpm).clamping_force
     return np.array([found["rebound_amplitude_1"], found["duration_s"], force])
 

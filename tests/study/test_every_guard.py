@@ -26,11 +26,12 @@ from nipper_pin.reduced.kernels import layout
 from nipper_pin.study import identify, processes, sensitivity
 from nipper_pin.study.identify.problem import problem
 from nipper_pin.study.identify.problem import working_cycle as working
-from nipper_pin.study.sensitivity import DOUBTFUL, QUANTITIES, Sensitivities, Sensitivity
+from nipper_pin.study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
 from nipper_pin.study.sweep.study_file import read_study
 from nipper_pin.study.transitions import rows as rows_module
 from nipper_pin.study.transitions.rows import collision_rows
 from nipper_pin.study.true_transition import assumed_transition
+from nipper_pin.tolerances import DOUBTFUL
 
 KNOWN = (
     "TIME", "ANGLE", "APPROACH", "SEPARATION", "IMPULSE", "ENERGY", "TIME_ERROR", "RATE_ERROR",

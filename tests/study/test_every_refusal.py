@@ -44,6 +44,7 @@ from nipper_pin.study.sweep.results import store as store_module
 from nipper_pin.study.sweep.results.chunk_file import DamageError
 from nipper_pin.study.sweep.results.table import SweepTable
 from nipper_pin.study.sweep.study_file import read_study
+from nipper_pin.tolerances import FEASIBLE
 
 # Cases, costs, folders.
 
@@ -465,7 +466,7 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
                                "__str__": lambda self: f"{self.quantity} <= 1"})  # fmt: skip
     limits = tuple(Limit(name) for name in ("a", "b", "c"))  # type: ignore[call-arg]
     point = SimpleNamespace(
-        slacks=(0.5, -3.0, -0.5 * infeasible.FEASIBLE * 2.0), values={"a": 0.5, "b": 4.0, "c": 1.0}
+        slacks=(0.5, -3.0, -0.5 * FEASIBLE * 2.0), values={"a": 0.5, "b": 4.0, "c": 1.0}
     )
     monkeypatch.setattr(infeasible, "Evaluator", lambda _: SimpleNamespace(at=lambda _z: point))
     monkeypatch.setattr(

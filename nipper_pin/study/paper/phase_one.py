@@ -18,12 +18,12 @@ from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
 from ...mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
+from ...tolerances import PRELOAD_STEP
 from ...units import S_PER_MIN
 from .branches import branch, touch_index
 
 _PLACES = 1440
 _SPEEDS_RPM = (100.0, 600.0)
-_PRELOAD_STEP = 1e-3
 # Of the map, in preloads of the model and in rated speeds: 5 to 17 mm, 400 to 800 r/min of the E62.
 _PRELOADS = np.linspace(5.0, 17.0, 49) / 11.0
 _MAP_SPEEDS = np.linspace(400.0, 800.0, 81) / 450.0
@@ -121,13 +121,13 @@ def phase_one(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> PhaseOne:
     index = touch_index(mechanism) - np.linspace(0.0, INDEX_PER_TURN, _PLACES + 1)
     closed = frozenset({name})
     (spring,) = mechanism.springs
-    tighter = replace(spring, preload=spring.preload + _PRELOAD_STEP)
+    tighter = replace(spring, preload=spring.preload + PRELOAD_STEP)
     slow, fast = (branch(mechanism, closed, speed, index) for speed in _SPEEDS_RPM)
     tight = branch(replace(mechanism, springs=(tighter,)), closed, _SPEEDS_RPM[0], index)
     omega2 = [rad_s_from_rpm(speed) ** 2 for speed in _SPEEDS_RPM]
     lever = mechanism.stop(name).lever
     forces = [item.forces[:, 0] / lever for item in (slow, fast, tight)]
-    per_preload = (forces[2] - forces[0]) / _PRELOAD_STEP
+    per_preload = (forces[2] - forces[0]) / PRELOAD_STEP
     per_speed2 = (forces[1] - forces[0]) / (omega2[1] - omega2[0])
     weight = forces[0] - omega2[0] * per_speed2 - spring.preload * per_preload
     # From the touch configuration backwards, the jaw is open until its angle falls to zero.

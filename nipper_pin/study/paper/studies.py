@@ -12,13 +12,10 @@ from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
 from ...errors import InputError, SimulationError
 from ...mechanism import Mechanism
+from ...tolerances import SLOWEST_REBOUND, STUDY_TOLERANCE
 from ..cases import cases_of
 from ..transitions import TransitionTable, table_of
 from .published import Published
-
-_TOLERANCE = 1e-12
-# Below the rebounds that any threshold of interest leaves out.
-_SLOWEST = 1e-6
 
 
 @dataclass(frozen=True)
@@ -149,9 +146,14 @@ def _study(
     cases = cases_of(mechanism, **given)
     table, all_bounces = (
         table_of(
-            mechanism, cases, rest_rate=rate, tolerance=_TOLERANCE, drive=drive, engine="direct"
+            mechanism,
+            cases,
+            rest_rate=rate,
+            tolerance=STUDY_TOLERANCE,
+            drive=drive,
+            engine="direct",
         )
-        for rate in (None, _SLOWEST)
+        for rate in (None, SLOWEST_REBOUND)
     )
     for found in (table, all_bounces):
         for i, outcome in enumerate(found.outcome):

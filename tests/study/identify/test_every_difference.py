@@ -11,9 +11,10 @@ import pytest
 from linear_problem import AT
 
 from nipper_pin.errors import SimulationError
-from nipper_pin.study.identify.fitting.differences import STEP, jacobian, slopes
+from nipper_pin.study.identify.fitting.differences import jacobian, slopes
 from nipper_pin.study.identify.fitting.limits import excesses, limit_rows
 from nipper_pin.study.identify.problem.problem import Limits
+from nipper_pin.tolerances import FIT_STEP
 
 
 def parabola(low: float, high: float, asked: list[float] | None = None) -> Any:
@@ -51,8 +52,9 @@ def test_slopes_to_go_down(z: float, low: float, high: float, first: float) -> N
 @pytest.mark.parametrize(
     ("z", "low", "high", "places"),
     [
-        (0.5, 0.0, 1.0, (1, -1)), (STEP, 0.0, 1.0, (1, -1)), (1.0 - STEP, 0.0, 1.0, (1, -1)),
-        (0.5 * STEP, -1.0, 2.0, (1, 2)), (1.0 - 0.5 * STEP, -1.0, 2.0, (-1, -2)),
+        (0.5, 0.0, 1.0, (1, -1)), (FIT_STEP, 0.0, 1.0, (1, -1)),
+        (1.0 - FIT_STEP, 0.0, 1.0, (1, -1)),
+        (0.5 * FIT_STEP, -1.0, 2.0, (1, 2)), (1.0 - 0.5 * FIT_STEP, -1.0, 2.0, (-1, -2)),
         (0.3, 0.3, 1.0, (1, 2)), (0.3, 0.0, 0.3, (-1, -2)), (0.7, 0.7, 1.0, (1, 2)),
     ],
 )  # fmt: skip
@@ -63,7 +65,7 @@ def test_derivatives_of_the_second_order(
     asked: list[float] = []
     found = jacobian(parabola(low, high, asked), np.array([0.5, z]))
     assert found == pytest.approx(np.array([[0.0, 2.0 * z], [0.0, 3.0], [1.0, 0.0]]), abs=1e-9)
-    steps = {round((x - z) / STEP) for x in asked if low <= x <= high}
+    steps = {round((x - z) / FIT_STEP) for x in asked if low <= x <= high}
     assert set(places) <= steps <= {*places, 0}
 
 

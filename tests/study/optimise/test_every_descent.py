@@ -17,9 +17,10 @@ from nipper_pin.study.optimise.points.point import Point
 from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
 from nipper_pin.study.optimise.search import binding, descend, front, infeasible
 from nipper_pin.study.optimise.search import samples as search
-from nipper_pin.study.optimise.search.trace import STEP, Scales, Trace
+from nipper_pin.study.optimise.search.trace import Scales, Trace
 from nipper_pin.study.optimise.store import Store
 from nipper_pin.study.optimise.work import Work
+from nipper_pin.tolerances import DESIGN_STEP
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 SCALES = Scales(2.0, (4.0, 0.5))
@@ -54,7 +55,7 @@ def work(calls: list[tuple[int, int]] | None = None) -> Work:
 
 def test_derivatives_of_points() -> None:
     """Differences of polynomials up to the second order are exact: central, and one-sided."""
-    source: Any = Source(problem(*LIMITS), VALUES, edge=0.5 + 0.5 * STEP)
+    source: Any = Source(problem(*LIMITS), VALUES, edge=0.5 + 0.5 * DESIGN_STEP)
     trace = Trace(source, SCALES)
     for z in ((0.25, 0.5), (0.0, 0.0), (0.5, 1.0)):
         place = np.array(z)
@@ -67,19 +68,23 @@ def test_derivatives_of_points() -> None:
     assert len(source.asked) == asked == trace.counts[0]
     # Outside of the bounds: the point at them.
     assert trace.at(np.array([-0.5, 2.0])).z.tolist() == [0.0, 1.0]
-    failed = sum(z[0] > 0.5 + 0.5 * STEP for z in source.asked)
+    failed = sum(z[0] > 0.5 + 0.5 * DESIGN_STEP for z in source.asked)
     assert failed > 0
     assert trace.counts == (len(source.asked), failed)
     assert trace.engines == {"direct": len(source.asked) - failed}
     # Between two edges there is no difference; beside one a single step, of the first order.
-    for reach, place, slope in ((0.4, 0.0, 0.0), (0.6, 0.5, 1.0), (1.6, 1.0, 1.0 + 2.0 * STEP)):
+    for reach, place, slope in (
+        (0.4, 0.0, 0.0),
+        (0.6, 0.5, 1.0),
+        (1.6, 1.0, 1.0 + 2.0 * DESIGN_STEP),
+    ):
         within: Any = Source(problem(), {})
         within.at = lambda z, reach=reach: (
             Point(z=z, values={AIM: z[1] ** 2}, rows=np.zeros(0), owners=())
-            if abs(z[1] - 0.5) < reach * STEP
+            if abs(z[1] - 0.5) < reach * DESIGN_STEP
             else Point(z=z, values={}, rows=np.zeros(0), owners=(), why="beyond")
         )
-        aim, _ = Trace(within, SCALES).slopes(np.array([0.5, 0.5 + place * STEP]))
+        aim, _ = Trace(within, SCALES).slopes(np.array([0.5, 0.5 + place * DESIGN_STEP]))
         assert aim[1] == pytest.approx(slope, abs=1e-9)
 
 

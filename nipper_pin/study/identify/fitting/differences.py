@@ -13,14 +13,9 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError
+from ....tolerances import FIT_DESCENT_STEP, FIT_STEP
 
 Function = Callable[[FloatArray], FloatArray]
-
-STEP = 1e-3
-"""Step of differences in unit coordinates: a thousandth of a range leaves a truncation of about
-1e-6 and keeps the tolerance of the transitions a factor of 1e5 below the difference."""
-
-_SHORT = 1e-4
 
 
 def slopes(function: Function, z: FloatArray) -> FloatArray:
@@ -41,7 +36,7 @@ def slopes(function: Function, z: FloatArray) -> FloatArray:
     def slope(place: int, step: float) -> FloatArray:
         return np.asarray((function(_moved(z, place, step)) - here) / step)
 
-    return np.array([_either(slope, z, place, _SHORT) for place in range(len(z))]).T
+    return np.array([_either(slope, z, place, FIT_DESCENT_STEP) for place in range(len(z))]).T
 
 
 def jacobian(function: Function, z: FloatArray) -> FloatArray:
@@ -63,16 +58,16 @@ def jacobian(function: Function, z: FloatArray) -> FloatArray:
         return np.asarray((4.0 * first - second - 3.0 * function(z)) / (2.0 * step))
 
     def central(place: int) -> FloatArray:
-        ahead, behind = (function(_moved(z, place, step)) for step in (STEP, -STEP))
-        return np.asarray((ahead - behind) / (2.0 * STEP))
+        ahead, behind = (function(_moved(z, place, step)) for step in (FIT_STEP, -FIT_STEP))
+        return np.asarray((ahead - behind) / (2.0 * FIT_STEP))
 
     columns = []
     for place, x in enumerate(z):
         column = None
-        if STEP <= x <= 1.0 - STEP:
+        if FIT_STEP <= x <= 1.0 - FIT_STEP:
             with suppress(NipperError):
                 column = central(place)
-        columns.append(_either(one_sided, z, place, STEP) if column is None else column)
+        columns.append(_either(one_sided, z, place, FIT_STEP) if column is None else column)
     return np.array(columns).T
 
 

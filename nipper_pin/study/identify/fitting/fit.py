@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 from ....arrays import FloatArray
 from ....errors import MisfitError, NipperError
 from ....hybrid.result.premise import Premise
+from ....tolerances import AT_BOUND
 from ..problem.targets import Condition, Target
 from .limits import broken_limits
 from .objective import Objective
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from .determine import Determinability
     from .goodness import Goodness
 
-AT_BOUND = 1e-3
-"""A number that is nearer to a bound than this part of its range is at it."""
 
 _MAX_STEPS = 60
 

@@ -10,13 +10,12 @@ from scipy.stats import chi2
 
 from ....arrays import FloatArray
 from ....errors import MisfitError
+from ....tolerances import CONTRADICTED
 from .determine import Determinability
 from .fit import Fit
 from .outliers import leverages, outliers
 from .suspects import suspected_units
 
-CONTRADICTED = 1e-3
-"""Probability of so large a chi-square below which the data contradict the fit."""
 UNSCALABLE = 10.0
 """Sigmas that are weights alone may be too small by this factor; beyond it the fit is wrong."""
 

@@ -6,9 +6,7 @@ import numpy as np
 from scipy.stats import norm, t
 
 from ....arrays import FloatArray
-
-OUTLYING = 0.01
-"""Probability, for the worst of all targets, below which one counts as an outlier."""
+from ....tolerances import OUTLYING
 
 # Standard deviation of a uniform distribution: 1 / sqrt(12) of the range.
 _RANGE = 12.0
@@ -35,7 +33,7 @@ def outliers(
     """Find outliers: the worst is taken away, the numbers are fitted again (linearly), and so on.
 
     The worst of n targets is one if its studentized residual is so large only with a probability
-    below :data:`OUTLYING` (Bonferroni's bound). Without the second fit a single wrong target
+    below :data:`.OUTLYING` (Bonferroni's bound). Without the second fit a single wrong target
     would drag others out with it.
 
     Args:

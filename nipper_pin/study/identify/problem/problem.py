@@ -15,6 +15,7 @@ from ....errors import InputError, ModelError
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
 from ....mechanism.files.toml_types import Positive, Restitution
+from ....tolerances import COARSEST_FIT, FINEST_TOLERANCE
 from ...toml_files import Bounds, Table, base_mechanism, read_table, refuse
 from .geometry import Sources
 from .measured import read_measured
@@ -26,7 +27,7 @@ BUILT_IN = Path(__file__).with_name("paper_ratios.toml")
 """The problem of the published ratios."""
 
 _NotNegative = Annotated[float, Meta(ge=0.0)]
-_Tolerance = Annotated[float, Meta(ge=1e-13, le=1e-4)]
+_Tolerance = Annotated[float, Meta(ge=FINEST_TOLERANCE, le=COARSEST_FIT)]
 
 
 class _Setting(Table, frozen=True, kw_only=True):

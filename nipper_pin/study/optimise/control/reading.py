@@ -15,14 +15,12 @@ import numpy as np
 from ....arrays import FloatArray
 from ....hybrid.event import EventKind
 from ....mechanism import INDEX_PER_TURN
+from ....tolerances import CONTROL_EDGE, CONTROL_ROUND_OFF
 from ....units import MM_PER_M, S_PER_MIN
 from .turn import ControlTurn
 
 # Places of a stretch at which a peak is looked for, and how often closer around the best one.
 _PLACES, _LOOKS = 240, 4
-# Relative round-off that closures and clocks leave in a coordinate or an angle.
-_ROUND = 1e-9
-_EDGE = 1e-6
 
 
 class Read(NamedTuple):
@@ -48,7 +46,7 @@ def _amplitude(turn: ControlTurn) -> Read:
         stop = turn.mechanism.stop(turn.stop)
         height = _peak(turn, stop.index, first.t, second.t)
         error = max(error, turn.blurred(second.event))
-    return Read(height, (2.0 * error + _ROUND) * height)
+    return Read(height, (2.0 * error + CONTROL_ROUND_OFF) * height)
 
 
 def _rebound_time(turn: ControlTurn) -> Read:
@@ -78,7 +76,7 @@ def _opening_index(turn: ControlTurn) -> Read:
 
 def _index(turn: ControlTurn, t: float, late: float) -> Read:
     psi = float(turn.solution.shaft.angle(t))
-    error = INDEX_PER_TURN * (late / turn.solution.shaft.period + _ROUND)
+    error = INDEX_PER_TURN * (late / turn.solution.shaft.period + CONTROL_ROUND_OFF)
     return Read(turn.mechanism.cylinder.index_from_angle(psi), error)
 
 
@@ -95,7 +93,7 @@ def _clamping_force(turn: ControlTurn) -> Read:
         coarse, fine = (_mean_force(turn, begin, end, n) for n in (_PLACES, 2 * _PLACES))
         whole += part * (4.0 * fine - coarse) / 3.0
         error += part * abs(fine - coarse)
-    return Read(whole, error + _ROUND * abs(whole))
+    return Read(whole, error + CONTROL_ROUND_OFF * abs(whole))
 
 
 def _mean_force(turn: ControlTurn, begin: float, end: float, parts: int) -> float:
@@ -118,10 +116,10 @@ def _stop_force(turn: ControlTurn) -> Read:
         begin, end = max(item.t_start, first), min(item.t_end, last)
         if turn.waiting in item.closed and begin < end:
             # At the ends of a phase the stop is just being hit or left.
-            edge = _EDGE * (end - begin)
+            edge = CONTROL_EDGE * (end - begin)
             found.append(-_closer(lambda t: -_force(turn, t), begin + edge, end - edge))
     low = min(found, default=0.0)
-    return Read(low, _ROUND * abs(low))
+    return Read(low, CONTROL_ROUND_OFF * abs(low))
 
 
 def _force(turn: ControlTurn, t: FloatArray) -> FloatArray:
@@ -132,20 +130,20 @@ def _jaw_opening(turn: ControlTurn) -> Read:
     """Largest coordinate of the transition stop between opening and closing."""
     index = turn.mechanism.stop(turn.stop).index
     widest = math.degrees(_peak(turn, index, *turn.open_between))
-    return Read(widest, _ROUND * widest)
+    return Read(widest, CONTROL_ROUND_OFF * widest)
 
 
 def _stroke(turn: ControlTurn) -> Read:
     """Largest coordinate of the initial phase's stop between rest and opening."""
     index = turn.mechanism.stop(turn.waiting).index
     most = MM_PER_M * _peak(turn, index, turn.rest.t, turn.opening.t)
-    return Read(most, _ROUND * most)
+    return Read(most, CONTROL_ROUND_OFF * most)
 
 
 def _speed(turn: ControlTurn) -> Read:
     """Cylinder speed."""
     speed = S_PER_MIN / turn.solution.shaft.period
-    return Read(speed, _ROUND * speed)
+    return Read(speed, CONTROL_ROUND_OFF * speed)
 
 
 def _peak(turn: ControlTurn, index: int, begin: float, end: float) -> float:

@@ -17,13 +17,12 @@ from ....hybrid.result.solution import Solution
 from ....hybrid.result.tables import Collision
 from ....hybrid.simulate import simulate
 from ....mechanism import INDEX_PER_TURN, Mechanism
+from ....tolerances import DRIVE_RETURNS
 
 MOST_TURNS = 8
 """Largest number of turns before one repeats exactly."""
 # Turns start a quarter of a turn before the touch: the machine is in its initial phase there.
 _BEFORE = 0.25
-# [rad or m]: a drive that winds on moves by far more in a turn.
-_BACK = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +157,7 @@ def control_turn(mechanism: Mechanism, speed_rpm: float, rest_rate: float | None
     first = simulate(mechanism, case)
     period = first.shaft.period
     left, right = first.shaft.driven(np.array([0.0, period]))[0]
-    if float(np.abs(right - left).max(initial=0.0)) > _BACK:
+    if float(np.abs(right - left).max(initial=0.0)) > DRIVE_RETURNS:
         return ControlTurn(first, 0.0, period, repeats=True)
     turns = simulate(mechanism, replace(case, cycles=MOST_TURNS))
     begin = (MOST_TURNS - 1) * period

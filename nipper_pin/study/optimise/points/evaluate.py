@@ -11,6 +11,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import NipperError, SimulationError
 from ....mechanism import Mechanism
+from ....tolerances import QUANTITY_ROUND_OFF
 from ...identify.problem.parameters import with_values
 from ...identify.problem.working_cycle import WorkingCycle, working_cycle
 from ...transitions import retuned
@@ -22,8 +23,6 @@ from .turn import differs, turn_values
 
 # Machines that are kept: those of a central difference in a few parameters.
 _MACHINES = 16
-# Relative round-off that closures and clocks leave in a quantity.
-_ROUND = 1e-9
 # Turns of a machine that arrives in its initial phase start a quarter of a turn before the touch.
 _BEFORE = 0.25
 
@@ -77,7 +76,8 @@ class Evaluator:
         values = self._values(known, z)
         coarse = self._values(known, z, thin=True)
         errors = {
-            name: abs(value - coarse[name]) + _ROUND * abs(value) for name, value in values.items()
+            name: abs(value - coarse[name]) + QUANTITY_ROUND_OFF * abs(value)
+            for name, value in values.items()
         }
         return errors | known.bounces.errors
 

@@ -15,6 +15,7 @@ from ....errors import SimulationError
 from ....hybrid.event import Event
 from ....hybrid.result.solution import Solution
 from ....mechanism import INDEX_PER_TURN
+from ....tolerances import SHORT_STRETCH
 from ....units import MM_PER_M, S_PER_MIN
 from ...identify.problem.working_cycle import WorkingCycle, middle_half
 from ...true_transition import TrueTransition
@@ -22,8 +23,6 @@ from ..problem.quantities import lowest
 
 # Samples of the stretch between two events.
 _SAMPLES = 96
-# Part of a stretch below which nothing moves far.
-_SHORT = 1e-6
 
 
 def differs(cycle: WorkingCycle, duration: float, asked: frozenset[str]) -> str:
@@ -66,7 +65,7 @@ def turn_values(found: TrueTransition, *, thin: bool = False) -> dict[str, float
         raise SimulationError(found.outcome.value, outcome=found.outcome.name)
     mechanism, stop = solution.mechanism, solution.mechanism.transition_stop
     period, first = solution.shaft.period, found.collisions[0]
-    before = first.t - (1.0 - _SHORT) * period
+    before = first.t - (1.0 - SHORT_STRETCH) * period
     if sum(before < item.t_start <= first.t for item in solution.transitions) > 1:
         message = f"the stop {stop} closes more than once in a turn"
         raise SimulationError(message, stop=stop)
@@ -116,7 +115,7 @@ def _widest(solution: Solution, stop: str, between: tuple[float, float], count: 
     ends = [begin, *times, end]
     most = 0.0
     for left, right in pairwise(ends):
-        if right - left > _SHORT * (end - begin):
+        if right - left > SHORT_STRETCH * (end - begin):
             t = np.linspace(left, right, count)
             gaps = solution.trajectory.evaluate(t, left=True).q[:, index]
             most = max(most, -float(lowest(t, -gaps).min()))

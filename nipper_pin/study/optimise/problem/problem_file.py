@@ -14,6 +14,7 @@ from msgspec import Meta
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
 from ....mechanism.files.toml_types import Positive
+from ....tolerances import COARSEST_DESIGN, FINEST_TOLERANCE
 from ...identify.problem.geometry import Sources
 from ...identify.problem.parameters import read_values
 from ...sweep.axes import SPEED, find_target
@@ -33,7 +34,7 @@ class _CaseTable(Table, frozen=True, kw_only=True):
 
     speed_rpm: Positive | None = None
     rest_rate: Positive | None = None
-    tolerance: Annotated[float, Meta(ge=1e-13, le=1e-6)] = 1e-10
+    tolerance: Annotated[float, Meta(ge=FINEST_TOLERANCE, le=COARSEST_DESIGN)] = 1e-10
 
 
 class _LimitTable(Table, frozen=True, kw_only=True):

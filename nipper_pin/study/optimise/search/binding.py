@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....tolerances import ACTIVE_LIMIT
 from ..points import Evaluator
 from ..problem.problem import Problem
 from .trace import Scales, Trace
-
-_ACTIVE = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,9 +69,9 @@ def account(problem: Problem, scales: Scales, z: tuple[float, ...]) -> Account:
     point = trace.at(place)
     gradient, slopes = trace.slopes(place)
     sizes = np.array(scales.limits)[list(point.owners)]
-    rows = np.flatnonzero(point.rows <= _ACTIVE * sizes)
-    bounds = [(int(k), 1.0) for k in np.flatnonzero(place <= _ACTIVE)]
-    bounds += [(int(k), -1.0) for k in np.flatnonzero(place >= 1.0 - _ACTIVE)]
+    rows = np.flatnonzero(point.rows <= ACTIVE_LIMIT * sizes)
+    bounds = [(int(k), 1.0) for k in np.flatnonzero(place <= ACTIVE_LIMIT)]
+    bounds += [(int(k), -1.0) for k in np.flatnonzero(place >= 1.0 - ACTIVE_LIMIT)]
     columns = [slopes[row] / sizes[row] for row in rows]
     columns += [sense * np.eye(len(place))[k] for k, sense in bounds]
     weights, rest = np.zeros(0), float(np.linalg.norm(gradient))

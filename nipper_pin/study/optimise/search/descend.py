@@ -13,14 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....tolerances import DESCENT_END, DESCENT_GAIN, FEASIBLE
 from ..points import evaluator
-from .trace import FEASIBLE, Scales, Trace
+from .trace import Scales, Trace
 
 _MOST_STEPS = 40
 _ROUNDS = 3
-# Scaled gains of the aim that end a run, and that are worth another one: far above the noise of the
-# transitions, since a line search in noise has no end.
-_FTOL, _GAIN = 1e-9, 1e-7
 # Scaled value of numbers that make no machine: the line search turns back from them.
 _UNUSABLE = 1e3
 
@@ -97,7 +95,7 @@ def _run(
         converged = method(trace, z)
         point, violation = trace.best()
         now = (max(violation - FEASIBLE, 0.0), trace.aim(point) / trace.scales.aim)
-        if now[0] >= rank[0] - _GAIN and now[1] >= rank[1] - _GAIN:
+        if now[0] >= rank[0] - DESCENT_GAIN and now[1] >= rank[1] - DESCENT_GAIN:
             break
         z, rank = point.z, now
     point, violation = trace.best()
@@ -140,7 +138,7 @@ def _minimise(trace: Trace, z: FloatArray) -> bool:
         method="SLSQP",
         bounds=[(0.0, 1.0)] * len(z),
         constraints=[{"type": "ineq", "fun": rows, "jac": row_slopes}] if len(size) else [],
-        options={"ftol": _FTOL, "maxiter": _MOST_STEPS},
+        options={"ftol": DESCENT_END, "maxiter": _MOST_STEPS},
     )
     return bool(found.success)
 
@@ -169,6 +167,6 @@ def _mend(trace: Trace, z: FloatArray) -> bool:
         method="SLSQP",
         bounds=[*[(0.0, 1.0)] * len(z), (0.0, None)],
         constraints=[{"type": "ineq", "fun": rows, "jac": row_slopes}],
-        options={"ftol": _FTOL, "maxiter": _MOST_STEPS},
+        options={"ftol": DESCENT_END, "maxiter": _MOST_STEPS},
     )
     return bool(found.success)

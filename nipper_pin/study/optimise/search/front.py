@@ -13,13 +13,13 @@ from typing import Literal
 
 import numpy as np
 
+from ....tolerances import NO_CONFLICT
 from ..points import Evaluator
 from ..problem.problem import Aim, Limit, Problem
 from ..work import Work
 from .descend import Descent, descend
 from .trace import Scales
 
-_NO_CONFLICT = 1e-6
 # The last limit stops short of the best value of the second aim: exactly there the limits leave the
 # first one no room at all, and descents along an edge of no width do not end.
 _LAST = 1.0 - 1e-3
@@ -48,7 +48,7 @@ def front(
     one, two = problem.aims
     source = Evaluator(problem)
     reached = _second(source, ends[0])
-    if reached - ends[1].aim <= _NO_CONFLICT * by[1].aim:
+    if reached - ends[1].aim <= NO_CONFLICT * by[1].aim:
         return (ends[0].z,), []
     tasks: dict[str, Callable[[], Descent]] = {}
     for k in range(1, points):

@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 
 from ....errors import InfeasibleError
+from ....tolerances import FEASIBLE
 from ..points import Evaluator
 from ..problem.problem import Limit, Problem
 from ..work import Work
 from .descend import Descent, descend, restore
-from .trace import FEASIBLE, Scales
+from .trace import Scales
 
 
 def from_feasible_designs(

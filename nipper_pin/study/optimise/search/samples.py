@@ -16,10 +16,11 @@ from functools import partial
 import numpy as np
 
 from ....arrays import FloatArray
+from ....tolerances import FEASIBLE
 from ..points import evaluator
 from ..problem.problem import Aim, Problem
 from ..problem.quantities import INDICES
-from .trace import FEASIBLE, Scales
+from .trace import Scales
 
 Merit = tuple[float, str]
 """Value that the evolution minimises, and the engine of it; empty without a machine."""

@@ -8,14 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....tolerances import DESIGN_STEP, FEASIBLE
 from ..points import Evaluator, Point
 from ..problem.problem import Problem
-
-STEP = 5e-4
-"""Step of differences in unit coordinates: near the cube root of the tolerance of the transitions,
-where truncation and round-off of a central difference are equal."""
-FEASIBLE = 1e-6
-"""Largest violation that counts as none, in units of the limit's scale."""
 
 
 @dataclass(frozen=True)
@@ -86,21 +81,21 @@ class Trace:
 
     def _column(self, z: FloatArray, here: FloatArray, place: int) -> FloatArray:
         step = np.zeros(len(z))
-        step[place] = STEP
+        step[place] = DESIGN_STEP
         near = {}
         for sense in (1.0, -1.0):
             there = z + sense * step
             if 0.0 <= there[place] <= 1.0 and self.at(there).usable:
                 near[sense] = self._stacked(self.at(there))
         if len(near) == 2:
-            return np.asarray((near[1.0] - near[-1.0]) / (2.0 * STEP))
+            return np.asarray((near[1.0] - near[-1.0]) / (2.0 * DESIGN_STEP))
         for sense, first in near.items():
             second = self.at(z + 2.0 * sense * step)
             if second.usable:
                 return np.asarray(
-                    sense * (4.0 * first - self._stacked(second) - 3.0 * here) / (2.0 * STEP)
+                    sense * (4.0 * first - self._stacked(second) - 3.0 * here) / (2.0 * DESIGN_STEP)
                 )
-            return np.asarray(sense * (first - here) / STEP)
+            return np.asarray(sense * (first - here) / DESIGN_STEP)
         return np.zeros_like(here)
 
     def _stacked(self, point: Point) -> FloatArray:
