@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
-from ..tolerances import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
+from ..tolerances.mechanics import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
 from ..units import MM_PER_M
 from .multibody import Multibody
 

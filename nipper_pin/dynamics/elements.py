@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ElementError
 from ..mechanism import Mechanism
-from ..tolerances import COINCIDENT_M, TABLE_END_OVERRUN
+from ..tolerances.mechanics import COINCIDENT_M, TABLE_END_OVERRUN
 from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 

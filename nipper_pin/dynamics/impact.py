@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import FloatArray, product
 from ..errors import ImpactError
 from ..mechanism import Stop
-from ..tolerances import (
+from ..tolerances.mechanics import (
     EPS,
     FAINT_GAP_RATE,
     IMPACT_RESIDUAL,

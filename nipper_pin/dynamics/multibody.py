@@ -24,7 +24,7 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
-from ..tolerances import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
+from ..tolerances.mechanics import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100

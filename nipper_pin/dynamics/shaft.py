@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Mechanism
-from ..tolerances import KNOT_ANGLE
+from ..tolerances.mechanics import KNOT_ANGLE
 
 Driven = tuple[FloatArray, FloatArray, FloatArray]
 """Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""

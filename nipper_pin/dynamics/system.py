@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
-from ..tolerances import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
+from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
     Partition,
     close_velocities,

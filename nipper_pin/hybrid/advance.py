@@ -17,7 +17,7 @@ from ..dynamics.assembly import Partition, close_positions
 from ..dynamics.system import ConstraintSet, System
 from ..errors import ConvergenceError, ElementError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
-from ..tolerances import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
+from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.coordinate_choice import serves, suited_split

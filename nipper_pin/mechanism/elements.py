@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import InputError
-from ..tolerances import LEAST_TABLE_STEP
+from ..tolerances.mechanics import LEAST_TABLE_STEP
 
 # Largest number of a table, in its units.
 _LARGEST = 1e15

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError
-from ..tolerances import COARSEST_TOLERANCE, FINEST_TOLERANCE
+from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 
 
 def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:

@@ -15,7 +15,12 @@ from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
-from ..tolerances import ARRIVAL_TABLES, COARSEST_TOLERANCE, FINEST_TOLERANCE, NO_ACCELERATION
+from ..tolerances.reduced import (
+    ARRIVAL_TABLES,
+    COARSEST_TOLERANCE,
+    FINEST_TOLERANCE,
+    NO_ACCELERATION,
+)
 from .model import (
     BY_GRAVITY,
     BY_RATE,

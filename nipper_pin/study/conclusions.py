@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..tolerances import NO_EFFECT
+from ..tolerances.study import NO_EFFECT
 from ..units import MRAD_PER_RAD, MS_PER_S
 from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
 

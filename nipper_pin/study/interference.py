@@ -13,7 +13,7 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..hybrid.result.solution import Solution
 from ..mechanism import Mechanism, collision_model
-from ..tolerances import OVERLAP_M
+from ..tolerances.study import OVERLAP_M
 
 # Pairs further apart than this are clear, whatever their exact distance.
 _FAR_M = 0.02

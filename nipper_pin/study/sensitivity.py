@@ -23,7 +23,7 @@ from ..hybrid.case import Case, Window
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
-from ..tolerances import DOUBTFUL, SMALL_EFFECT, STUDY_TOLERANCE
+from ..tolerances.study import DOUBTFUL, SMALL_EFFECT, STUDY_TOLERANCE
 from .identify.problem.geometry import Sources, layout
 from .identify.problem.parameters import read_values, with_values
 from .identify.problem.targets import Condition, transition_quantities

@@ -15,10 +15,7 @@ def test_code_that_is_older_than_any_source_of_its_room_is_forgotten(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of the file in question alone; what is as old as the newest source stays."""
-    old = tmp_path / "tolerances.py"
-    old.touch()
-    os.utime(old, (100, 100))
-    monkeypatch.setattr(compiled, "_TOLERANCES", old)
+    monkeypatch.setattr(compiled, "_TOLERANCES", tmp_path)
     room, cache = tmp_path / "room", tmp_path / "cache"
     room.mkdir()
     cache.mkdir()
@@ -45,16 +42,15 @@ def test_code_that_is_older_than_the_tolerances_is_forgotten(
     changed: int, stays: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Their values are compiled into it, and they are no file of its room."""
-    assert compiled._TOLERANCES.name == "tolerances.py"
-    assert compiled._TOLERANCES.is_file()
+    assert (compiled._TOLERANCES / "reduced.py").is_file()
     source, kept = tmp_path / "room/a.py", tmp_path / "cache/a.f-3.py312.nbi"
-    constants = tmp_path / "tolerances.py"
+    constants = tmp_path / "tolerances/reduced.py"
     for file, time in ((source, 100), (kept, 100), (constants, changed)):
         file.parent.mkdir(exist_ok=True)
         file.touch()
         os.utime(file, (time, time))
     monkeypatch.setattr(compiled, "_folders", {kept.parent})
-    monkeypatch.setattr(compiled, "_TOLERANCES", constants)
+    monkeypatch.setattr(compiled, "_TOLERANCES", constants.parent)
     compiled.forget_stale(str(source))
     assert kept.exists() is stays
 

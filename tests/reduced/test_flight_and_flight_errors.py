@@ -25,7 +25,7 @@ from nipper_pin.reduced.kernels.layout import (
     UNRESOLVED,
     Tables,
 )
-from nipper_pin.tolerances import EPS
+from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -32,7 +32,7 @@ from nipper_pin.reduced.kernels.layout import (
     TWICE,
     VALUE,
 )
-from nipper_pin.tolerances import EPS
+from nipper_pin.tolerances.mechanics import EPS
 
 pytestmark = pytest.mark.usefixtures("plain")
 

@@ -31,7 +31,7 @@ from nipper_pin.study.sweep.study_file import read_study
 from nipper_pin.study.transitions import rows as rows_module
 from nipper_pin.study.transitions.rows import collision_rows
 from nipper_pin.study.true_transition import assumed_transition
-from nipper_pin.tolerances import DOUBTFUL
+from nipper_pin.tolerances.study import DOUBTFUL
 
 KNOWN = (
     "TIME", "ANGLE", "APPROACH", "SEPARATION", "IMPULSE", "ENERGY", "TIME_ERROR", "RATE_ERROR",

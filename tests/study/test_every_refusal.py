@@ -44,7 +44,7 @@ from nipper_pin.study.sweep.results import store as store_module
 from nipper_pin.study.sweep.results.chunk_file import DamageError
 from nipper_pin.study.sweep.results.table import SweepTable
 from nipper_pin.study.sweep.study_file import read_study
-from nipper_pin.tolerances import FEASIBLE
+from nipper_pin.tolerances.study import FEASIBLE
 
 # Cases, costs, folders.
 

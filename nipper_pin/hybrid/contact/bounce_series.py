@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
-from ...tolerances import SERIES_LIMIT_STEP, TIME_ROUND_OFF
+from ...tolerances.hybrid import SERIES_LIMIT_STEP, TIME_ROUND_OFF
 
 _MOST_POINTS = 8
 # The difference of two orders estimates the error of the higher one. Where it changes sign, parts

@@ -14,7 +14,7 @@ from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError, SingularConfigurationError
 from ...mechanism import Stop
-from ...tolerances import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF
+from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF
 from ..motion.panel import Panel, one_state_at
 
 Closed = frozenset[str]

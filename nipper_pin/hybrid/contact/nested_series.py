@@ -22,7 +22,7 @@ from math import inf
 
 import numpy as np
 
-from ...tolerances import EPS
+from ...tolerances.mechanics import EPS
 
 _MOST_POINTS = 8
 # The difference of two orders shows the error of the higher one up to a

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
-from ...tolerances import CLOCK_ROUND_OFF, RATE_ROUND_OFF
+from ...tolerances.hybrid import CLOCK_ROUND_OFF, RATE_ROUND_OFF
 from ..event import Event, EventKind
 from ..segment import Segment
 from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing

@@ -15,7 +15,8 @@ from ...dynamics.impact import impact_condition, impulse_sizes
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...mechanism import Stop
-from ...tolerances import ANGLE_ROUND_OFF, EPS, RATE_ROUND_OFF
+from ...tolerances.hybrid import ANGLE_ROUND_OFF, RATE_ROUND_OFF
+from ...tolerances.mechanics import EPS
 from ..event import Event, EventKind
 from ..segment import Segment
 from .local_error import independent_round_off, of_closures, unresolved

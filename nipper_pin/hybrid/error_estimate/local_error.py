@@ -12,7 +12,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities, inverted
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import DIFFERENCE_STEP, EPS, LOCAL_ERROR_SAFETY
+from ...tolerances.hybrid import DIFFERENCE_STEP, LOCAL_ERROR_SAFETY
+from ...tolerances.mechanics import EPS
 from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, SMALLEST
 from ..motion.panel import Panel, forces_at
 from .local_error import of_closures
 from .variational import free_coordinates, tangents

@@ -18,7 +18,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import System
 from ...mechanism import Stop
-from ...tolerances import DIFFERENCE_STEP
+from ...tolerances.hybrid import DIFFERENCE_STEP
 from .variational import lifts, tangents
 
 

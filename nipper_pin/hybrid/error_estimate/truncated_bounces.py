@@ -18,7 +18,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import close_velocities
 from ...dynamics.system import System
-from ...tolerances import DIFFERENCE_STEP, SMALLEST
+from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..event import Event
 
 

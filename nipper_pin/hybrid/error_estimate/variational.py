@@ -16,7 +16,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import DIFFERENCE_STEP, SMALLEST
+from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..motion.chebyshev import evaluate_motion, nodes
 from ..motion.panel import Panel
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances import NEGLIGIBLE_DEVIATION
+from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
 
 # Columns before some are merged, and how many of them are kept as they are.
 _MOST, _KEPT = 64, 32

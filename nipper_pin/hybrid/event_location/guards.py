@@ -12,7 +12,7 @@ from ...arrays import FloatArray, product
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
 from ...mechanism import Stop
-from ...tolerances import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
+from ...tolerances.hybrid import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
 from ..motion.chebyshev import Series, evaluate, nodes
 from ..motion.panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish

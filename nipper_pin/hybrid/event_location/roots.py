@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
-from ...tolerances import ROOT_RESOLUTION
+from ...tolerances.hybrid import ROOT_RESOLUTION
 
 _MAX_STEPS = 80
 # Of its higher side: the bottom of a dip that the parabola puts above this is above zero.

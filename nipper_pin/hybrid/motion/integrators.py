@@ -16,7 +16,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import InputError, UnknownNameError
-from ...tolerances import SMALLEST
+from ...tolerances.hybrid import SMALLEST
 from ..case import Resolution
 from .chebyshev import decayed, nodes
 from .panel import Attempt, Begin, Panel, forces_at, judged

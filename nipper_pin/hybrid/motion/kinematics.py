@@ -14,7 +14,8 @@ from ...dynamics.assembly import (
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
-from ...tolerances import COORDINATE_ROUND_OFF, EPS, MAX_CONDITION, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.mechanics import EPS, MAX_CONDITION
 from ..case import Resolution
 from .chebyshev import nodes, tail
 from .noise_floor import of_closures, rates_of_closures

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import COORDINATE_ROUND_OFF
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF
 
 
 def roughness(

@@ -12,7 +12,7 @@ from ...dynamics.assembly import Partition, close_positions, close_velocities
 from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import COORDINATE_ROUND_OFF, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
 from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
 
 

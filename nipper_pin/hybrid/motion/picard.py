@@ -10,7 +10,7 @@ from ...arrays import FloatArray, product
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
-from ...tolerances import COORDINATE_ROUND_OFF, ITERATION_FLOOR, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, ITERATION_FLOOR, ROUND_OFF_SAFETY, SMALLEST
 from ..case import Resolution
 from .chebyshev import decayed, nodes, prolonged
 from .noise_floor import of_closures, roughness

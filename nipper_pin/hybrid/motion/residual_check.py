@@ -16,7 +16,8 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.elements import Elements
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import COINCIDENT_M, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.mechanics import COINCIDENT_M
 from .chebyshev import nodes
 from .panel import Panel, defect, nearby
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.impact import drive_impulses
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances import ENERGY_AGREEMENT
+from ...tolerances.hybrid import ENERGY_AGREEMENT
 from ..event import Event, EventKind
 from ..motion.panel import Panel, forces_at
 from ..motion.residual_check import rows_met

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...dynamics.system import System
 from ...errors import SimulationError
-from ...tolerances import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
+from ...tolerances.hybrid import DECISION_TOLERANCE, REST_BEFORE_TOUCH, SAME_ASSEMBLY
 from ..case import Resolution, Window
 from ..contact.complementarity import pressed
 from ..event import Event, EventKind

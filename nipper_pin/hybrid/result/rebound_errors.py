@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...tolerances import CLOCK_ROUND_OFF
+from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..error_estimate.event_errors import EventError
 from ..error_estimate.linear_maps import LinearMaps
 from ..event import EventKind

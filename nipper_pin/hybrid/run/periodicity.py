@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...mechanism import Mechanism
-from ...tolerances import SAME_POSITION, SAME_RATE
+from ...tolerances.hybrid import SAME_POSITION, SAME_RATE
 from ..segment import Segment
 from ..state import State
 

@@ -10,7 +10,7 @@ from ...dynamics.assembly import assemble
 from ...dynamics.system import System
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Mechanism, Start, Stop
-from ...tolerances import GAP_ROUND_OFF
+from ...tolerances.hybrid import GAP_ROUND_OFF
 from ..case import Case, Window
 from ..state import State
 from .diagnosis import located

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
-from ...tolerances import TOUCH_TOLERANCE_M
+from ...tolerances.mechanics import TOUCH_TOLERANCE_M
 from ...units import MM_PER_M
 from ..files.description import ContactDescription
 from ..files.urdf import UrdfJoint

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import InputError, ModelError, UnknownNameError
-from ...tolerances import COINCIDENT_M
+from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError
-from ...tolerances import ASSEMBLY_TOLERANCE_M, RANK_TOLERANCE
+from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf import Urdf

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...tolerances import TURN_ROUND_OFF
+from ...tolerances.mechanics import TURN_ROUND_OFF
 from ...units import M_PER_MM
 from ..files.toml_types import NotNegative, Positive
 from .law import Evaluation

@@ -27,7 +27,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError
-from ...tolerances import COINCIDENT_M
+from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from .layout import Layout, element_name, end

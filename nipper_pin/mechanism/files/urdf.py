@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
-from ...tolerances import URDF_TOLERANCE
+from ...tolerances.mechanics import URDF_TOLERANCE
 from .urdf_values import (
     check_dynamics,
     check_inertial,

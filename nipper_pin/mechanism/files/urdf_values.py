@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError
-from ...tolerances import URDF_TOLERANCE
+from ...tolerances.mechanics import URDF_TOLERANCE
 
 _MOST_DAMPING = 1e15
 _PACKAGE = "package://"

@@ -11,9 +11,9 @@ from math import exp
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances import (
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import (
     BEFORE_TOUCH,
-    EPS,
     FLIGHT_UNRESOLVED,
     FORCE_SIGN,
     LATE_REST_SAFETY,

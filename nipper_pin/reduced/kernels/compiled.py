@@ -28,7 +28,7 @@ def compiled(function: _Function) -> _Function:
 
 _folders: set[Path] = set()
 # Compiled functions hold the values of its constants.
-_TOLERANCES = Path(tolerances.__file__)
+_TOLERANCES = Path(tolerances.__file__).parent
 
 
 def forget_stale(file: str) -> None:
@@ -42,7 +42,7 @@ def forget_stale(file: str) -> None:
     """
     source = Path(file)
     with suppress(OSError):
-        sources = (*source.parent.glob("*.py"), _TOLERANCES)
+        sources = (*source.parent.glob("*.py"), *_TOLERANCES.glob("*.py"))
         newest = max(other.stat().st_mtime_ns for other in sources)
         for folder in _folders:
             for kept in folder.glob(f"{source.stem}.*.nb[ic]"):

@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
+from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from .compiled import compiled, forget_stale
 from .layout import (
     AT_REST,

@@ -30,7 +30,7 @@ from __future__ import annotations
 from math import exp
 
 from ...arrays import FloatArray
-from ...tolerances import EPS
+from ...tolerances.mechanics import EPS
 from .compiled import compiled, forget_stale
 from .layout import BY_U, BY_V, BY_X, RESIDUAL, Tables
 

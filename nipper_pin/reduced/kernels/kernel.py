@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
-from ...tolerances import ARRIVAL_SHARE, EPS, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled, forget_stale
 from .flight import flight

@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances import COARSE_SWEEP, DEFECT_EFFECT, EPS, ITERATION_FLOOR
+from ...tolerances.hybrid import ITERATION_FLOOR
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import COARSE_SWEEP, DEFECT_EFFECT
 from .compiled import compiled
 from .layout import (
     DOUBLE,

@@ -19,7 +19,8 @@ from ...dynamics.system import System
 from ...errors import SimulationError
 from ...hybrid.error_estimate.linear_maps import of_rates
 from ...mechanism import Mechanism, Stop
-from ...tolerances import EPS, TABLE_ERROR_SAFETY
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import TABLE_ERROR_SAFETY
 from ..kernels.layout import Tables, Turn
 from . import series2d
 from .functions import Sampler

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
-from ...tolerances import EPS, REFINEMENT_GAIN, TABLE_ERROR_SAFETY
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY
 from . import series2d
 from .functions import Sampler
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
-from ...tolerances import TRIMMED_SHARE
+from ...tolerances.reduced import TRIMMED_SHARE
 from . import series2d
 from .functions import Sampler
 from .tables import Domain, Tables, residuals

@@ -18,7 +18,7 @@ from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...hybrid.simulate import simulate
 from ...mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
-from ...tolerances import PRELOAD_STEP
+from ...tolerances.study import PRELOAD_STEP
 from ...units import S_PER_MIN
 from .branches import branch, touch_index
 

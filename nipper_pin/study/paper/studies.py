@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
 from ...errors import InputError, SimulationError
 from ...mechanism import Mechanism
-from ...tolerances import SLOWEST_REBOUND, STUDY_TOLERANCE
+from ...tolerances.study import SLOWEST_REBOUND, STUDY_TOLERANCE
 from ..cases import cases_of
 from ..transitions import TransitionTable, table_of
 from .published import Published

@@ -14,7 +14,7 @@ from nipper_pin.errors import SimulationError
 from nipper_pin.study.identify.fitting.differences import jacobian, slopes
 from nipper_pin.study.identify.fitting.limits import excesses, limit_rows
 from nipper_pin.study.identify.problem.problem import Limits
-from nipper_pin.tolerances import FIT_STEP
+from nipper_pin.tolerances.study import FIT_STEP
 
 
 def parabola(low: float, high: float, asked: list[float] | None = None) -> Any:

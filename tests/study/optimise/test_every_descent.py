@@ -20,7 +20,7 @@ from nipper_pin.study.optimise.search import samples as search
 from nipper_pin.study.optimise.search.trace import Scales, Trace
 from nipper_pin.study.optimise.store import Store
 from nipper_pin.study.optimise.work import Work
-from nipper_pin.tolerances import DESIGN_STEP
+from nipper_pin.tolerances.study import DESIGN_STEP
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"
 SCALES = Scales(2.0, (4.0, 0.5))

@@ -12,7 +12,7 @@ from ....arrays import FloatArray
 from ....dynamics.system import System
 from ....errors import ImpactError
 from ....mechanism import Mechanism
-from ....tolerances import SIMULTANEOUS, SLOWEST_JAM_RATE
+from ....tolerances.hybrid import SIMULTANEOUS, SLOWEST_JAM_RATE
 from ...event import Event, EventKind
 from .struck import Struck
 

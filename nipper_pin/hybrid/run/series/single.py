@@ -12,7 +12,7 @@ from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ConvergenceError, ElementError, SingularConfigurationError
 from ....mechanism import Stop
-from ....tolerances import TIME_ROUND_OFF
+from ....tolerances.hybrid import TIME_ROUND_OFF
 from ...case import Case
 from ...contact.bounce_series import BounceSeries
 from ...contact.complementarity import pressed

@@ -13,7 +13,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import NipperError
-from ....tolerances import FIT_DESCENT_STEP, FIT_STEP
+from ....tolerances.study import FIT_DESCENT_STEP, FIT_STEP
 
 Function = Callable[[FloatArray], FloatArray]
 

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from ....arrays import FloatArray
 from ....errors import MisfitError, NipperError
 from ....hybrid.result.premise import Premise
-from ....tolerances import AT_BOUND
+from ....tolerances.study import AT_BOUND
 from ..problem.targets import Condition, Target
 from .limits import broken_limits
 from .objective import Objective

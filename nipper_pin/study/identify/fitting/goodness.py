@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from ....arrays import FloatArray
 from ....errors import MisfitError
-from ....tolerances import CONTRADICTED
+from ....tolerances.study import CONTRADICTED
 from .determine import Determinability
 from .fit import Fit
 from .outliers import leverages, outliers

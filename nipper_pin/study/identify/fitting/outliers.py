@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import norm, t
 
 from ....arrays import FloatArray
-from ....tolerances import OUTLYING
+from ....tolerances.study import OUTLYING
 
 # Standard deviation of a uniform distribution: 1 / sqrt(12) of the range.
 _RANGE = 12.0

@@ -15,7 +15,8 @@ from ....errors import InputError, ModelError
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
 from ....mechanism.files.toml_types import Positive, Restitution
-from ....tolerances import COARSEST_FIT, FINEST_TOLERANCE
+from ....tolerances.reduced import FINEST_TOLERANCE
+from ....tolerances.study import COARSEST_FIT
 from ...toml_files import Bounds, Table, base_mechanism, read_table, refuse
 from .geometry import Sources
 from .measured import read_measured

@@ -15,7 +15,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....hybrid.event import EventKind
 from ....mechanism import INDEX_PER_TURN
-from ....tolerances import CONTROL_EDGE, CONTROL_ROUND_OFF
+from ....tolerances.study import CONTROL_EDGE, CONTROL_ROUND_OFF
 from ....units import MM_PER_M, S_PER_MIN
 from .turn import ControlTurn
 

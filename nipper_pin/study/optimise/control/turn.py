@@ -17,7 +17,7 @@ from ....hybrid.result.solution import Solution
 from ....hybrid.result.tables import Collision
 from ....hybrid.simulate import simulate
 from ....mechanism import INDEX_PER_TURN, Mechanism
-from ....tolerances import DRIVE_RETURNS
+from ....tolerances.study import DRIVE_RETURNS
 
 MOST_TURNS = 8
 """Largest number of turns before one repeats exactly."""

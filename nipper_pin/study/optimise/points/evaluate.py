@@ -11,7 +11,7 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import NipperError, SimulationError
 from ....mechanism import Mechanism
-from ....tolerances import QUANTITY_ROUND_OFF
+from ....tolerances.study import QUANTITY_ROUND_OFF
 from ...identify.problem.parameters import with_values
 from ...identify.problem.working_cycle import WorkingCycle, working_cycle
 from ...transitions import retuned

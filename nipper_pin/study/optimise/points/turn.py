@@ -15,7 +15,7 @@ from ....errors import SimulationError
 from ....hybrid.event import Event
 from ....hybrid.result.solution import Solution
 from ....mechanism import INDEX_PER_TURN
-from ....tolerances import SHORT_STRETCH
+from ....tolerances.study import SHORT_STRETCH
 from ....units import MM_PER_M, S_PER_MIN
 from ...identify.problem.working_cycle import WorkingCycle, middle_half
 from ...true_transition import TrueTransition

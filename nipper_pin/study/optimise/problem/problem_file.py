@@ -14,7 +14,8 @@ from msgspec import Meta
 from ....hybrid.result.quantities import refuse_unknown
 from ....mechanism import Mechanism
 from ....mechanism.files.toml_types import Positive
-from ....tolerances import COARSEST_DESIGN, FINEST_TOLERANCE
+from ....tolerances.reduced import FINEST_TOLERANCE
+from ....tolerances.study import COARSEST_DESIGN
 from ...identify.problem.geometry import Sources
 from ...identify.problem.parameters import read_values
 from ...sweep.axes import SPEED, find_target

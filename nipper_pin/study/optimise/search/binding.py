@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....tolerances import ACTIVE_LIMIT
+from ....tolerances.study import ACTIVE_LIMIT
 from ..points import Evaluator
 from ..problem.problem import Problem
 from .trace import Scales, Trace

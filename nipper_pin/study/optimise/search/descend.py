@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....tolerances import DESCENT_END, DESCENT_GAIN, FEASIBLE
+from ....tolerances.study import DESCENT_END, DESCENT_GAIN, FEASIBLE
 from ..points import evaluator
 from .trace import Scales, Trace
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from ....tolerances import NO_CONFLICT
+from ....tolerances.study import NO_CONFLICT
 from ..points import Evaluator
 from ..problem.problem import Aim, Limit, Problem
 from ..work import Work

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ....errors import InfeasibleError
-from ....tolerances import FEASIBLE
+from ....tolerances.study import FEASIBLE
 from ..points import Evaluator
 from ..problem.problem import Limit, Problem
 from ..work import Work

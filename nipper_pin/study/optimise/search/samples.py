@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from ....arrays import FloatArray
-from ....tolerances import FEASIBLE
+from ....tolerances.study import FEASIBLE
 from ..points import evaluator
 from ..problem.problem import Aim, Problem
 from ..problem.quantities import INDICES

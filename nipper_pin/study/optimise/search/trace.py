@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....tolerances import DESIGN_STEP, FEASIBLE
+from ....tolerances.study import DESIGN_STEP, FEASIBLE
 from ..points import Evaluator, Point
 from ..problem.problem import Problem
 

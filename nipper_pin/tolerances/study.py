@@ -1,0 +1,75 @@
+"""Tolerances of studies: fits, designs and what is said of them."""
+
+STUDY_TOLERANCE = 1e-12
+"""[1] Tolerance of the runs of the published study and of sensitivities. The default of a case."""
+SLOWEST_REBOUND = 1e-6
+"""[rad/s] Rest rate of runs whose collisions are counted. A tenth of the lowest threshold of the
+counts, 1e-5 rad/s, so that no count misses a collision."""
+PRELOAD_STEP = 1e-3
+"""[m or rad] Change of a preload from which the share of the spring in a lip force is found. A
+choice: at a given motion forces are linear in the preload, so that no step truncates."""
+DOUBTFUL = 1e-3
+"""[1] Disagreement of two ways to a sensitivity, by the largest effect of the number, beyond which
+it is not used. A choice: the second way has truncation, and sentences name two digits."""
+SMALL_EFFECT = 0.1
+"""[% per unit] Effects that are smaller are weighed as if they were this large. A choice: of
+effects that nobody would use the relative disagreement says nothing."""
+NO_EFFECT = 1e-6
+"""[% per unit] Effects that are smaller count as none. A choice: 1e-5 of ``SMALL_EFFECT``."""
+OVERLAP_M = 1e-6
+"""[m] Links overlap when they are deeper in one another. The distances come from an iteration with
+this tolerance, the default of the library Coal."""
+CONTRADICTED = 1e-3
+"""[1] Probability of so large a chi-square below which the data contradict a fit, and of so small a
+one below which it is too good. A choice: of right fits one in a thousand falls on either side."""
+OUTLYING = 0.01
+"""[1] Probability, for the worst of all targets, below which it is an outlier. A choice: one set of
+right targets in a hundred loses one."""
+AT_BOUND = 1e-3
+"""[1] Distance from a bound, by the range of the number, below which it is at that
+bound. A choice: as ``FIT_STEP``, within which slopes are one-sided."""
+FIT_STEP = 1e-3
+"""[1] Step of differences of a fit, by the range of a number. Truncation is of the order of its
+square, 1e-6, and the default tolerance of a fit, 1e-8, a factor of 1e5 below the step."""
+FIT_DESCENT_STEP = 1e-4
+"""[1] Step of the one-sided differences with which a fit goes down, by the range of a number. The
+square root of the default tolerance, 1e-8: there truncation and error are equal."""
+COARSEST_FIT = 1e-4
+"""[1] Largest tolerance of a fit that may be asked for. A choice: differences over twice
+``FIT_STEP`` then have one digit."""
+COARSEST_DESIGN = 1e-6
+"""[1] Largest tolerance of an optimisation that may be asked for. A choice: differences over twice
+``DESIGN_STEP`` then have two or three digits."""
+DESIGN_STEP = 5e-4
+"""[1] Step of central differences of an optimisation, by the range of a number. Near the cube root
+of the default tolerance, 1e-10, where truncation and error are equal."""
+FEASIBLE = 1e-6
+"""[1] Largest violation of a limit, by its scale, that counts as none. A choice: a thousand times
+``DESCENT_END``, to which descents meet their limits."""
+ACTIVE_LIMIT = 1e-4
+"""[1] A limit with less slack, by its scale, or a bound that is nearer, by the range, is active. A
+choice: a hundred times ``FEASIBLE``, since a descent ends with a little slack."""
+DESCENT_END = 1e-9
+"""[1] Gain of the aim, by its scale, that ends a descent. A choice: ten times the default tolerance
+of the transitions, since a line search in noise has no end."""
+DESCENT_GAIN = 1e-7
+"""[1] Gain of a descent, by the scale of the aim, that is worth another one. A choice: a hundred
+times ``DESCENT_END``."""
+NO_CONFLICT = 1e-6
+"""[1] Difference of the second aim, by its scale, between the best designs by either aim, up to
+which there is no front. A choice: as ``FEASIBLE``."""
+QUANTITY_ROUND_OFF = 1e-9
+"""[1] Relative round-off of a quantity of the working cycle. A choice: positions at the largest
+condition of the closures that is allowed lose 16 eps times 5e4, 2e-10."""
+SHORT_STRETCH = 1e-6
+"""[1] Stretches between events that are shorter, by the whole, are not searched for a peak. A
+choice: in so short a time nothing moves far."""
+CONTROL_ROUND_OFF = 1e-9
+"""[1] Relative round-off of what the control of an optimum reads off a turn. A choice, for the
+reason of ``QUANTITY_ROUND_OFF``; the control shares no number with the search."""
+CONTROL_EDGE = 1e-6
+"""[1] Part of a phase at either end that the control leaves out. A choice: there the stop is just
+being hit or left, and the force belongs to either phase."""
+DRIVE_RETURNS = 1e-6
+"""[rad or m] Change of a driven coordinate over a turn above which its drive winds on. A choice: a
+drive that winds on moves by far more, any other by round-off alone."""
