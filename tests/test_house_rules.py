@@ -22,18 +22,13 @@ LONG = {
     "bench/peers/mujoco_shell.py prepare",
     "bench/peers/pybullet_shell.py prepare",
     "bench/peers/scipy_pinocchio.py prepare",
-    "mechanism/build/elements.py build_elements",
-    "mechanism/build/mechanism.py build_mechanism",
-    "mechanism/drawing/tables.py document",
     "reduced/kernels/flight.py flight",
     "reduced/kernels/kernel.py _transition",
     "reduced/kernels/panel.py solve_panel",
-    "reduced/sampling.py build",
 }
 MANY = {
     "dynamics/impact.py _still",
     "dynamics/multipliers.py multipliers",
-    "mechanism/build/touch_checks.py check_assembly",
     "mechanism/drawing/compound.py flap",
     "mechanism/drawing/visuals.py _box",
     "mechanism/drawing/visuals.py _shape",

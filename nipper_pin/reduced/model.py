@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..mechanism import Mechanism, Stop
 from .kernels.layout import Tables
 from .tables.arrival import Arrival
 
@@ -115,3 +117,26 @@ class ReducedModel:
             sense=float(self.sense),
             lever=float(self.lever),
         )
+
+
+def numbers_of(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> dict[str, Any]:
+    """Return the fields of a reduced model that are those of its mechanism.
+
+    Args:
+        mechanism: The mechanism.
+        stop: Its transition stop.
+        others: Its other stops.
+    """
+    return {
+        "name": mechanism.name,
+        "stop": stop.name,
+        "springs": tuple(spring.name for spring in mechanism.springs),
+        "other_stops": tuple(item.name for item in others),
+        "touch_angle_rad": mechanism.cylinder.angle_at_touch_rad,
+        "sense": mechanism.cylinder.sense,
+        "lever": stop.lever,
+        "restitution": stop.restitution,
+        "stiffness": np.array([spring.stiffness for spring in mechanism.springs]),
+        "preload": np.array([spring.preload for spring in mechanism.springs]),
+        "gravity_m_s2": mechanism.gravity_m_s2,
+    }

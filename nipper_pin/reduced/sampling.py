@@ -28,6 +28,7 @@ from .model import (
     BY_SPEED_AND_RATE,
     BY_SPRINGS,
     ReducedModel,
+    numbers_of,
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
@@ -135,23 +136,13 @@ def build(
     tables, samples = resolved(sampler, domain, weights, tolerance)
     kept = trimmed(sampler, domain, tables, weights, tolerance)
     return ReducedModel(
-        name=mechanism.name,
-        stop=stop.name,
-        springs=tuple(spring.name for spring in mechanism.springs),
-        other_stops=tuple(item.name for item in others),
-        touch_angle_rad=mechanism.cylinder.angle_at_touch_rad,
-        sense=mechanism.cylinder.sense,
+        **numbers_of(mechanism, stop, others),
         travel_rad=travel_rad,
         gap_low=domain.low,
         gap_max=gap_max,
         **vars(kept),
         approach_rate=rate,
         approach_residual=rounded,
-        lever=stop.lever,
-        restitution=stop.restitution,
-        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
-        preload=np.array([spring.preload for spring in mechanism.springs]),
-        gravity_m_s2=mechanism.gravity_m_s2,
         tolerance=tolerance,
         samples=samples,
         arrival=_arrival(system, sampler, opening, gap_max, tolerance) if turn else NOT_SAMPLED,

@@ -187,7 +187,7 @@ def test_contacts_of_links_without_shapes() -> None:
     urdf: Any = SimpleNamespace(shapes={"arm": ("one", "three"), "bare": (), "hand": ("two",)})
 
     def find(name: str) -> Any:
-        among = tree.Tree(None, [], urdf, geometry, "x.toml", "x.urdf")
+        among = tree.Tree(None, (), [], urdf, geometry, "x.toml", "x.urdf")
         return contact._shapes(name, among, "stops.a.contact")
 
     assert find("two") == ["2nd"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -82,50 +82,75 @@ def build_elements(
         UnknownNameError: A joint or frame does not exist.
         ModelError: Keys do not go together, or the values make no spring or damper.
     """
-    springs: list[Spring] = []
-    tables: list[TabulatedSpring] = []
-    dampers: list[Damper] = []
-    struts: list[Strut] = []
-    for name, spring in description.springs.items():
-        where = f"springs.{name}"
-        if _between_points(spring):
-            _check_keys(spring, _SPRING_OF_POINTS, None, where, file)
-            values = {
-                # The check above excludes None.
-                "stiffness": spring.stiffness_N_per_m or 0.0,
-                "free_length": M_PER_MM * (spring.free_length_mm or 0.0),
-            }
-            struts.append(_strut("spring", name, spring, values, urdf.links, model, file))
-            continue
-        joint = _joint(spring, joints, where, file)
-        keys = _OF_JOINT[joint.kind]
-        if any(getattr(spring, key) for key in _TABLES):
-            _check_keys(spring, ("joint", *keys.table), joint, where, file)
-            rows = _characteristic(spring, keys, where, file)
-            tables.append(TabulatedSpring(name=name, index=joint.index, characteristic=rows))
-            continue
-        _check_keys(spring, ("joint", *keys.linear), joint, where, file)
-        stiffness, preload = (getattr(spring, key) for key in keys.linear)
-        springs.append(
-            Spring(name=name, index=joint.index, stiffness=stiffness, preload=keys.scale * preload)
-        )
-    for name, damper in description.dampers.items():
-        where = f"dampers.{name}"
-        if _between_points(damper):
-            _check_keys(damper, _DAMPER_OF_POINTS, None, where, file)
-            values = {"damping": damper.damping_N_s_per_m or 0.0}
-            struts.append(_strut("damper", name, damper, values, urdf.links, model, file))
-            continue
-        joint = _joint(damper, joints, where, file)
-        key = _OF_JOINT[joint.kind].damper
-        _check_keys(damper, ("joint", key), joint, where, file)
-        dampers.append(Damper(name=name, index=joint.index, damping=getattr(damper, key)))
-    dampers += [
-        Damper(name=f"{DYNAMICS}{name}", index=joint.index, damping=urdf.joints[name].damping)
-        for name, joint in joints.items()
-        if urdf.joints[name].damping
+    source = _Source(joints, urdf.links, model, file)
+    found = [
+        *(_spring(source, name, item) for name, item in description.springs.items()),
+        *(_damper(source, name, item) for name, item in description.dampers.items()),
+        *(
+            Damper(name=f"{DYNAMICS}{name}", index=joint.index, damping=urdf.joints[name].damping)
+            for name, joint in joints.items()
+            if urdf.joints[name].damping
+        ),
     ]
-    return Elements(tuple(springs), tuple(tables), tuple(dampers), tuple(struts))
+    return Elements(
+        springs=tuple(item for item in found if isinstance(item, Spring)),
+        tabulated_springs=tuple(item for item in found if isinstance(item, TabulatedSpring)),
+        dampers=tuple(item for item in found if isinstance(item, Damper)),
+        struts=tuple(item for item in found if isinstance(item, Strut)),
+    )
+
+
+class _Source(NamedTuple):
+    """What elements are built from.
+
+    Attributes:
+        joints: Tree joints by name.
+        links: Names of the links.
+        model: Pinocchio model of the tree.
+        file: Name of the TOML file, for messages.
+    """
+
+    joints: Mapping[str, Joint]
+    links: Sequence[str]
+    model: pin.Model
+    file: str
+
+
+def _spring(
+    source: _Source, name: str, spring: SpringDescription
+) -> Spring | TabulatedSpring | Strut:
+    """A linear spring or a table on a joint, or a linear spring between two points."""
+    where, file = f"springs.{name}", source.file
+    if _between_points(spring):
+        _check_keys(spring, _SPRING_OF_POINTS, None, where, file)
+        values = {
+            # The check above excludes None.
+            "stiffness": spring.stiffness_N_per_m or 0.0,
+            "free_length": M_PER_MM * (spring.free_length_mm or 0.0),
+        }
+        return _strut(source, "spring", name, spring, values)
+    joint = _joint(spring, source.joints, where, file)
+    keys = _OF_JOINT[joint.kind]
+    if any(getattr(spring, key) for key in _TABLES):
+        _check_keys(spring, ("joint", *keys.table), joint, where, file)
+        rows = _characteristic(spring, keys, where, file)
+        return TabulatedSpring(name=name, index=joint.index, characteristic=rows)
+    _check_keys(spring, ("joint", *keys.linear), joint, where, file)
+    stiffness, preload = (getattr(spring, key) for key in keys.linear)
+    return Spring(name=name, index=joint.index, stiffness=stiffness, preload=keys.scale * preload)
+
+
+def _damper(source: _Source, name: str, damper: DamperDescription) -> Damper | Strut:
+    """A damper on a joint or between two points."""
+    where, file = f"dampers.{name}", source.file
+    if _between_points(damper):
+        _check_keys(damper, _DAMPER_OF_POINTS, None, where, file)
+        values = {"damping": damper.damping_N_s_per_m or 0.0}
+        return _strut(source, "damper", name, damper, values)
+    joint = _joint(damper, source.joints, where, file)
+    key = _OF_JOINT[joint.kind].damper
+    _check_keys(damper, ("joint", key), joint, where, file)
+    return Damper(name=name, index=joint.index, damping=getattr(damper, key))
 
 
 _Entry = SpringDescription | DamperDescription
@@ -188,16 +213,14 @@ def _characteristic(
 
 
 def _strut(
+    source: _Source,
     kind: Literal["spring", "damper"],
     name: str,
     entry: _Entry,
     values: Mapping[str, float],
-    links: Sequence[str],
-    model: pin.Model,
-    file: str,
 ) -> Strut:
     """An element between two points that can move and do not coincide at touch."""
-    where = f"{kind}s.{name}"
+    where, (_, links, model, file) = f"{kind}s.{name}", source
     strut = Strut(
         name=name, kind=kind, frame_a=entry.frame_a or "", frame_b=entry.frame_b or "", **values
     )

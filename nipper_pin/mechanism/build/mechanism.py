@@ -47,47 +47,24 @@ def build_mechanism(
         UnknownNameError: A name in the data does not exist.
         ModelError: A value in the data cannot be used.
     """
-    file, urdf_file = f"{name}.toml", f"{name}.urdf"
+    file = f"{name}.toml"
     description = describe(data, file)
-    root = parse_xml(urdf_text, urdf_file)
-    urdf = check_urdf(root, urdf_file, mesh_folder)
-    if flatten(root):
-        urdf_text = ElementTree.tostring(root, encoding="unicode")
-    check_frames(description.closures, urdf, file)
-    tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
-    model = build_model(tree_text, description.gravity_m_s2, urdf_file)
-    joints = tree_joints(model, urdf)
-    by_name = {joint.name: joint for joint in joints}
-    placements = joint_placements(model)
+    urdf_text, tree = _tree(name, urdf_text, description, mesh_folder)
+    by_name = {joint.name: joint for joint in tree.joints}
     laws = build_laws(description.drives, file)
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
-    elements = build_elements(description, by_name, urdf, model, file)
+    elements = build_elements(description, by_name, tree.urdf, tree.model, file)
     phases = _phases(description, file)
-    geometry = pin.GeometryModel()
-    if any(stop.contact for stop in description.stops.values()):
-        geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)
-    tree = Tree(model, placements, urdf, geometry, file, urdf_file)
     stops = build_stops(description, by_name, tree)
     for key, path in description.shortcuts.items():
-        _check_shortcut(key, path, data, urdf, file)
-    check_assembly(
-        closures,
-        drives,
-        stops,
-        phases,
-        joints=joints,
-        urdf=urdf,
-        model=model,
-        placements=placements,
-        degrees_of_freedom=description.degrees_of_freedom,
-        file=file,
-    )
+        _check_shortcut(key, path, data, tree.urdf, file)
+    check_assembly(tree, closures, drives, stops, phases, description.degrees_of_freedom)
     return Mechanism(
         name=name,
         title=description.title,
-        joints=joints,
+        joints=tree.joints,
         closures=closures,
         drives=drives,
         springs=elements.springs,
@@ -107,8 +84,27 @@ def build_mechanism(
         urdf=urdf_text,
         description=dict(data),
         mesh_folder=str(mesh_folder),
-        model=model,
+        model=tree.model,
     )
+
+
+def _tree(
+    name: str, urdf_text: str, description: Description, mesh_folder: Path
+) -> tuple[str, Tree]:
+    """Build the tree; its URDF is that of the file, with joints exactly in the plane."""
+    file, urdf_file = f"{name}.toml", f"{name}.urdf"
+    root = parse_xml(urdf_text, urdf_file)
+    urdf = check_urdf(root, urdf_file, mesh_folder)
+    if flatten(root):
+        urdf_text = ElementTree.tostring(root, encoding="unicode")
+    check_frames(description.closures, urdf, file)
+    tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
+    model = build_model(tree_text, description.gravity_m_s2, urdf_file)
+    geometry = pin.GeometryModel()
+    if any(stop.contact for stop in description.stops.values()):
+        geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)
+    joints, placements = tree_joints(model, urdf), joint_placements(model)
+    return urdf_text, Tree(model, joints, placements, urdf, geometry, file, urdf_file)
 
 
 def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:

@@ -14,7 +14,7 @@ from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
-from .tree import supports
+from .tree import Tree, supports
 
 _PLANE = (0, 2)
 
@@ -95,39 +95,31 @@ def _point_jacobian(
 
 
 def check_assembly(
+    tree: Tree,
     closures: Sequence[Closure],
     drives: Sequence[Drive],
     stops: Sequence[Stop],
     phases: Sequence[Phase],
-    *,
-    joints: Sequence[Joint],
-    urdf: Urdf,
-    model: pin.Model,
-    placements: list[pin.SE3],
     degrees_of_freedom: int,
-    file: str,
 ) -> None:
     """Check that the mechanism closes, moves as stated and can be driven.
 
     Args:
+        tree: The tree.
         closures: The cut joints.
         drives: The driven joints.
         stops: The stops.
         phases: The working phases.
-        joints: The tree joints in the order of their coordinates.
-        urdf: The checked URDF.
-        model: The Pinocchio model.
-        placements: World placement of every joint at q = 0.
         degrees_of_freedom: Mobility stated in the TOML file.
-        file: Name of the TOML file, for messages.
 
     Raises:
         AssemblyError: A closure has a gap or redundant rows.
         ModelError: The mobility is not the stated one, a guide does not stand on its joint, or
             drives or stops contradict the closures.
     """
+    model, joints, placements, file = tree.model, tree.joints, tree.placements, tree.file
     _check_gaps(closures, closure_gaps(closures, model, placements), file)
-    jacobian = closure_jacobian(closures, joints, urdf, model, placements)
+    jacobian = closure_jacobian(closures, joints, tree.urdf, model, placements)
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
     redundant = dependent_rows(jacobian, names)
     if redundant:

@@ -20,6 +20,7 @@ class Tree(NamedTuple):
 
     Attributes:
         model: The Pinocchio model.
+        joints: The tree joints in the order of their coordinates.
         placements: World placement of every joint at q = 0.
         urdf: The checked URDF.
         geometry: Collision shapes named like their elements; without any if no stop has a contact.
@@ -28,6 +29,7 @@ class Tree(NamedTuple):
     """
 
     model: pin.Model
+    joints: tuple[Joint, ...]
     placements: list[pin.SE3]
     urdf: Urdf
     geometry: pin.GeometryModel

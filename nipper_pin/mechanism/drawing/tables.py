@@ -43,27 +43,13 @@ def document(tree: Tree) -> dict[str, Any]:
         },
         "drives": _drives(tree),
         "springs": springs,
-        "dampers": {
-            part.joint: {
-                "joint": part.joint,
-                _unit(tree, part.joint, "damping_N_s_per_m", "damping_N_m_s_per_rad"): part.damping,
-            }
-            for part in drawing.parts
-            if isinstance(part, Damper)
-        },
+        "dampers": _dampers(tree),
         "forces": {
             part.joint: {"joint": part.joint, "law": part.law, **part.keys}
             for part in drawing.parts
             if isinstance(part, Force)
         },
-        "initial": {
-            part.joint: {
-                _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
-                _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
-            }
-            for part in drawing.parts
-            if isinstance(part, Start)
-        },
+        "initial": _initial(tree),
         "stops": {name: _stop(tree, part) for name, part in stops.items()},
         "closures": _closures(tree),
         "phases": _phases(drawing.closed, struck),
@@ -108,6 +94,28 @@ def _springs(tree: Tree) -> dict[str, Any]:
                 "free_length_mm": part.free_mm,
             }
     return found
+
+
+def _dampers(tree: Tree) -> dict[str, Any]:
+    return {
+        part.joint: {
+            "joint": part.joint,
+            _unit(tree, part.joint, "damping_N_s_per_m", "damping_N_m_s_per_rad"): part.damping,
+        }
+        for part in tree.drawing.parts
+        if isinstance(part, Damper)
+    }
+
+
+def _initial(tree: Tree) -> dict[str, Any]:
+    return {
+        part.joint: {
+            _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
+            _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
+        }
+        for part in tree.drawing.parts
+        if isinstance(part, Start)
+    }
 
 
 def _stop(tree: Tree, part: Stop) -> dict[str, Any]:

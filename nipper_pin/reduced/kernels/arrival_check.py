@@ -180,8 +180,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
     """
     case, mixed, poly, nodes = work.case, work.mixed, work.poly, work.nodes
     degree, cells = y.equation.shape[3], turn.waiting.shape[1]
-    count = turn.waiting.shape[2]
-    e_N, touch = turn.restitution, y.travel
+    e_N, touch, count = turn.restitution, y.travel, turn.waiting.shape[2]
     u, w = 0.0, -turn.restitution * y.approach * speed
     u_free, w_free = u, w
     at_opening = True
