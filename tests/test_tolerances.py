@@ -9,12 +9,23 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "nipper_pin"
 MODULES = sorted((PACKAGE / "tolerances").glob("[a-z]*.py"))
-ROOMS = ("mechanism", "dynamics", "hybrid", "reduced", "study")
+ROOMS = ("mechanism", "dynamics", "hybrid", "reduced", "study", "bench")
 SETTINGS = {
     "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
     "study/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "study/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
     "study/paper/scheme/fixed_steps.py": "SETTINGS",
+    "bench/peers/drake_witness.py": "SETTINGS",  # steps and tolerances that are compared
+    "bench/peers/exudyn_shell.py": "SETTINGS",
+    "bench/peers/mujoco_native.py": "SETTINGS",
+    "bench/peers/mujoco_shell.py": "SETTINGS",
+    "bench/peers/pybullet_shell.py": "SETTINGS",
+    "bench/peers/rk4.py": "SETTINGS",
+    "bench/peers/scipy_flight.py": "SETTINGS",
+    "bench/peers/sundae.py": "SETTINGS",
+    "bench/run_time/reduced_work.py": "_TOLERANCES",
+    "bench/run_time/stated.py": "STATED_TOLERANCES",
+    "bench/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
     "study/sweep/plan.py": "_MECHANISM_S, _TABLES_S, _REDUCED_S, _DIRECT_S",  # run times
 }
 """Small numbers that are no tolerances, by module."""
@@ -68,3 +79,18 @@ def test_each_tolerance_has_a_unit_and_a_reason(module: Path) -> None:
         assert isinstance(text, ast.Expr)
         assert isinstance(text.value, ast.Constant)
         assert str(text.value.value).startswith("[")
+
+
+def test_judges_share_no_tolerance_with_what_they_judge() -> None:
+    """Neither by their module of tolerances nor by reading another one."""
+    shared = {}
+    for file in [PACKAGE / "tolerances/bench.py", *(PACKAGE / "bench").rglob("*.py")]:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                module, names = node.module or "", {item.name for item in node.names}
+                inner = "tolerances" in f"{module}.{'.'.join(names)}".split(".")
+                if (inner and module != "tolerances.bench") or (
+                    file.parent.name == "tolerances" and node.level
+                ):
+                    shared[file.name] = module
+    assert shared == {}

@@ -17,6 +17,7 @@ from scipy.interpolate import CubicHermiteSpline
 from ...mechanism import Mechanism
 from ...study.paper.scheme.planar_model import first_rebound_rate, planar_model
 from ...study.paper.scheme.planar_motion import jaw_equation
+from ...tolerances.bench import CLOSING
 from .exudyn_model import build
 from .planar_bodies import state
 from .protocol import Bounces, Four, Run, Setting
@@ -31,8 +32,6 @@ SETTINGS = (
 )
 _LONGEST = 2.0
 _FEWEST_STEPS = 12
-# The closing only has to be finer than the second-order steps.
-_CLOSING = 1e-10
 _BOTTOM, _TOP = 5, 11
 
 
@@ -92,7 +91,7 @@ def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
 
     def run(setting: Setting) -> Four:
         t, w, steps, over = 0.0, rate, 0, False
-        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), _CLOSING)
+        bounces = Bounces(p.restitution, rate, -acceleration(0.0, 0.0, rate), CLOSING)
         while not over:
             fly(t, w, setting.value)
             steps += len(path) - 1

@@ -16,9 +16,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
+from ...tolerances.bench import HARD_CONSTRAINT
 
 SHAFT_INERTIA = 1e10
-_HARDER = 1e-9
 # 3 iterations of Newton's method solve a problem without inequalities to round-off.
 _OPTIONS: dict[str, str] = {
     "iterations": "3",
@@ -85,8 +85,8 @@ def _row(values: Iterable[float]) -> str:
 def compile_model(document: str) -> mujoco.MjModel:
     """Compile a document and make its constraints hard."""
     model = mujoco.MjModel.from_xml_string(document)
-    model.body_invweight0[:] *= _HARDER
-    model.dof_invweight0[:] *= _HARDER
+    model.body_invweight0[:] *= HARD_CONSTRAINT
+    model.dof_invweight0[:] *= HARD_CONSTRAINT
     return model
 
 

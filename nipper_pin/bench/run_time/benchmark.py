@@ -6,6 +6,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ...tolerances.bench import DIRECT_DEFAULT
 from .certified import certified, certified_names
 from .cost import costs
 from .imports import ImportCost, import_cost
@@ -15,9 +16,6 @@ from .skips import Pictures, Skip, skips
 from .stated import Stated, true_over_stated
 from .timing import environment
 from .work_precision import Row, accuracy, direct_rows
-
-# A default run of a case is graded at the engine's own default tolerance.
-_DEFAULT_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def benchmark(
     accurate = []
     for name in certified_names():
         case = certified(name)
-        accurate.append(accuracy(case, case.mechanism(), _DEFAULT_TOLERANCE))
+        accurate.append(accuracy(case, case.mechanism(), DIRECT_DEFAULT))
     say("reduced engine")
     reduced_rows, reduced = reduced_work(reference, quick=quick, repeats=count)
     say("peers")

@@ -14,11 +14,10 @@ from ...hybrid.segment import Segment
 from ...hybrid.simulate import simulate
 from ...hybrid.state import State
 from ...mechanism import Mechanism
+from ...tolerances.bench import START_ROUND_OFF
 from .timing import timed
 
 Rows = list[dict[str, Any]]
-
-_ROUND_OFF = 1e-15
 
 
 def phase_cost(mechanism: Mechanism, speed_rpm: float, repeats: int) -> Rows:
@@ -61,7 +60,7 @@ def again(solution: Solution, segment: Segment) -> Advance:
     _, jacobian = system.body.closures(panel.q[:1])
     q = panel.q[0].copy()
     # A stop that has just been left has a gap of exactly zero, the first node one to round-off.
-    q[np.abs(q) < _ROUND_OFF] = 0.0
+    q[np.abs(q) < START_ROUND_OFF] = 0.0
     motion = system.shaft.driven_at(segment.t_start)
     start = State(segment.t_start, q, panel.v[0], jacobian[0], motion, segment.closed)
     return advance(system, start, panel.a[0], solution.shaft.period, solution.case.resolution)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...extras import installed
+from ...tolerances.bench import REDUCED_DEFAULT
 from ...units import MS_PER_S
 from .certified import Certified
 from .timing import Timing, timed
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from ...reduced import ReducedModel
 
 _TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-# The tolerance whose figures stand for the engine, its own default.
-_DEFAULT_TOLERANCE = 1e-10
 _BATCH, _QUICK_BATCH = 50_000, 10_000
 # Cases of a batch that is timed for a row.
 _SHORT_BATCH = 1000
@@ -55,7 +54,7 @@ def reduced_work(
     summary: dict[str, Any] = {"build_ms": building.median_ms, "build_first_ms": building.first_ms}
     rows = [_rows(model, reference, tolerance, repeats, budget) for tolerance in _TOLERANCES]
     singles = [item.single for item in rows]
-    default = rows[_TOLERANCES.index(_DEFAULT_TOLERANCE)]
+    default = rows[_TOLERANCES.index(REDUCED_DEFAULT)]
     summary |= {
         "transition_ms": default.single_time.median_ms,
         "transition_in_batch_ms": default.batch_time.median_ms,

@@ -16,6 +16,7 @@ from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
+from ...tolerances.bench import FINER_RUN, FINEST_RUN
 from .checks.agreement import bits, mirror_images, same_bits, within_errors
 from .checks.engines import engines_agree
 from .checks.invariants import Violation, violations
@@ -24,8 +25,6 @@ from .space import Trial
 RIGHT, REFUSED, WRONG = "right", "refused", "wrong"
 # Three times the longest of 10,000 cases on a slow processor that had other work, too.
 TIME_LIMIT_S = 600.0
-# The tolerance of the second run: halved four times.
-_FINER, _FINEST = 16.0, 1e-14
 # Trials with more evaluations than this are run once only, at their own tolerance.
 _LONG = 100_000
 # Words of messages about faults of the package: never a valid reason to refuse.
@@ -105,7 +104,7 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
     if solution.evaluations > _LONG:
         return solution.outcome.name, bits(solution), found
     found += same_bits(solution, simulate(item.mechanism(), case))
-    finer = replace(resolution, tolerance=max(resolution.tolerance / _FINER, _FINEST))
+    finer = replace(resolution, tolerance=max(resolution.tolerance / FINER_RUN, FINEST_RUN))
     if finer.tolerance < resolution.tolerance:
         # A tolerance that cannot be had is refused, which is an answer.
         try:

@@ -12,7 +12,6 @@ from ...hybrid.motion.panel import Panel
 from ...hybrid.result.solution import Solution
 from ...hybrid.segment import Segment
 
-EPS = float(np.finfo(float).eps)
 EVENTS = 100
 """Of many events and borders of panels that many are looked at, evenly chosen."""
 # Of many segments and of their panels that many are looked at, evenly chosen.

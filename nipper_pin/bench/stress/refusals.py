@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ...tolerances.bench import FALSE_ALARM
 from .judging import REFUSED, Verdict
 
 # Refused of 385 cases of each family, 10,000 cases of seed 421 (docs/stress.md); of linkages, 385
@@ -21,8 +22,6 @@ MEASURED = {
 }  # fmt: skip
 # A share measured on 385 cases is accurate to a few percent; two more are allowed.
 _MORE, _ROOM = 1.2, 0.02
-# Probability of a false alarm for each family.
-_CHANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -68,6 +67,6 @@ def excesses(verdicts: Iterable[Verdict]) -> list[Excess]:
     for family, count in cases.items():
         share = allowed_share(family)
         # Chance of as many refusals or more among so many cases.
-        if refused[family] and bdtrc(refused[family] - 1, count, share) < _CHANCE:
+        if refused[family] and bdtrc(refused[family] - 1, count, share) < FALSE_ALARM:
             found.append(Excess(family, refused[family], count, share))
     return found

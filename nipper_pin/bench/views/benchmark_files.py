@@ -11,14 +11,13 @@ from matplotlib.lines import Line2D
 
 from ...errors import InputError
 from ...hybrid.files.npz import complete_file
+from ...tolerances.bench import LEAST_SHOWN_ERROR
 from ...view.style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 from ..run_time.benchmark import Benchmark
 from ..run_time.work_precision import Row
 from .benchmark_report import markdown
 
 _ENGINES = ("direct", "reduced", "reduced, batch")
-# Below the round-off of a double there is nothing to show.
-_LEAST_ERROR = 1e-16
 
 
 def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
@@ -72,7 +71,7 @@ def work_precision_figure(result: Benchmark) -> Figure:
         short = name.partition(" (")[0]
         colour = LINES[number % len(LINES)]
         marker = MARKERS[(number // len(LINES) + number) % len(MARKERS)]
-        errors = [max(row.error_worst or 0.0, _LEAST_ERROR) for row in rows]
+        errors = [max(row.error_worst or 0.0, LEAST_SHOWN_ERROR) for row in rows]
         style = {"linewidth": 2.2 if own else 1.0, "linestyle": "-" if own else "--"}
         axes.plot(
             errors,

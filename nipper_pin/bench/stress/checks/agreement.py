@@ -9,17 +9,8 @@ import numpy as np
 from ....hybrid.error_estimate.event_errors import EventError
 from ....hybrid.event import Event, EventKind
 from ....hybrid.result.solution import Solution
-from ..observations import EPS
+from ....tolerances.bench import AGREED, EPS, IMPULSE_ROUND_OFF, MIRRORED, PARTED
 from .invariants import Violation
-
-# Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
-_AGREED = 2.0
-# Mirror images have the same errors but for round-off.
-_MIRRORED = 0.25
-# After two solutions differ, the next events of both are less accurate than those before.
-_PARTED = 10.0
-# Round-off of impulses, as a share of the largest one in the same instant.
-_ROUND_OFF = 1e-9
 
 
 def same_bits(first: Solution, second: Solution) -> list[Violation]:
@@ -50,7 +41,7 @@ def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
         coarse: The solution.
         fine: The same case at a smaller tolerance.
     """
-    return list(_compared(coarse, fine, "tolerance", _AGREED))
+    return list(_compared(coarse, fine, "tolerance", AGREED))
 
 
 def mirror_images(solution: Solution, image: Solution) -> list[Violation]:
@@ -62,7 +53,7 @@ def mirror_images(solution: Solution, image: Solution) -> list[Violation]:
         solution: The solution.
         image: The same case of the mirrored machine.
     """
-    return list(_compared(solution, image, "mirror", _MIRRORED))
+    return list(_compared(solution, image, "mirror", MIRRORED))
 
 
 def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iterator[Violation]:
@@ -100,7 +91,7 @@ def _compared(coarse: Solution, fine: Solution, kind: str, share: float) -> Iter
             j += 1
         else:
             # Events that are as near to one another as their errors may come in either order.
-            if not apart <= _PARTED * allowed:
+            if not apart <= PARTED * allowed:
                 text = f"event {one.number}: {one.kind.value} of {one.stops} at {one.t:.9g} s"
                 there = f"{other.kind.value} of {other.stops} at {other.t:.9g} s"
                 yield Violation(kind, f"{text}, and {there}")
@@ -127,7 +118,7 @@ def _left_over(hit: Event, events: list[Event], instant: float) -> bool:
         for event in events
         if abs(event.t - hit.t) <= instant
     )
-    return max(map(abs, hit.P_N.values())) <= _ROUND_OFF * largest
+    return max(map(abs, hit.P_N.values())) <= IMPULSE_ROUND_OFF * largest
 
 
 def _impulses(

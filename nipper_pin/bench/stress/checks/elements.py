@@ -11,10 +11,8 @@ from ....arrays import FloatArray
 from ....dynamics.system import System
 from ....hybrid.result.solution import Solution
 from ....mechanism import Strut
-from ..observations import EPS, beyond, samples
-
-# Largest relative error of a power.
-_POWER = 1e-9
+from ....tolerances.bench import EPS, POWER
+from ..observations import beyond, samples
 
 
 def elements(solution: Solution) -> Iterator[str]:
@@ -52,11 +50,11 @@ def elements(solution: Solution) -> Iterator[str]:
             power = float(system.applied_forces(q[None], v[None])[0] @ v)
             heat = float(system.dissipation(q[None], v[None])[0])
             size = sum(map(abs, terms)) + sum(lost)
-            most = _POWER * size + unsure
+            most = POWER * size + unsure
             yield from beyond(f"{where}: power of springs and dampers [W]",
                               abs(power - sum(terms) + sum(lost)), most)  # fmt: skip
             yield from beyond(f"{where}: power that dampers take [W]", abs(heat - sum(lost)),
-                              _POWER * sum(lost) + unsure)  # fmt: skip
+                              POWER * sum(lost) + unsure)  # fmt: skip
             yield from beyond(f"{where}: power that dampers give [W]", -heat, 0.0)
 
 

@@ -6,11 +6,8 @@ import numpy as np
 
 from ....errors import InputError
 from ....hybrid.result.solution import Solution
-from ..observations import EPS
+from ....tolerances.bench import AGREED, EPS
 from .invariants import Violation
-
-# Stated errors hold within a factor of two (docs/accuracy.md); two solutions have one each.
-_AGREED = 2.0
 
 
 def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
@@ -39,7 +36,7 @@ def engines_agree(direct: Solution, tolerance: float) -> list[Violation] | None:
         return None
     found = direct.transitions[-1].duration
     last = direct.events[-1]
-    stated = _AGREED * (direct.errors[last.number - 1].time + float(batch.duration_error[0]))
+    stated = AGREED * (direct.errors[last.number - 1].time + float(batch.duration_error[0]))
     off = abs(found - float(batch.duration[0]))
     if off <= stated + 16.0 * EPS * (found + 1e-6 * direct.shaft.period):
         return []

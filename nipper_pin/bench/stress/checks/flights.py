@@ -9,15 +9,10 @@ import numpy as np
 from ....arrays import FloatArray
 from ....hybrid.motion.panel import Panel
 from ....hybrid.result.solution import Solution
+from ....tolerances.bench import EPS, LEFT_OUT, POSITION_TERMS
 from ..mechanics.equations import Equations
 from ..mechanics.interpolants import farthest, halfway, interpolated
-from ..observations import EPS, beyond, samples
-
-# Twice integrated, the coefficient of degree k is divided by (2 k)^2; the defect of an interpolant
-# between its nodes is a few times the coefficients that are left out, more at kinks of tables.
-_LEFT_OUT = 40.0
-# A position is a sum of where it starts, of the way at its first rate and of two integrals.
-_ADDED = 4.0
+from ..observations import beyond, samples
 
 
 def flights(solution: Solution) -> Iterator[str]:
@@ -38,7 +33,7 @@ def flights(solution: Solution) -> Iterator[str]:
         ])  # fmt: skip
         loose = equations.loose(segment.closed)
         share = float((off * panel.h**2 / _moved(solution, panel))[:, loose].max(initial=0.0))
-        most = _LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
+        most = LEFT_OUT * (2.0 * panel.order) ** 2 * tolerance + 1e4 * EPS
         yield from beyond(f"flight at {segment.t_start:.9g} s: equations between nodes [share]",
                           share, most)  # fmt: skip
 
@@ -61,7 +56,7 @@ def _beside(
     drift[list(panel.split.independent)] = 0.0
     drifted = equations.accelerations(t, q, v + drift, closed)
     # The round-off of a state is that of the sums that it is.
-    aside = equations.accelerations(t, q + _ADDED * EPS * equations.sizes(q), v, closed)
+    aside = equations.accelerations(t, q + POSITION_TERMS * EPS * equations.sizes(q), v, closed)
     # Noise of accelerations is integrated, too: on a panel, and on those before that led to it, it
     # makes rates of noise, which stiff springs and dampers turn into accelerations again.
     rates = 2.0 * longest * unsure

@@ -8,7 +8,8 @@ import numpy as np
 
 from ....hybrid.event import EventKind
 from ....hybrid.result.solution import Solution
-from ..observations import EPS, EVENTS, beyond, some
+from ....tolerances.bench import EPS
+from ..observations import EVENTS, beyond, some
 
 
 def impulses(solution: Solution) -> Iterator[str]:

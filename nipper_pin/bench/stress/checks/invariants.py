@@ -16,17 +16,15 @@ from ....arrays import FloatArray
 from ....hybrid.event import EventKind
 from ....hybrid.result.solution import Solution
 from ....hybrid.run.outcome import Outcome
+from ....tolerances.bench import BALANCED, EPS
 from ..mechanics.equations import Equations
 from ..mechanics.interpolants import slope
-from ..observations import EPS, EVENTS, Shown, beyond, samples, shown, some
+from ..observations import EVENTS, Shown, beyond, samples, shown, some
 from .elements import elements
 from .flights import flights
 from .impacts import impulses
 from .model import built
 from .rebounds import rebounds
-
-# Share of its largest force that the equation of a coordinate may be off by.
-_BALANCED = 1e-8
 
 
 @dataclass(frozen=True)
@@ -239,9 +237,9 @@ def _forces(
     # The length of a strut is a difference of places.
     acting += system.body.reach_m * sum(item.stiffness for item in solution.mechanism.struts)
     acting += 2.0 * _most(system.body.kinetic_energy(q, v)) / min(system.body.reach_m, 1.0)
-    size += 4.0 * EPS / _BALANCED * acting * reach
+    size += 4.0 * EPS / BALANCED * acting * reach
     share = np.abs(left).max(axis=1) / size.max(axis=1)
-    yield from beyond(f"{where}: equations of motion [share]", float(share.max()), _BALANCED)
+    yield from beyond(f"{where}: equations of motion [share]", float(share.max()), BALANCED)
     if stops:
         # The pull of a strut is one of a difference of lengths, and has their round-off.
         reach = system.body.reach_m

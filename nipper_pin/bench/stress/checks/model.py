@@ -11,11 +11,10 @@ import numpy as np
 
 from ....hybrid.result.solution import Solution
 from ....mechanism import Mechanism
+from ....tolerances.bench import EPS, SAME_MODEL
 from ..mechanics.model_text import Text
-from ..observations import EPS, beyond, samples
+from ..observations import beyond, samples
 
-# Two ways to one number differ by round-off of the places and angles on the way.
-_SAME = 1e-10
 _STATES = 4
 
 
@@ -31,11 +30,13 @@ def built(solution: Solution) -> Iterator[str]:
         # The plane is exact where the text leans out of it; light links hang on heavy ones.
         heavy = np.sqrt(np.outer(*[np.diag(told.mass_matrix)] * 2))
         off = np.abs(found - told.mass_matrix) / np.maximum(heavy, 1e-300)
-        yield from beyond("mass matrix is not that of the text [share]", float(off.max()), _SAME)
+        yield from beyond(
+            "mass matrix is not that of the text [share]", float(off.max()), SAME_MODEL
+        )
         still = np.zeros((1, len(q)))
         weight = body.inverse_dynamics(q[None], still, still)[0]
         off = np.abs(weight - told.weight) / np.maximum(told.weight_size, 1e-300)
-        yield from beyond("weight is not that of the text [share]", float(off.max()), _SAME)
+        yield from beyond("weight is not that of the text [share]", float(off.max()), SAME_MODEL)
     period = 60.0 / solution.case.speed_rpm
     yield from beyond("period is not that of the speed [share]",
                        abs(solution.shaft.period / period - 1.0), 8.0 * EPS)  # fmt: skip

@@ -11,12 +11,10 @@ from ....arrays import FloatArray
 from ....hybrid.result.solution import Solution
 from ....hybrid.result.tables import Collision
 from ....mechanism import Stop
-from ..observations import EPS, beyond, some
+from ....tolerances.bench import CLOSURE_SUM, EPS
+from ..observations import beyond, some
 
 _LOOKED_AT = 12
-# Round-off that closures hand on: they are sums of some eight terms, each with half a last digit of
-# angles of about a radian and lengths of less than a metre [rad or m].
-_LOST = 4.0 * EPS
 # Points over the whole flight, then about its highest one, three times: 3e-5 of the flight apart in
 # the end, where a parabola leaves less than 1e-9 of its height.
 _FIRST, _NEXT = 65, 17
@@ -44,7 +42,9 @@ def rebounds(solution: Solution) -> Iterator[str]:
                            abs(time - (end.t - hit.t)), clock)  # fmt: skip
         seen = _highest(solution, stop, hit.t, end.t)
         moved = abs(stop.at) + amplitude
-        most = 1e-8 * amplitude + 16.0 * EPS * moved + clock * abs(hit.separation_rate) + _LOST
+        most = (
+            1e-8 * amplitude + 16.0 * EPS * moved + clock * abs(hit.separation_rate) + CLOSURE_SUM
+        )
         most += 10.0 * solution.case.resolution.tolerance * amplitude
         yield from beyond(f"{where}: rebound amplitude is not that of the motion [rad or m]",
                            abs(amplitude - seen), most)  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....hybrid.result.solution import Solution
-from ..observations import EPS
+from ....tolerances.bench import EPS
 from .chain_sizes import ChainSizes
 from .plain_tree import PlainTree
 

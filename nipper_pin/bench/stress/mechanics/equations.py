@@ -13,13 +13,10 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....hybrid.result.solution import Solution
-from ..observations import EPS
+from ....tolerances.bench import EPS, ROUNDINGS_PER_LINK
 from .applied_forces import AppliedForces
 from .chain_sizes import ChainSizes
 from .plain_tree import PlainTree
-
-# Turning into the axes of a link, shifting to its joint, adding: so many roundings a link.
-_ROUNDINGS = 4.0
 
 
 class _Solved(NamedTuple):
@@ -176,7 +173,7 @@ class Equations:
 
     def _roundings(self) -> float:
         """Relative round-off of what is added up from link to link along the longest chain."""
-        return 0.5 * EPS * _ROUNDINGS * (self._sizes.longest + 2.0)
+        return 0.5 * EPS * ROUNDINGS_PER_LINK * (self._sizes.longest + 2.0)
 
     def _mass(self, q: FloatArray) -> FloatArray:
         mass = self.tree.mass(q)

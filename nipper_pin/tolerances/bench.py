@@ -1,0 +1,68 @@
+"""Tolerances of judges and peers, none of them shared with the engines that they judge."""
+
+import sys
+
+EPS = sys.float_info.epsilon
+"""[1] Relative round-off is a multiple of this. Spacing of doubles above one, 2^-52."""
+
+# Checks of the stress campaign
+
+AGREED = 2.0
+"""[1] Multiple of the sum of two stated errors by which two solutions may differ. A choice:
+true errors of chains were measured to be up to 1.2 times the stated ones, at coarse tolerances."""
+MIRRORED = 0.25
+"""[1] The same for a machine and its mirror image. A choice: truncation is the same in both, so
+that they differ by round-off alone."""
+PARTED = 10.0
+"""[1] Multiple of what is allowed, for the first events of two solutions that are not the same. A
+choice: what comes after they part is less accurate than what came before."""
+IMPULSE_ROUND_OFF = 1e-9
+"""[1] Impulses that are smaller, by the largest in the same instant, are not compared. A choice: a
+stop that is struck by round-off alone has an impulse far below."""
+POWER = 1e-9
+"""[1] Relative error of the power of springs and dampers, beside the round-off of their lengths. A
+choice: six or seven digits above eps."""
+BALANCED = 1e-8
+"""[1] Part of its largest force that the equation of a coordinate may be off by. A choice: half the
+digits of a double."""
+SAME_MODEL = 1e-10
+"""[1] Relative difference of masses and weights by two ways. A choice: both are sums of rounded
+places and angles, and keep ten digits of sixteen."""
+CLOSURE_SUM = 4.0 * EPS
+"""[rad or m] Round-off of a position that closures determine. Sums of some eight terms, each with
+half a last digit of angles of about a radian and lengths below a metre."""
+LEFT_OUT = 40.0
+"""[1] Defect of the equations between nodes, by the tolerance times (2 order)^2. A choice: two
+integrals divide the coefficient of degree k by (2 k)^2, and an interpolant leaves out several, more
+at kinks of tables."""
+POSITION_TERMS = 4.0
+"""[1] Round-off of a position in eps of its terms. It is a sum of four: its start, the way at its
+first rate, and two integrals."""
+ROUNDINGS_PER_LINK = 4.0
+"""[1] Roundings, of half an eps each, for a link of a chain. A choice, for turning into its axes,
+shifting to its joint and adding."""
+FINER_RUN = 16.0
+"""[1] The tolerance of a case by that of its second run. A choice: halved four times."""
+FINEST_RUN = 1e-14
+"""[1] Least tolerance of the second run. The least that the direct engine takes."""
+FALSE_ALARM = 1e-6
+"""[1] Probability that chance alone explains the refusals of a family, below which they are too
+many. A choice: of a million families as good as those measured one is blamed."""
+
+# Peers and tables
+
+DIRECT_DEFAULT = 1e-12
+"""[1] Tolerance at which the direct engine is graded. Its default."""
+REDUCED_DEFAULT = 1e-10
+"""[1] Tolerance at which the reduced engine is graded. Its default."""
+START_ROUND_OFF = 1e-15
+"""[rad or m] Coordinates of a first node that are smaller are set to zero. A stop that was just
+left has a gap of zero, the node one of a few eps at most."""
+CLOSING = 1e-10
+"""[1] Relative uncertainty at which the bounces of Exudyn are closed by extrapolation. A choice:
+finer than its second-order steps, so that it adds nothing to their error."""
+HARD_CONSTRAINT = 1e-9
+"""[1] Factor on MuJoCo's estimate of the inverse inertia that makes its constraints soft. A choice:
+of an error of accelerations of 1e-4 it leaves 1e-13."""
+LEAST_SHOWN_ERROR = 1e-16
+"""[1] Smaller errors are drawn as this one. Half an eps: no double is known better."""
