@@ -8,8 +8,8 @@ EPS = sys.float_info.epsilon
 # Checks of the stress campaign
 
 AGREED = 2.0
-"""[1] Multiple of the sum of two stated errors by which two solutions may differ. A choice:
-true errors of chains were measured to be up to 1.2 times the stated ones, at coarse tolerances."""
+"""[1] Multiple of the sum of two stated errors by which two solutions may differ. A choice: true
+errors of chains were measured to be up to 1.2 times the stated ones, at coarse tolerances."""
 MIRRORED = 0.25
 """[1] The same for a machine and its mirror image. A choice: truncation is the same in both, so
 that they differ by round-off alone."""

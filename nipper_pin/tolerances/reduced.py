@@ -32,8 +32,8 @@ ZERO_RESOLUTION = 64.0 * EPS
 """[1] A Newton step out of the bracket that is shorter ends the search, by the time of the zero. A
 choice: the polynomial is a sum of up to 25 rounded terms, and its zero no better known."""
 TRAVEL_END = 1e-12
-"""[1] Part of the travel of the tables below which nothing is left to follow. A choice:
-thousands of times the round-off of a place, 2.2e-16."""
+"""[1] Part of the travel of the tables below which nothing is left to follow. A choice: thousands
+of times the round-off of a place, 2.2e-16."""
 DEFECT_EFFECT = 12.0
 """[1] A defect of the acceleration between n nodes acts on end and peak at most as a constant error
 of this times it by n^2. Computed for the first missing polynomials with decays of 0.1 to 0.8: 7.9;

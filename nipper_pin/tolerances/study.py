@@ -26,8 +26,8 @@ OUTLYING = 0.01
 """[1] Probability, for the worst of all targets, below which it is an outlier. A choice: one set of
 right targets in a hundred loses one."""
 AT_BOUND = 1e-3
-"""[1] Distance from a bound, by the range of the number, below which it is at that
-bound. A choice: as ``FIT_STEP``, within which slopes are one-sided."""
+"""[1] Distance from a bound, by the range of the number, below which it is at that bound. A choice:
+as ``FIT_STEP``, within which slopes are one-sided."""
 FIT_STEP = 1e-3
 """[1] Step of differences of a fit, by the range of a number. Truncation is of the order of its
 square, 1e-6, and the default tolerance of a fit, 1e-8, a factor of 1e5 below the step."""

@@ -21,18 +21,20 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
-from ...tolerances.hybrid import SERIES_LIMIT_STEP, TIME_ROUND_OFF
+from ...tolerances.hybrid import (
+    SERIES_EARLIER,
+    SERIES_LIMIT_STEP,
+    SERIES_PACE,
+    SERIES_PART,
+    SERIES_SAFETY,
+    SETTLED_DECELERATION,
+    TIME_ROUND_OFF,
+)
 
 _MOST_POINTS = 8
-# The difference of two orders estimates the error of the higher one. Where it changes sign, parts
-# of the two differences before replace it, limited by the ratio at which differences decrease.
-_SAFETY, _PART, _EARLIER, _PACE = 3.0, 0.06, 0.1, 10.0
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
-# Nor do collisions where the deceleration was another one altogether: a polynomial through them
-# seems to converge, to the wrong limit.
-_SETTLED = 0.75
 _MOST_STEPS = 12
 
 
@@ -92,7 +94,7 @@ class BounceSeries:
         changes = [abs(end - before) for before, end in pairwise(ends)]
         best, least = (inf, inf), inf
         for order in range(2, len(ends)):
-            shown = max(_SAFETY * changes[order - 1], _PART * changes[order - 2])
+            shown = max(SERIES_SAFETY * changes[order - 1], SERIES_PART * changes[order - 2])
             if shown < least:
                 least = shown
                 best = (last + ends[order], max(shown, _later(changes, order)))
@@ -114,7 +116,7 @@ class BounceSeries:
         for count, (rate, deceleration) in enumerate(far, start=2):
             if rate > _FAR * self.fastest and count > 3:
                 break
-            if abs(deceleration / nearest - 1.0) > _SETTLED:
+            if abs(deceleration / nearest - 1.0) > SETTLED_DECELERATION:
                 break
             end = _root(times[:count], rates, pressing, half, end)
             if not end > 0.0:
@@ -129,7 +131,8 @@ def _later(changes: Sequence[float], order: int) -> float:
     found = max(changes[order : order + 1], default=0.0)
     if order > 2 and changes[order - 3] > 0.0:
         earlier, before, last = changes[order - 3 : order]
-        found = max(found, min(_EARLIER * earlier, _PACE * max(before * before / earlier, last)))
+        pace = SERIES_PACE * max(before * before / earlier, last)
+        found = max(found, min(SERIES_EARLIER * earlier, pace))
     return found
 
 

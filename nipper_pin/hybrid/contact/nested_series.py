@@ -22,15 +22,10 @@ from math import inf
 
 import numpy as np
 
+from ...tolerances.hybrid import NEARLY_GEOMETRIC, NESTED_ERROR_PART, NESTED_ERROR_SAFETY
 from ...tolerances.mechanics import EPS
 
 _MOST_POINTS = 8
-# The difference of two orders shows the error of the higher one up to a
-# factor, unless it changes its sign just there.
-_SAFETY, _PART = 4.0, 0.015
-# A limit this far, relatively, from that of a series with the last two times and rates, were it
-# geometric, belongs to collisions that are not of one series yet.
-_GEOMETRIC = 0.5
 
 
 @dataclass(frozen=True)
@@ -72,12 +67,12 @@ class NestedSeries:
         for count, (lower, higher) in enumerate(pairwise(values), start=2):
             before, change = change, abs(higher - lower)
             noise = EPS * abs(last) * _amplified(self.rates[-count:])
-            error = _SAFETY * max(change, _PART * before) + noise
+            error = NESTED_ERROR_SAFETY * max(change, NESTED_ERROR_PART * before) + noise
             if error < best[1]:
                 best = (higher, error)
         far, near = self.rates[-2:]
         geometric = (last - self.times[-2]) * near / (far - near)
-        if not abs(best[0] - geometric) <= _GEOMETRIC * geometric:
+        if not abs(best[0] - geometric) <= NEARLY_GEOMETRIC * geometric:
             return inf, inf
         return last + best[0], best[1]
 

@@ -17,16 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
-from ...tolerances.hybrid import CLOCK_ROUND_OFF, RATE_ROUND_OFF
+from ...tolerances.hybrid import CLOCK_ROUND_OFF, RATE_ROUND_OFF, SERIES_ERROR_SAFETY
 from ..event import Event, EventKind
 from ..segment import Segment
 from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing
 from .local_error import round_off
 from .release_time import release_error
 from .zonotope import Deviations
-
-# The limit of a series of bounces was off by up to 1.8 times what its points tell.
-_LIMIT = 2.0
 
 
 @dataclass(frozen=True)
@@ -271,7 +268,7 @@ def _rested(
         impulses = _with_round_off(event, impact, _pushed(system, event, impact, deviations))
         deviations = deviations.through(impact.matrix)
         deviations = deviations.joined(maps.left_out(event, beyond)).merged()
-    limit = _LIMIT * event.series_error
+    limit = SERIES_ERROR_SAFETY * event.series_error
     time, since = (float(np.abs(item).sum()) + limit for item in (late, left))
     return deviations, EventError(time, before.error.impulse, since, impulses)
 

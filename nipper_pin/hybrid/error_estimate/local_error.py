@@ -12,21 +12,19 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities, inverted
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances.hybrid import DIFFERENCE_STEP, LOCAL_ERROR_SAFETY
-from ...tolerances.mechanics import EPS
+from ...tolerances.hybrid import (
+    DIFFERENCE_STEP,
+    INDEPENDENT_ROUND_OFF,
+    LOCAL_ERROR_SAFETY,
+    POLYNOMIAL_ROUND_OFF,
+)
 from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
-
-# Round-off of closures beside the reach of the machine: what 8 states, true errors of events that
-# follow from the drives were at most a tenth of, and a hundredth in the median.
-_CLOSED = 4.0
-# Round-off of a polynomial, in units of that of its largest term.
-_OPERATIONS = 4.0
 
 
 def independent_round_off(system: System) -> float:
     """Round-off of an independent position [rad or m], of the size that closures have."""
-    return _CLOSED * EPS * system.body.reach_m
+    return INDEPENDENT_ROUND_OFF * system.body.reach_m
 
 
 def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
@@ -90,7 +88,7 @@ def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[Floa
         # integrated, a quarter of their number times the last one is missing.
         last = np.abs(grid.integrals[0][-2:] @ a).max(axis=0)
         missing = np.maximum(missing, 0.25 * panel.order * last)
-    round_off = _OPERATIONS * EPS * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
+    round_off = POLYNOMIAL_ROUND_OFF * (np.abs(panel.v[0]) + h * np.abs(a).max(axis=0))
     position = missing / (2.0 * panel.order) ** 2 + np.abs(grid.twice @ swept).max(axis=0)
     velocity = missing / (2.0 * panel.order) + np.abs(grid.once @ swept).max(axis=0)
     return (

@@ -6,14 +6,11 @@ import numpy as np
 
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
-from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, FORCE_SLOPE_STEP, SMALLEST
 from ..motion.panel import Panel, forces_at
 from .local_error import of_closures
 from .variational import free_coordinates, tangents
 from .zonotope import Deviations
-
-# Part of a panel over which the slope of the force is taken.
-_SLOPE_STEP = 1e-3
 
 
 def release_error(
@@ -32,7 +29,7 @@ def release_error(
     Returns:
         The error [s]; infinite if the force does not fall.
     """
-    column, step = phase.stops.index(index), _SLOPE_STEP * min(panel.h, t - panel.t)
+    column, step = phase.stops.index(index), FORCE_SLOPE_STEP * min(panel.h, t - panel.t)
     if step <= 0.0:
         return np.inf
     q, v, _, forces = forces_at(system, phase, panel, np.array([t - step, t]))

@@ -8,11 +8,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ConvergenceError
-from ...tolerances.hybrid import ROOT_RESOLUTION
+from ...tolerances.hybrid import ROOT_RESOLUTION, SHALLOW_DIP
 
 _MAX_STEPS = 80
-# Of its higher side: the bottom of a dip that the parabola puts above this is above zero.
-_SHALLOW = 0.25
 # Parabolas through points around the bottom of a dip, each closer by this factor than the last.
 _PARABOLAS, _CLOSER = 3, 0.1
 
@@ -53,7 +51,7 @@ def first_descent(
             # The parabola of a resolved function is good to a fraction of the dip's depth.
             if (
                 not grid[dip - 1] < lowest < grid[dip + 1]
-                or estimate > _SHALLOW * values[near].max()
+                or estimate > SHALLOW_DIP * values[near].max()
             ):
                 continue
             lowest, value = _lowest(function, lowest, grid[near])

@@ -14,16 +14,12 @@ from ...dynamics.assembly import (
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
-from ...tolerances.hybrid import COORDINATE_ROUND_OFF, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, MAX_AMPLIFICATION, ROUND_OFF_SAFETY, SMALLEST
 from ...tolerances.mechanics import EPS, MAX_CONDITION
 from ..case import Resolution
 from .chebyshev import nodes, tail
 from .noise_floor import of_closures, rates_of_closures
 from .panel import Attempt, Begin, Panel, judged
-
-# Near a dead centre round-off of the closures moves coordinates by more than any motion may lose:
-# what is amplified further counts as unresolved.
-_AMPLIFIED = 1e3
 
 
 def kinematic_panel(
@@ -171,5 +167,5 @@ def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Parti
     size = np.abs(q).max(axis=0) + EPS
     _, inverse = inverted(jacobian[0].take(split.columns, 1))
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
-    size[split.columns] += np.minimum(moved, _AMPLIFIED)
+    size[split.columns] += np.minimum(moved, MAX_AMPLIFICATION)
     return np.asarray(COORDINATE_ROUND_OFF * size)

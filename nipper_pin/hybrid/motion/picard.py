@@ -10,7 +10,13 @@ from ...arrays import FloatArray, product
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
-from ...tolerances.hybrid import COORDINATE_ROUND_OFF, ITERATION_FLOOR, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import (
+    COORDINATE_ROUND_OFF,
+    ITERATION_FLOOR,
+    NOTICED_ROUND_OFF,
+    ROUND_OFF_SAFETY,
+    SMALLEST,
+)
 from ..case import Resolution
 from .chebyshev import decayed, nodes, prolonged
 from .noise_floor import of_closures, roughness
@@ -33,8 +39,6 @@ _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
 # held shaft.
 _RUN_AWAY = 1e9
-# Share of the motion from which on an allowance for round-off may decide on a panel.
-_NOTICED = 0.1
 
 
 def flight_panel(
@@ -254,7 +258,7 @@ class _Picard:
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
         allowance = ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance
-        matters = bool((self._phase.moving * (allowance > _NOTICED * self._way)).any())
+        matters = bool((self._phase.moving * (allowance > NOTICED_ROUND_OFF * self._way)).any())
         self._moved = self._moved * (self._way / (self._way + allowance))
         self._way += allowance
         self._weigh()

@@ -9,9 +9,6 @@ from ....arrays import FloatArray
 from ....dynamics.system import System
 from ...state import State
 
-# What is left of the motion is dropped. It leaves an error of the motion afterwards of order w^3,
-# found to be at most 2e-3 w^3 in relative rates of inertial shafts (:mod:`.truncated_bounces`).
-DROPPED = 100.0
 UNKNOWN = inf, inf
 
 

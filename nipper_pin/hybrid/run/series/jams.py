@@ -12,12 +12,12 @@ from ....arrays import FloatArray
 from ....dynamics.system import System
 from ....errors import ImpactError
 from ....mechanism import Mechanism
-from ....tolerances.hybrid import SIMULTANEOUS, SLOWEST_JAM_RATE
+from ....tolerances.hybrid import JAM_SLOWING, SIMULTANEOUS, SLOWEST_JAM_RATE
 from ...event import Event, EventKind
 from .struck import Struck
 
-# As many collisions in one instant, no stop struck slower in the end but for this share, are a jam.
-_JAM, _NO_SLOWER = 20, 1e-3
+# As many collisions in one instant are a jam if no stop is struck slower in the end.
+_JAM = 20
 
 
 class Jams:
@@ -76,7 +76,7 @@ def check_jam(mechanism: Mechanism, events: Sequence[Event], instant: float) -> 
     # Contacts without approach strike nothing.
     least = SLOWEST_JAM_RATE * max(fastest, default=0.0)
     if len(struck) > 1 and all(
-        len(rates) > 1 and rates[-1] >= max((1.0 - _NO_SLOWER) * rates[0], least)
+        len(rates) > 1 and rates[-1] >= max((1.0 - JAM_SLOWING) * rates[0], least)
         for rates in struck.values()
     ):
         message = (

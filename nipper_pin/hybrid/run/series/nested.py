@@ -9,11 +9,12 @@ from ....arrays import FloatArray
 from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ImpactError, SingularConfigurationError
+from ....tolerances.hybrid import DROPPED_SERIES
 from ...case import Case
 from ...contact.complementarity import Closed, pressed
 from ...contact.nested_series import NestedSeries
 from ...state import State
-from .guards import DROPPED, UNKNOWN, knot_between, other_stop_meets
+from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Struck
 
 
@@ -99,7 +100,7 @@ def rest_of_nested(
         # One that loses nothing comes to rest by what the others lose, if at all.
         return UNKNOWN
     tolerance = case.resolution.tolerance
-    if series.rates[-1] ** 3 > DROPPED * tolerance * series.fastest**3:
+    if series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3:
         return UNKNOWN
     t_rest, error = series.limit()
     if system.shaft.smooth_for(state.t) < t_rest - state.t:

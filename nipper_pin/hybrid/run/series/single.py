@@ -12,17 +12,13 @@ from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ConvergenceError, ElementError, SingularConfigurationError
 from ....mechanism import Stop
-from ....tolerances.hybrid import TIME_ROUND_OFF
+from ....tolerances.hybrid import CONSTANT_DECELERATION, DROPPED_SERIES, TIME_ROUND_OFF
 from ...case import Case
 from ...contact.bounce_series import BounceSeries
 from ...contact.complementarity import pressed
 from ...state import State
-from .guards import DROPPED, UNKNOWN, knot_between, other_stop_meets
+from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Struck
-
-# A deceleration that changes by more than this share is not taken for constant, unless no more than
-# round-off of a turn is left.
-_CHANGED = 0.1
 
 
 class SingleBounces:
@@ -95,9 +91,9 @@ def rest_of_series(
         # does so faster, and near a dead centre everything does.
         changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
         changes += abs(_deceleration_at_rest(system, state, a, stop, remaining) / deceleration - 1)
-        if changes < _CHANGED or remaining <= TIME_ROUND_OFF * period:
+        if changes < CONSTANT_DECELERATION or remaining <= TIME_ROUND_OFF * period:
             return t + remaining, min(changes, 1.0) * remaining
-    if rate**3 > DROPPED * tolerance * series.fastest**3:
+    if rate**3 > DROPPED_SERIES * tolerance * series.fastest**3:
         return UNKNOWN
     if system.shaft.smooth_for(t) < 2.0 * remaining:
         # What follows a knot of a drive's table is another function of time.
