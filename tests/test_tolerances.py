@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import ast
+import re
+import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parents[1] / "nipper_pin"
+ROOT = Path(__file__).parents[1]
+sys.path.append(str(ROOT / "scripts/maintain/figures"))
+
+from write_tolerance_pages import pages, tolerances  # noqa: E402
+
+PACKAGE, DOCS = ROOT / "nipper_pin", ROOT / "docs"
 MODULES = sorted((PACKAGE / "tolerances").glob("[a-z]*.py"))
 ROOMS = ("mechanism", "dynamics", "hybrid", "reduced", "study", "bench")
 SETTINGS = {
@@ -70,15 +78,32 @@ def test_no_other_module_of_these_rooms_defines_a_tolerance() -> None:
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: path.stem)
-def test_each_tolerance_has_a_unit_and_a_reason(module: Path) -> None:
-    body = ast.parse(module.read_text(encoding="utf-8")).body
-    places = [i for i, node in enumerate(body) if isinstance(node, ast.Assign)]
-    assert len(places) > 15
-    for place in places:
-        text = body[place + 1]
-        assert isinstance(text, ast.Expr)
-        assert isinstance(text.value, ast.Constant)
-        assert str(text.value.value).startswith("[")
+def test_each_tolerance_has_a_unit_and_a_derivation(module: Path) -> None:
+    source = module.read_text(encoding="utf-8")
+    found = tolerances(source)
+    assert len(found) == len(re.findall(r"^[A-Z_]+ = ", source, re.MULTILINE)) > 15
+    for item in found:
+        assert item.unit, item
+        assert len(item.decides.split()) > 3, item
+        assert len(item.derivation.split()) > 1, item
+
+
+def test_the_pages_are_what_the_program_writes() -> None:
+    """`python scripts/maintain/figures/write_tolerance_pages.py` writes them anew."""
+    written = pages()
+    assert {path.stem for path in DOCS.glob("tolerances*.md")} == set(written)
+    for name, text in written.items():
+        assert (DOCS / f"{name}.md").read_text(encoding="utf-8") == text, name
+
+
+def test_the_pages_hold_every_tolerance_once() -> None:
+    text = "\n".join(pages().values())
+    for module in MODULES:
+        for item in tolerances(module.read_text(encoding="utf-8")):
+            value = eval(item.value.replace(" eps", " * 2.0**-52"), {})
+            actual = getattr(import_module(f"nipper_pin.tolerances.{module.stem}"), item.name)
+            assert value == pytest.approx(actual, rel=1e-2 if item.name == "EPS" else 1e-15)
+            assert f"| `{item.name}` | {item.value} | {item.unit} |" in text
 
 
 def test_judges_share_no_tolerance_with_what_they_judge() -> None:

@@ -65,4 +65,4 @@ HARD_CONSTRAINT = 1e-9
 """[1] Factor on MuJoCo's estimate of the inverse inertia that makes its constraints soft. A choice:
 of an error of accelerations of 1e-4 it leaves 1e-13."""
 LEAST_SHOWN_ERROR = 1e-16
-"""[1] Smaller errors are drawn as this one. Half an eps: no double is known better."""
+"""[1] Smaller errors are drawn as this one. It is about half an eps: no double is known better."""

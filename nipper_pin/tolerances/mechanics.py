@@ -12,7 +12,8 @@ CLOSURE_RESIDUAL = 16.0 * EPS
 rounded lengths of that size is no better."""
 MAX_CONDITION = 5e4
 """[1] Condition of the dependent closure columns from which a position is singular. Positions are
-known to 16 eps times it, 2e-10, rates to 1e-5; accelerations lose it once more."""
+known to 16 eps times it, 2e-10, rates to 1e-5; accelerations lose it once more, and a little beyond
+round-off decides on them."""
 GOOD_CONDITION = 25.0
 """[1] By the number of closure rows: condition up to which no better choice of dependent
 coordinates is looked for. A choice: it multiplies what is left unresolved of the independent

@@ -3,8 +3,8 @@
 from .mechanics import EPS
 
 FINEST_TOLERANCE = 1e-13
-"""[1] Least tolerance of the reduced engine that may be asked for. 450 eps: the defect of a panel
-alone is known to 8 eps of the acceleration, and a choice leaves room above that."""
+"""[1] Least tolerance of the reduced engine that may be asked for. A choice: it is 450 eps, and the
+defect of a panel alone is known to 8 eps of the acceleration."""
 COARSEST_TOLERANCE = 1e-3
 """[1] Largest tolerance of the reduced engine that may be asked for. A choice: three digits."""
 ARRIVAL_TABLES = 1e-10
@@ -27,7 +27,7 @@ COARSE_SWEEP = 1e-4
 is good enough. A choice: it only places the end of a panel, with a margin of 1e-2."""
 NEWTON_STEP = 1e-8
 """[1] Last step of Newton's method for a zero or a peak, by the time of the zero or the panel. What
-is left is about its square, 1e-16, half of eps."""
+is left is about its square, 1e-16, about half of eps."""
 ZERO_RESOLUTION = 64.0 * EPS
 """[1] A Newton step out of the bracket that is shorter ends the search, by the time of the zero. A
 choice: the polynomial is a sum of up to 25 rounded terms, and its zero no better known."""
@@ -36,8 +36,8 @@ TRAVEL_END = 1e-12
 of times the round-off of a place, 2.2e-16."""
 DEFECT_EFFECT = 12.0
 """[1] A defect of the acceleration between n nodes acts on end and peak at most as a constant error
-of this times it by n^2. Computed for the first missing polynomials with decays of 0.1 to 0.8: 7.9;
-times 1.5 for other decays, and rounded up."""
+of this multiple of it, divided by n^2. Computed for the first missing polynomials with decays of
+0.1 to 0.8: 7.9; times 1.5 for other decays, and rounded up."""
 LIMIT_ERROR_SAFETY = 16.0
 """[1] Factor on the difference of the last extrapolations of a series of bounces. Measured on
 20,000 random cases: the error of the better one was larger by up to 10 in one of them."""

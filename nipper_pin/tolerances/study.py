@@ -21,7 +21,7 @@ OVERLAP_M = 1e-6
 this tolerance, the default of the library Coal."""
 CONTRADICTED = 1e-3
 """[1] Probability of so large a chi-square below which the data contradict a fit, and of so small a
-one below which it is too good. A choice: of right fits one in a thousand falls on either side."""
+one below which it is too good. A choice: of right fits one in a thousand falls on each side."""
 OUTLYING = 0.01
 """[1] Probability, for the worst of all targets, below which it is an outlier. A choice: one set of
 right targets in a hundred loses one."""
@@ -62,8 +62,8 @@ QUANTITY_ROUND_OFF = 1e-9
 """[1] Relative round-off of a quantity of the working cycle. A choice: positions at the largest
 condition of the closures that is allowed lose 16 eps times 5e4, 2e-10."""
 SHORT_STRETCH = 1e-6
-"""[1] Stretches between events that are shorter, by the whole, are not searched for a peak. A
-choice: in so short a time nothing moves far."""
+"""[1] Part of a stretch between events, or of a turn, that is left out of account. A choice: in so
+short a time nothing moves far."""
 CONTROL_ROUND_OFF = 1e-9
 """[1] Relative round-off of what the control of an optimum reads off a turn. A choice, for the
 reason of ``QUANTITY_ROUND_OFF``; the control shares no number with the search."""
