@@ -77,6 +77,18 @@ def test_no_other_module_of_these_rooms_defines_a_tolerance() -> None:
     assert {name: text for name, text in names.items() if text} == SETTINGS
 
 
+def test_no_comparison_of_a_solver_or_study_holds_a_small_number() -> None:
+    found = []
+    for module in [each for room in ROOMS[:-1] for each in (PACKAGE / room).rglob("*.py")]:
+        for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Compare) and any(
+                type(getattr(part, "value", None)) is float and 0 < part.value < 1e-3  # type: ignore[attr-defined]
+                for part in ast.walk(node)
+            ):
+                found.append(f"{module.name}: {ast.unparse(node)}")
+    assert found == []
+
+
 @pytest.mark.parametrize("module", MODULES, ids=lambda path: path.stem)
 def test_each_tolerance_has_a_unit_and_a_derivation(module: Path) -> None:
     source = module.read_text(encoding="utf-8")

@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from ..dynamics.system import DriveMode
 from ..errors import InputError
+from ..tolerances.hybrid import LARGEST_TOLERANCE, LEAST_TOLERANCE
 
 # Faster ones overflow in squares of rates long before they mean anything.
 _FASTEST_RPM = 1e9
@@ -51,7 +52,8 @@ class Resolution:
 
     def __post_init__(self) -> None:
         """Validate."""
-        _require(1e-14 <= self.tolerance <= 1e-3, "tolerance", self.tolerance, "1e-14 to 1e-3")
+        allowed = LEAST_TOLERANCE <= self.tolerance <= LARGEST_TOLERANCE
+        _require(allowed, "tolerance", self.tolerance, "1e-14 to 1e-3")
         for key in ("flight_nodes", "kinematic_nodes"):
             _require(3 <= getattr(self, key) <= 64, key, getattr(self, key), "3 to 64")
         _require(self.panels_per_turn >= 1, "panels_per_turn", self.panels_per_turn, "at least 1")

@@ -147,3 +147,11 @@ and far below what an event changes."""
 ENERGY_AGREEMENT = 1e-12
 """[1] Error of an energy integral, by the energy of the panel, or by the largest kinetic energy so
 far times its part of the duration. A choice: round-off may exceed the former."""
+
+# Limits of a case
+
+LEAST_TOLERANCE = 1e-14
+"""[1] Least tolerance of the direct engine that may be asked for. A choice: it is 45 eps, below
+which panels would resolve round-off."""
+LARGEST_TOLERANCE = 1e-3
+"""[1] Largest tolerance of the direct engine that may be asked for. A choice: three digits."""

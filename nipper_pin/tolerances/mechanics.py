@@ -77,3 +77,19 @@ round-off of angles that are written in degrees, 1e-15."""
 LEAST_TABLE_STEP = 1e-12
 """[unit of the table] Least distance of two of its rows. A choice: at smaller ones slopes are
 round-off."""
+ACROSS_PLANE = 1e-12
+"""[1] Distance of a cosine from one up to which the axis of a cylinder is across the plane. A
+choice, far above the round-off of a unit axis; the angle is then at most 1.4e-6 rad."""
+DISTANCE_ACCURACY_M = 1e-12
+"""[m] Accuracy asked of distances between bodies in the touch configuration. A choice: a millionth
+of ``TOUCH_TOLERANCE_M``, where slopes of distances are taken."""
+TOUCH_STEP = 1e-13
+"""[rad or m] Last step of the search for the coordinate at which bodies touch. A choice: it is 450
+eps at lengths of one, and the limit of steps ends the search otherwise."""
+DRIVE_REPEATS = 1e-9
+"""[rad or m] Largest error of the turn that a drive table spans, largest difference of places of a
+drive law a turn apart, and least motion of one that moves. A choice, far above the round-off of
+written numbers."""
+DEPENDENT_SHARE = 1e-6
+"""[1] Part in a dependence of unit rows from which a row is named in a message. A choice, which
+enters no equation."""

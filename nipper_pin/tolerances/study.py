@@ -73,3 +73,27 @@ being hit or left, and the force belongs to either phase."""
 DRIVE_RETURNS = 1e-6
 """[rad or m] Change of a driven coordinate over a turn above which its drive winds on. A choice: a
 drive that winds on moves by far more, any other by round-off alone."""
+FIT_START = 1e-6
+"""[1] Least distance of a start from a bound, by the range of the number. A choice: the method
+moves inside its bounds, and cannot start on one."""
+FIT_END = 1e-8
+"""[1] Relative gain of the cost that ends a fit. A choice, equal to the default tolerance of a
+fit."""
+PROFILE_END = 1e-7
+"""[1] Relative gain of the cost that ends a fit of the other numbers in a profile. A choice, ten
+times ``FIT_END``: profiles need fewer digits."""
+FIT_LAST_STEP = 1e-6
+"""[1] Step, or scaled gradient, that ends a fit, by the ranges. A choice: a thousandth of
+``FIT_STEP``."""
+LEAST_FREE_SHARE = 1e-6
+"""[1] Least part of a target that is taken as not fitted away. A choice: it keeps the residual of a
+target that alone determines a number from division by zero."""
+CYCLE_ROOT = 1e-14
+"""[rad or m, and 1 by the time] Value of a coordinate, or length of its bracket, at which a root of
+the working cycle is found. A choice: it is 45 eps at lengths of one."""
+NO_SPREAD = 1e-6
+"""[1] By the largest value: spread of a quantity over samples below which its size is its scale. A
+choice: a quantity that hardly changes would have a scale of round-off."""
+LEAST_SCALE = 1e-12
+"""[unit of the quantity] Least scale of a quantity that does not change. A choice: it keeps a
+quantity that is zero from division by zero."""

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
-from ...tolerances.mechanics import TOUCH_TOLERANCE_M
+from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_STEP, TOUCH_TOLERANCE_M
 from ...units import MM_PER_M
 from ..files.description import ContactDescription
 from ..files.urdf import UrdfJoint
@@ -138,7 +138,7 @@ def _planar(item: pin.GeometryObject) -> coal.CollisionGeometry:
     """
     solid = item.geometry
     axis = item.placement.rotation[:, 2]
-    if isinstance(solid, coal.Cylinder) and abs(abs(axis[1]) - 1.0) < 1e-12:
+    if isinstance(solid, coal.Cylinder) and abs(abs(axis[1]) - 1.0) < ACROSS_PLANE:
         return coal.Capsule(solid.radius, 2.0 * solid.halfLength)
     return solid
 
@@ -161,8 +161,8 @@ def _velocity(point: FloatArray, joint: UrdfJoint, frame: pin.SE3, axis: FloatAr
 def _nearest(lower: list[_Shape], upper: list[_Shape], motion: pin.SE3) -> _Gap:
     """Least signed distance of two bodies."""
     request = coal.DistanceRequest()
-    request.gjk_tolerance = 1e-12
-    request.epa_tolerance = 1e-12
+    request.gjk_tolerance = DISTANCE_ACCURACY_M
+    request.epa_tolerance = DISTANCE_ACCURACY_M
     request.gjk_max_iterations = 1000
     request.epa_max_iterations = 1000
     best = _Gap(math.inf, np.zeros(3), np.zeros(3), np.zeros(3))
@@ -212,7 +212,7 @@ def _close(
         step = -gap.distance / slope
         coordinate += step
         gap = _nearest(lower, upper, _motion(coordinate, joint, frame, axis))
-        if abs(step) < 1e-13:
+        if abs(step) < TOUCH_STEP:
             break
     return coordinate, gap
 

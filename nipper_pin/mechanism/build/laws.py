@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ...errors import InputError, ModelError, UnknownNameError
+from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, FollowingTable
 from ..files.description import CylinderDescription, Description
@@ -77,7 +78,7 @@ def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float |
     grid = np.linspace(0.0, math.tau, 721)
     values = sign * law.evaluate(grid)[0]
     drift = abs(values[-1] - values[0])
-    if drift > 1e-9 or np.ptp(values) < 1e-9:
+    if drift > DRIVE_REPEATS or np.ptp(values) < DRIVE_REPEATS:
         return None
     best = int(np.argmin(values))
     low, high = grid[best] - grid[1], grid[best] + grid[1]

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...errors import AssemblyError, ModelError
-from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, RANK_TOLERANCE
+from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, DEPENDENT_SHARE, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf import Urdf
@@ -168,7 +168,7 @@ def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
     left, values, _ = np.linalg.svd(matrix / np.where(length > 0.0, length, 1.0))
     rank = int(np.count_nonzero(values > RANK_TOLERANCE))
     share = np.abs(left[:, rank:]).max(axis=1, initial=0.0)
-    return [name for name, part in zip(names, share, strict=True) if part > 1e-6]
+    return [name for name, part in zip(names, share, strict=True) if part > DEPENDENT_SHARE]
 
 
 def _check_mobility(

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
+from ...tolerances.mechanics import DRIVE_REPEATS
 from ...units import M_PER_MM
 from ..files.toml_types import Name
 from .law import Evaluation
@@ -88,12 +89,12 @@ def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]
             f"the cylinder angle must rise from row to row; row {row + 1} of the drive table has "
             f"{math.degrees(angles[row]):g} after {math.degrees(angles[row - 1]):g} deg"
         )
-    elif abs(angles[-1] - angles[0] - math.tau) > 1e-9:
+    elif abs(angles[-1] - angles[0] - math.tau) > DRIVE_REPEATS:
         message = (
             "a drive table must span exactly one turn, first and last row 360 deg apart; it spans "
             f"{math.degrees(angles[-1] - angles[0]):g} deg"
         )
-    elif abs(values[-1] - values[0]) > 1e-9:
+    elif abs(values[-1] - values[0]) > DRIVE_REPEATS:
         message = (
             "the first and the last row of a drive table are the same position and need the same "
             f"coordinate; found {values[0]:g} and {values[-1]:g} [rad or m]"

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from ....arrays import FloatArray
 from ....errors import MisfitError, NipperError
 from ....hybrid.result.premise import Premise
-from ....tolerances.study import AT_BOUND
+from ....tolerances.study import AT_BOUND, FIT_END, FIT_LAST_STEP, FIT_START
 from ..problem.targets import Condition, Target
 from .limits import broken_limits
 from .objective import Objective
@@ -150,7 +150,7 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
     draws = np.atleast_2d(begin)
     reason = ""
     for draw in draws:
-        start = np.clip(draw, 1e-6, 1.0 - 1e-6)
+        start = np.clip(draw, FIT_START, 1.0 - FIT_START)
         try:
             fenced = objective.fenced(objective.rows(start))
             found = least_squares(
@@ -158,9 +158,9 @@ def descend(objective: Objective, begin: FloatArray, max_steps: int = _MAX_STEPS
                 start,
                 jac=fenced.slopes,
                 bounds=(0.0, 1.0),
-                ftol=1e-8,
-                xtol=1e-6,
-                gtol=1e-6,
+                ftol=FIT_END,
+                xtol=FIT_LAST_STEP,
+                gtol=FIT_LAST_STEP,
                 max_nfev=max_steps,
             )
         except NipperError as error:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import norm, t
 
 from ....arrays import FloatArray
-from ....tolerances.study import OUTLYING
+from ....tolerances.study import LEAST_FREE_SHARE, OUTLYING
 
 # Standard deviation of a uniform distribution: 1 / sqrt(12) of the range.
 _RANGE = 12.0
@@ -78,7 +78,7 @@ def _chances(
 ) -> tuple[FloatArray, FloatArray]:
     """Sizes of the studentized residuals, and the probability of each if it stood alone."""
     # A target that alone determines a number has no residual, and cannot be an outlier.
-    size = np.abs(residuals) / np.sqrt(np.maximum(1.0 - leverage, 1e-6))
+    size = np.abs(residuals) / np.sqrt(np.maximum(1.0 - leverage, LEAST_FREE_SHARE))
     if absolute:
         return size, 2.0 * norm.sf(size)
     freedom = len(residuals) - leverage.sum() - 1.0

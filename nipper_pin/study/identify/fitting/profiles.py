@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from ....arrays import FloatArray
 from ....errors import NipperError
+from ....tolerances.study import FIT_LAST_STEP, FIT_START, PROFILE_END
 from ...processes import mapped
 from .fit import Fit
 from .objective import Objective
@@ -86,7 +87,7 @@ def _held(objective: Objective, z: FloatArray, place: int, value: float) -> floa
         point[place], point[others] = value, part
         return point
 
-    begin = np.clip(z[others], 1e-6, 1.0 - 1e-6)
+    begin = np.clip(z[others], FIT_START, 1.0 - FIT_START)
     try:
         rows = objective.rows(whole(begin))
         if not others:
@@ -97,9 +98,9 @@ def _held(objective: Objective, z: FloatArray, place: int, value: float) -> floa
             begin,
             jac=lambda part: fenced.slopes(whole(part))[:, others],
             bounds=(0.0, 1.0),
-            ftol=1e-7,
-            xtol=1e-6,
-            gtol=1e-6,
+            ftol=PROFILE_END,
+            xtol=FIT_LAST_STEP,
+            gtol=FIT_LAST_STEP,
             max_nfev=_STEPS,
         )
     except NipperError:

@@ -21,6 +21,7 @@ from ....dynamics.system import System
 from ....errors import InputError, SimulationError
 from ....mechanism import Mechanism
 from ....mechanism.cylinder import rad_s_from_rpm
+from ....tolerances.study import CYCLE_ROOT
 
 _STEP_RAD = math.tau / 30.0
 _ROOT_STEPS = 40
@@ -210,7 +211,7 @@ class _Walk:
         for _ in range(_ROOT_STEPS):
             t = (left * low - right * high) / (low - high)
             value = float(self.at(t)[index])
-            if abs(value) < 1e-14 or right - left < 1e-14 * right:
+            if abs(value) < CYCLE_ROOT or right - left < CYCLE_ROOT * right:
                 return t
             if value > 0.0:
                 left, high, low = t, value, 0.5 * low

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 from ....arrays import FloatArray
-from ....tolerances.study import FEASIBLE
+from ....tolerances.study import FEASIBLE, LEAST_SCALE, NO_SPREAD
 from ..points import evaluator
 from ..problem.problem import Aim, Problem
 from ..problem.quantities import INDICES
@@ -128,7 +128,7 @@ def scales(problem: Problem, aim: Aim, seen: Sequence[Seen]) -> Scales:
         values = [item.values[quantity] for item in seen if item.values]
         spread = float(np.std(values))
         largest = float(np.max(np.abs(values)))
-        return spread if spread > 1e-6 * largest else max(largest, 1e-12)
+        return spread if spread > NO_SPREAD * largest else max(largest, LEAST_SCALE)
 
     return Scales(size(aim.quantity), tuple(size(item.quantity) for item in problem.limits))
 
