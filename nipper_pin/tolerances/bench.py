@@ -48,6 +48,47 @@ FINEST_RUN = 1e-14
 FALSE_ALARM = 1e-6
 """[1] Probability that chance alone explains the refusals of a family, below which they are too
 many. A choice: of a million families as good as those measured one is blamed."""
+DRIVE_SHAKEN = 1e-20
+"""[1] Change of the rate of a held drive in an impact, by the largest change. A choice: the inertia
+with which a drive is held, 2^100 or 1e30, leaves 1e-30 of it beside masses of about one."""
+MOMENTUM = 1e-9
+"""[1] Part of its largest term that the momentum balance of an impact may be off by. A choice:
+seven digits are left of sixteen, and more where inertias differ less."""
+MOST_MOMENTUM = 1e-4
+"""[1] The same of mechanisms whose inertias differ widely, where 64 eps times their ratio is
+allowed. A choice: beyond it the check would find nothing."""
+IMPACT_LEFT = 1e-12
+"""[1] Rates that an impact leaves of those that it takes away. Tenfold what the solution of an
+impact is known to leave, 1e-13 of them."""
+CLOSURE_RATE = 1e-10
+"""[1] Rate of a closure, by the sum of its terms. A choice: ten digits of sixteen."""
+RESTITUTION_LAW = 1e-11
+"""[1] By the fastest approach: how far a stop may be off its restitution law. A choice, a tenth of
+``CLOSURE_RATE``, which is a sum of more terms."""
+ENERGY_LOST = 1e-9
+"""[1] Relative error of the energy that an impact takes. A choice, as ``MOMENTUM``."""
+PENETRATION = 1e-13
+"""[rad or m] Depth of a stop beyond what tolerance and clock allow. It is 450 eps at lengths of
+one."""
+SLOPE_SHARE = 1e-5
+"""[1] Difference of an acceleration and the slope of its velocity, by the largest of either, beside
+ten roots of the tolerance. A choice: the slope of a polynomial of many nodes loses several
+digits."""
+PULL_SHARE = 1e-9
+"""[1] By the largest force: pull of a closed stop, beside ten roots of the tolerance. A choice, far
+above round-off."""
+JUMP = 1e-11
+"""[rad or m] Jump of coordinates between two segments, beyond what is moved meanwhile. A choice,
+far above round-off at lengths of one."""
+ENERGY_KEPT = 1e-8
+"""[1] By all energies: what their balance may be off by, beside tolerance and round-off. A choice:
+half the digits of a double."""
+AMPLITUDE_SHARE = 1e-8
+"""[1] Relative error of an amplitude beside the tolerance. A choice: the highest of the points that
+are looked at is less than 1e-9 too low."""
+TABLE_LEFT = 1e-8
+"""[1] By the length of a table: how far it may be left. A choice: tenfold what the engine
+allows."""
 
 # Peers and tables
 

@@ -11,7 +11,7 @@ from ....arrays import FloatArray
 from ....dynamics.system import System
 from ....hybrid.result.solution import Solution
 from ....mechanism import Strut
-from ....tolerances.bench import EPS, POWER
+from ....tolerances.bench import EPS, POWER, TABLE_LEFT
 from ..observations import beyond, samples
 
 
@@ -67,14 +67,14 @@ def _between_rows(
     forces: tuple[float, ...],
 ) -> Iterator[str]:
     """A table is not left, and between two rows its force lies between theirs."""
-    slack = 1e-8 * (rows[-1] - rows[0])
+    slack = TABLE_LEFT * (rows[-1] - rows[0])
     yield from beyond(f"{where}: {name} leaves its table by [rad or m]",
                       max(rows[0] - x, x - rows[-1]), slack)  # fmt: skip
     place = min(max(int(np.searchsorted(rows, x)), 1), len(rows) - 1)
     low, high = sorted(forces[place - 1 : place + 1])
     # Beyond its last row, by round-off, the cubic goes on.
     steepest = max(abs(np.diff(forces) / np.diff(rows)))
-    most = 1e-9 * max(map(abs, forces)) + 3.0 * steepest * max(rows[0] - x, x - rows[-1], 0.0)
+    most = POWER * max(map(abs, forces)) + 3.0 * steepest * max(rows[0] - x, x - rows[-1], 0.0)
     yield from beyond(f"{where}: {name} overshoots its rows by", max(low - force, force - high),
                       most)  # fmt: skip
 

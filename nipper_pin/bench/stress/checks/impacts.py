@@ -8,7 +8,16 @@ import numpy as np
 
 from ....hybrid.event import EventKind
 from ....hybrid.result.solution import Solution
-from ....tolerances.bench import EPS
+from ....tolerances.bench import (
+    CLOSURE_RATE,
+    DRIVE_SHAKEN,
+    ENERGY_LOST,
+    EPS,
+    IMPACT_LEFT,
+    MOMENTUM,
+    MOST_MOMENTUM,
+    RESTITUTION_LAW,
+)
 from ..observations import EVENTS, beyond, some
 
 
@@ -38,9 +47,11 @@ def impulses(solution: Solution) -> Iterator[str]:
             left, size = np.delete(left, system.driven), np.delete(size, system.driven)
             yield from beyond(f"{where}: change of the drives' rates",
                                float(np.abs(event.delta[system.driven]).max(initial=0.0)),
-                               1e-20 * float(np.abs(event.delta).max()))  # fmt: skip
+                               DRIVE_SHAKEN * float(np.abs(event.delta).max()))  # fmt: skip
         inertias = np.diag(M)[~np.isin(np.arange(len(M)), system.held_coordinates)]
-        share = max(1e-9, min(64.0 * EPS * float(inertias.max() / inertias.min()), 1e-4))
+        share = max(
+            MOMENTUM, min(64.0 * EPS * float(inertias.max() / inertias.min()), MOST_MOMENTUM)
+        )
         yield from beyond(f"{where}: momentum", float(np.abs(left).max()),
                            share * float(np.max(size)))  # fmt: skip
         # Of rates that an impact takes away altogether what its solution leaves is left, 1e-13 of
@@ -50,14 +61,14 @@ def impulses(solution: Solution) -> Iterator[str]:
         latest = solution.events[max(place - 2, 0) : place]
         first = max((float(np.abs(old.v_before).max()) for old in latest), default=0.0)
         open_before = float(np.abs(G @ event.v_before).max(initial=0.0))
-        inherited = min(open_before, 1e-12 * widest * first)
+        inherited = min(open_before, IMPACT_LEFT * widest * first)
         for label, v, more in (("delta", event.delta, 0.0), ("v_after", event.v_after, inherited)):
             rates = np.abs(G @ v).max(initial=0.0)
             most = (np.abs(G) @ np.abs(v)).max(initial=0.0)
             fastest = max(np.abs(v).max(), np.abs(event.v_before).max())
-            least = widest * float(1e-12 * fastest + 16.0 * EPS * first) + more
+            least = widest * float(IMPACT_LEFT * fastest + 16.0 * EPS * first) + more
             yield from beyond(f"{where}: closure rate of {label}", float(rates),
-                               max(1e-10 * float(most), least))  # fmt: skip
+                               max(CLOSURE_RATE * float(most), least))  # fmt: skip
         off = np.abs(event.v_after - event.v_before - event.delta)
         speed = np.maximum(np.abs(event.v_after), np.abs(event.v_before))
         yield from beyond(f"{where}: v_after - v_before is not delta",
@@ -83,12 +94,14 @@ def _restitution(solution: Solution, place: int) -> Iterator[str]:
     for name, impulse, before, xi in rates:
         where = f"event {event.number}, stop {name}"
         yield from beyond(f"{where}: impulse pulls", -impulse, 0.0)
-        yield from beyond(f"{where}: below the law", -xi, 1e-11 * fastest)
+        yield from beyond(f"{where}: below the law", -xi, RESTITUTION_LAW * fastest)
         if impulse > 0.0:
-            yield from beyond(f"{where}: impulse and excess rate", abs(xi), 1e-11 * fastest)
+            yield from beyond(
+                f"{where}: impulse and excess rate", abs(xi), RESTITUTION_LAW * fastest
+            )
         if name in event.stops and name not in event.closed_before:
             yield from beyond(f"{where}: approach rate", before, 0.0)
     yield from beyond(f"event {event.number}: energy lost [J]", abs(event.energy_lost - lost),
-                       1e-9 * abs(lost))  # fmt: skip
+                       ENERGY_LOST * abs(lost))  # fmt: skip
     yield from beyond(f"event {event.number}: energy gained [J]", -event.energy_lost,
-                       1e-9 * sum(abs(p) * fastest for _, p, _, _ in rates))  # fmt: skip
+                       ENERGY_LOST * sum(abs(p) * fastest for _, p, _, _ in rates))  # fmt: skip

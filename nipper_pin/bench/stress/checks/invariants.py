@@ -16,7 +16,16 @@ from ....arrays import FloatArray
 from ....hybrid.event import EventKind
 from ....hybrid.result.solution import Solution
 from ....hybrid.run.outcome import Outcome
-from ....tolerances.bench import BALANCED, EPS
+from ....tolerances.bench import (
+    BALANCED,
+    CLOSURE_RATE,
+    ENERGY_KEPT,
+    EPS,
+    JUMP,
+    PENETRATION,
+    PULL_SHARE,
+    SLOPE_SHARE,
+)
 from ..mechanics.equations import Equations
 from ..mechanics.interpolants import slope
 from ..observations import EVENTS, Shown, beyond, samples, shown, some
@@ -167,7 +176,7 @@ def _motion(solution: Solution) -> Iterator[str]:
         yield from beyond(f"{where}: closure gap [m]", _most(g), 300.0 * EPS * system.body.reach_m)
         size = np.einsum("nij,nj->ni", np.abs(G), np.abs(v))
         rate = np.einsum("nij,nj->ni", G, v)
-        yield from beyond(f"{where}: closure rate [m/s]", _most(rate), 1e-10 * _most(size))
+        yield from beyond(f"{where}: closure rate [m/s]", _most(rate), CLOSURE_RATE * _most(size))
         for stop in solution.mechanism.stops:
             gap = stop.gaps(q)
             if stop.name in segment.closed:
@@ -179,7 +188,7 @@ def _motion(solution: Solution) -> Iterator[str]:
             clock = 16.0 * EPS * segment.t_end * float(np.abs(v[:, stop.index]).max())
             yield from beyond(f"{where}: stop {stop.name} penetrates [rad or m]",
                                -float(gap.min()),
-                               2.0 * tolerance * ends + clock + 1e-13)  # fmt: skip
+                               2.0 * tolerance * ends + clock + PENETRATION)  # fmt: skip
         yield from _forces(solution, where, equations, seen, G)
         # A panel of one unit in the last place of time has no slope.
         if segment.kinematic and panel.h > 1e-9 * solution.shaft.period:
@@ -201,7 +210,7 @@ def _motion(solution: Solution) -> Iterator[str]:
             size += 1e7 * EPS * _most(pulls / np.diag(system.body.mass_matrix(start[0])))
             yield from beyond(f"{where}: rate of the velocity is not the acceleration [share]",
                                _most(rising - panel.a) / float(size + 1e-300),
-                               1e-5 + 10.0 * tolerance**0.5)  # fmt: skip
+                               SLOPE_SHARE + 10.0 * tolerance**0.5)  # fmt: skip
 
 
 def _forces(
@@ -250,7 +259,7 @@ def _forces(
         pushed += wound
         pull = -(pushed / size[:, [stop.index for stop in stops]].max(axis=0)).min()
         # Forces are second derivatives: they are resolved less far than positions.
-        most = 10.0 * tolerance**0.5 + 1e-9
+        most = 10.0 * tolerance**0.5 + PULL_SHARE
         yield from beyond(f"{where}: a closed stop pulls [share]", float(pull), most)
 
 
@@ -270,7 +279,7 @@ def _continuity(solution: Solution) -> Iterator[str]:
         )
         open_by += (end - just_before) * _most(there.v)
         yield from beyond(f"jump at {end:.9g} s [rad or m]", _most(there.q[1] - there.q[0]),
-                           10.0 * tolerance * float(moved) + open_by + 1e-11)  # fmt: skip
+                           10.0 * tolerance * float(moved) + open_by + JUMP)  # fmt: skip
 
 
 def _energy(solution: Solution) -> Iterator[str]:
@@ -302,7 +311,7 @@ def _energy(solution: Solution) -> Iterator[str]:
     # that is larger by twice the number of its nodes.
     panels = sum(4.0 * panel.order for segment in solution.segments for panel in segment.panels)
     unresolved = (100.0 + panels) * solution.case.resolution.tolerance
-    most = (1e-8 + lost + unresolved) * scale + 64.0 * EPS * stored
+    most = (ENERGY_KEPT + lost + unresolved) * scale + 64.0 * EPS * stored
     # A strut's deflection is a difference of places, and has their round-off: so have the energy of
     # springs that hold some, and that of those which hold none.
     stiffness, blurred = (

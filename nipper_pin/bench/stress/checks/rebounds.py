@@ -11,7 +11,7 @@ from ....arrays import FloatArray
 from ....hybrid.result.solution import Solution
 from ....hybrid.result.tables import Collision
 from ....mechanism import Stop
-from ....tolerances.bench import CLOSURE_SUM, EPS
+from ....tolerances.bench import AMPLITUDE_SHARE, CLOSURE_SUM, EPS
 from ..observations import beyond, some
 
 _LOOKED_AT = 12
@@ -43,7 +43,10 @@ def rebounds(solution: Solution) -> Iterator[str]:
         seen = _highest(solution, stop, hit.t, end.t)
         moved = abs(stop.at) + amplitude
         most = (
-            1e-8 * amplitude + 16.0 * EPS * moved + clock * abs(hit.separation_rate) + CLOSURE_SUM
+            AMPLITUDE_SHARE * amplitude
+            + 16.0 * EPS * moved
+            + clock * abs(hit.separation_rate)
+            + CLOSURE_SUM
         )
         most += 10.0 * solution.case.resolution.tolerance * amplitude
         yield from beyond(f"{where}: rebound amplitude is not that of the motion [rad or m]",
