@@ -128,7 +128,7 @@ def check_outputs(folder: str | None, document: str | None) -> None:
     Raises:
         InputError: One of them cannot be written.
     """
-    from ..hybrid.files.writable import check_file, check_folder
+    from ..outputs import check_file, check_folder
 
     if folder is not None:
         check_folder(folder)
@@ -142,7 +142,7 @@ def write_json(document: dict[str, Any], target: str) -> None:
     if target == "-":
         sys.stdout.write(text)
         return
-    from ..hybrid.files.npz import complete_file
+    from ..outputs import complete_file
 
     with complete_file(Path(target)) as partial:
         partial.write_text(text, encoding="utf-8")

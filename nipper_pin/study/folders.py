@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..hybrid.files.npz import complete_file
+from ..outputs import complete_file
 
 
 def make_folder(folder: str | Path) -> None:

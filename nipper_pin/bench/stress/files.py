@@ -13,7 +13,8 @@ from typing import Any
 
 from ...errors import InputError
 from ...hybrid.case import Case, Resolution
-from ...hybrid.files.npz import FORMAT, complete_file
+from ...hybrid.files.npz import FORMAT
+from ...outputs import complete_file
 from ...study.folders import make_folder
 from .judging import Verdict
 from .machines.parts import Source

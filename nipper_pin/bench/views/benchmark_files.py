@@ -9,8 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...errors import InputError
-from ...hybrid.files.npz import complete_file
+from ...outputs import complete_folder
 from ...tolerances.bench import LEAST_SHOWN_ERROR
 from ...view.style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 from ..run_time.benchmark import Benchmark
@@ -33,23 +32,16 @@ def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
     Raises:
         InputError: The folder cannot be written.
     """
-    target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{target}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(target)) from error
-    document = json.dumps(result.record(), indent=1, allow_nan=False) + "\n"
-    texts = {"benchmark.json": document, "tables.md": markdown(result)}
-    written = []
-    for name, text in texts.items():
-        with complete_file(target / name) as partial:
-            partial.write_text(text, encoding="utf-8")
-        written.append(target / name)
-    picture = target / "work_precision.png"
-    with complete_file(picture) as partial:
-        work_precision_figure(result).savefig(partial, format="png")
-    return [*written, picture]
+    with complete_folder(folder, _FILES) as new:
+        document = json.dumps(result.record(), indent=1, allow_nan=False) + "\n"
+        texts = (document, markdown(result))
+        for name, text in zip(_FILES, texts, strict=False):
+            (new / name).write_text(text, encoding="utf-8")
+        work_precision_figure(result).savefig(new / _FILES[-1], format="png")
+    return [Path(folder) / name for name in _FILES]
+
+
+_FILES = ("benchmark.json", "tables.md", "work_precision.png")
 
 
 def work_precision_figure(result: Benchmark) -> Figure:

@@ -7,12 +7,9 @@ and reads floats in JSON so that every bit comes back.
 from __future__ import annotations
 
 import json
-import os
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -26,6 +23,7 @@ from ...dynamics.assembly import Partition
 from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
 from ...mechanism import Mechanism, from_sources
+from ...outputs import complete_file
 from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
@@ -142,22 +140,6 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
-
-
-@contextmanager
-def complete_file(target: Path) -> Iterator[Path]:
-    """Give a temporary path beside the target that takes its place only if nothing fails."""
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    try:
-        yield partial
-        partial.replace(target)
-    except OSError as error:
-        message = f"{target}: cannot be written ({error.strerror or error})"
-        raise InputError(message, file=str(target)) from error
-    finally:
-        # Where no file can be there is none to remove, and the first error is the one to tell.
-        with suppress(OSError):
-            partial.unlink()
 
 
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import msgspec
 
-from ...hybrid.files.npz import complete_file
+from ...outputs import complete_file
 from ..folders import claim, make_folder
 from .problem.problem import Problem
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ...hybrid.files.npz import complete_file, save_case
+from ...hybrid.files.npz import save_case
 from ...mechanism import load
+from ...outputs import complete_file
 from ..folders import make_folder
 from .result import Optimum
 

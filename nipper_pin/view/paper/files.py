@@ -6,8 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from ...errors import InputError
-from ...hybrid.files.npz import complete_file
+from ...outputs import complete_folder
 from ...study.paper import PaperStudy
 from .report import material, report_html, study_plates
 from .supplements import Supplements
@@ -47,13 +46,7 @@ def write_paper(
         files[f"{plate.name}.pdf"] = plate.pdf
     for table in content.tables:
         files[f"{table.name}.csv"] = table.csv_text().encode()
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{target}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(target)) from error
-    # The page comes last: a new page has everything that belongs to it.
-    for name, data in reversed(files.items()):
-        with complete_file(target / name) as partial:
-            partial.write_bytes(data)
+    with complete_folder(target, ()) as new:
+        for name, data in files.items():
+            (new / name).write_bytes(data)
     return [target / name for name in files]

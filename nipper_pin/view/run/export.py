@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...hybrid.files.npz import complete_file, save, save_case
+from ...hybrid.files.npz import save, save_case
 from ...hybrid.result.quantities import COLLISION, Quantity, coordinate_unit, force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
-from .plots import plot_solution
+from ...outputs import complete_file, complete_folder
+from .plots import PLOTS, plot_solution
 
 _SAMPLES_PER_PHASE = 100
 _ANGLE = "cylinder_angle_rad"
@@ -31,7 +31,8 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
 
     Args:
         solution: The solution.
-        folder: Folder, made if it does not exist; files of the same names are replaced.
+        folder: Folder, made if it does not exist. Its files of an earlier run are replaced
+            together, in one step; what else it holds stays.
 
     Returns:
         The files: collisions, phases, link velocities and motion as CSV, the solution itself, the
@@ -40,23 +41,23 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
     Raises:
         InputError: The folder cannot be written.
     """
-    target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{target}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(target)) from error
-    return [
-        _write(target / "collisions.csv", *_collisions(solution)),
-        _write(target / "phases.csv", _PHASE_HEADER, _phases(solution)),
-        _write(target / "link_velocities.csv", _LINK_HEADER, _links(solution)),
-        _write(target / "motion.csv", *_motion(solution)),
-        save(solution, target / "solution.npz"),
-        save_case(solution.mechanism, solution.case, target / "case.json"),
-        *plot_solution(solution, target),
-    ]
+    with complete_folder(folder, _FILES) as target:
+        written = [
+            _write(target / "collisions.csv", *_collisions(solution)),
+            _write(target / "phases.csv", _PHASE_HEADER, _phases(solution)),
+            _write(target / "link_velocities.csv", _LINK_HEADER, _links(solution)),
+            _write(target / "motion.csv", *_motion(solution)),
+            save(solution, target / "solution.npz"),
+            save_case(solution.mechanism, solution.case, target / "case.json"),
+            *plot_solution(solution, target),
+        ]
+    return [Path(folder) / file.name for file in written]
 
 
+_FILES = (
+    "collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv", "solution.npz",
+    "case.json", *(f"{name}.png" for name in PLOTS),
+)  # fmt: skip
 _PHASE_HEADER = ("phase", "closed_stops", "start_s", "end_s", "start_index", "end_index")
 _LINK_HEADER = (
     "collision", "link",

@@ -8,10 +8,13 @@ from matplotlib.figure import Figure
 
 from ...errors import InputError
 from ...hybrid.case import Window
-from ...hybrid.files.npz import complete_file
 from ...hybrid.result.solution import Solution
+from ...outputs import complete_file
 from .bounces import impulse_figure, transition_figure
 from .timelines import force_figure, motion_figure, phase_figure
+
+PLOTS = ("motion", "phases", "transition", "impulses", "forces")
+"""Names of the figures of a solution, of which one may have fewer."""
 
 
 def plot_solution(solution: Solution, folder: str | Path) -> list[Path]:

@@ -12,9 +12,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...hybrid.files.npz import complete_file
 from ...hybrid.result.solution import Solution
 from ...mechanism import Stop
+from ...outputs import complete_file
 from ..reading import case_text, digits, phase_name
 from .arrows import (
     FADE,

@@ -10,8 +10,8 @@ from pathlib import Path
 import meshcat
 import umsgpack
 
-from ...hybrid.files.npz import complete_file
 from ...hybrid.result.solution import Solution
+from ...outputs import complete_file
 from .arrows import arrow_stops
 from .film import Film, Look, film
 from .framing import camera

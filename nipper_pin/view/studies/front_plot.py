@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ...hybrid.files.npz import complete_file
+from ...outputs import complete_file
 from ...study.optimise.problem.quantities import label
 from ...study.optimise.result import Optimum
 from ..style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
-from ...hybrid.files.npz import complete_file
+from ...outputs import complete_file
 from ...study.sweep import SweepTable, read_sweep
 from ..style import LINES, SMALL, TEXT, WIDTH_IN, tidy
 

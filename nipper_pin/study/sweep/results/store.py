@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ....errors import InputError
 from ....extras import require
-from ....hybrid.files.npz import complete_file
+from ....outputs import complete_file
 from ...folders import make_folder
 from ..plan import Chunk, Plan
 from .chunk_file import check, read_file

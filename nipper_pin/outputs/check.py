@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from pathlib import Path
 
-from ...errors import InputError
+from ..errors import InputError
 
 
 def check_folder(path: str | Path) -> None:
@@ -48,7 +49,22 @@ def check_file(path: str | Path) -> None:
     if not _there(target.absolute().parent):
         message = f"{target} cannot be written: there is no folder {target.parent}; make it first"
         raise InputError(message, file=str(target))
-    check_folder(target.absolute().parent)
+    if _there(target) and not target.is_file():
+        # A device or a pipe is written into; no file is made beside it.
+        if not os.access(target, os.W_OK):
+            message = f"{target} cannot be written (permission denied); name another file"
+            raise InputError(message, file=str(target))
+        return
+    try:
+        place = target.resolve()
+        # Only this tells links in a circle from one to a file that is yet to be made.
+        place.lstat()
+    except FileNotFoundError:
+        pass
+    except (OSError, RuntimeError) as error:
+        message = f"{target} cannot be written ({error}); name another file"
+        raise InputError(message, file=str(target)) from error
+    check_folder(place.parent)
 
 
 def _there(path: Path) -> bool:

@@ -1,0 +1,241 @@
+"""Output files and folders: complete or absent, and whatever their name is stays what it is."""
+
+import os
+import signal
+import stat
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, InputError, load, load_solution, simulate
+from nipper_pin.hybrid.files.npz import save
+from nipper_pin.outputs import check_file, complete_file, complete_folder, file, folder
+
+ROOT = os.geteuid() == 0
+
+
+def write(path: Path, text: str) -> None:
+    with complete_file(path) as partial:
+        partial.write_text(text)
+
+
+def test_a_device_is_written_into(tmp_path: Path) -> None:
+    """A node like that of /dev/null, which keeps no content, is still one afterwards."""
+    device = Path("/dev/null")
+    check_file(device)
+    before = device.stat()
+    write(device, "text")
+    after = device.stat()
+    assert stat.S_ISCHR(after.st_mode)
+    assert (after.st_ino, after.st_rdev) == (before.st_ino, before.st_rdev)
+    link = tmp_path / "link"
+    link.symlink_to(device)
+    write(link, "text")
+    assert link.is_symlink()
+    assert stat.S_ISCHR(link.stat().st_mode)
+
+
+def test_a_fifo_passes_the_text_on(tmp_path: Path) -> None:
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    check_file(fifo)
+    with ThreadPoolExecutor(1) as other:
+        read = other.submit(fifo.read_text)
+        write(fifo, "all of it")
+        assert read.result(20.0) == "all of it"
+    assert stat.S_ISFIFO(fifo.lstat().st_mode)
+    assert [item.name for item in tmp_path.iterdir()] == ["fifo"]
+
+
+def test_links_are_followed(tmp_path: Path) -> None:
+    """Also one to a file that is not there yet; one in a circle is an error."""
+    place = tmp_path / "place"
+    place.mkdir()
+    for name in ("old", "new"):
+        (tmp_path / name).symlink_to(place / name)
+    (place / "old").write_text("before")
+    for name in ("old", "new"):
+        write(tmp_path / name, name)
+        assert (tmp_path / name).is_symlink()
+        assert (place / name).read_text() == name
+    (tmp_path / "one").symlink_to(tmp_path / "two")
+    (tmp_path / "two").symlink_to(tmp_path / "one")
+    for ask in (check_file, lambda path: write(path, "")):
+        with pytest.raises(InputError, match="one"):
+            ask(tmp_path / "one")
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o755])
+def test_the_mode_of_a_file_is_kept(tmp_path: Path, mode: int) -> None:
+    """And nobody else may read what is to replace a private file, while it is written."""
+    target = tmp_path / "file"
+    target.write_text("before")
+    target.chmod(mode)
+    with complete_file(target) as partial:
+        assert stat.S_IMODE(partial.stat().st_mode) == 0o600
+        partial.write_text("after")
+    assert stat.S_IMODE(target.stat().st_mode) == mode
+    assert target.read_text() == "after"
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+def test_a_new_file_has_the_mode_of_the_umask(tmp_path: Path, mask: int) -> None:
+    before = os.umask(mask)
+    try:
+        write(tmp_path / "file", "text")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "file").stat().st_mode) == 0o666 & ~mask
+
+
+def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
+    target = tmp_path / "file"
+    write(target, "before")
+
+    def half() -> None:
+        with complete_file(target) as partial:
+            partial.write_text("half")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        half()
+    assert target.read_text() == "before"
+    assert [item.name for item in tmp_path.iterdir()] == ["file"]
+
+
+def test_content_is_on_the_disk_before_the_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file is synchronised, then renamed, then the folder is."""
+    done: list[str] = []
+    replace, synchronise = Path.replace, file.synchronise
+
+    def renamed(path: Path, target: Path) -> Path:
+        done.append("renamed")
+        return replace(path, target)
+
+    def synced(path: Path) -> None:
+        done.append("folder" if path.is_dir() else path.read_text())
+        synchronise(path)
+
+    monkeypatch.setattr(Path, "replace", renamed)
+    monkeypatch.setattr(file, "synchronise", synced)
+    write(tmp_path / "file", "content")
+    assert done == ["content", "renamed", "folder"]
+
+
+def test_threads_that_save_one_path_harm_nobody(tmp_path: Path) -> None:
+    """Eight of them, thirty times each, and a reader: every file read is one that was saved."""
+    runs = [simulate(load("e62"), Case(speed_rpm=650.0, max_collisions=n)) for n in (1, 2, 3)]
+    path = save(runs[0], tmp_path / "run")
+    counts = {len(run.events) for run in runs}
+    over = threading.Event()
+
+    def read() -> int:
+        times = 0
+        while not over.is_set():
+            assert len(load_solution(path).events) in counts
+            times += 1
+        return times
+
+    with ThreadPoolExecutor(9) as pool:
+        reader = pool.submit(read)
+        saves = [pool.submit(save, runs[k % 3], path) for k in range(240)]
+        for item in saves:
+            item.result()
+        over.set()
+        assert reader.result() > 3
+    assert [item.name for item in tmp_path.iterdir()] == ["run.npz"]
+
+
+def fill(path: Path, files: dict[str, str], ours: tuple[str, ...] = ("a", "b", "c")) -> None:
+    with complete_folder(path, ours) as new:
+        for name, text in files.items():
+            (new / name).write_text(text)
+
+
+def content(path: Path) -> dict[str, str]:
+    return {
+        item.relative_to(path).as_posix(): item.read_text()
+        for item in path.rglob("*")
+        if item.is_file()
+    }
+
+
+@pytest.mark.parametrize("how", ["exchanged", "no such call", "working directory"])
+def test_files_of_a_folder_are_replaced_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
+) -> None:
+    """What else it holds stays, folders and links too; an old file that is not made anew goes."""
+    target = tmp_path / "above" / "out"
+    fill(target, {"a": "1", "b": "1"})
+    assert content(target) == {"a": "1", "b": "1"}
+    (target / "notes").mkdir()
+    (target / "notes" / "mine").write_text("mine")
+    (target / "link").symlink_to("a")
+    target.chmod(0o750)
+    if how == "no such call":
+        monkeypatch.setattr(folder, "_swapped", lambda *_: False)
+    elif how == "working directory":
+        monkeypatch.chdir(target)
+    fill(target, {"a": "2", "c": "2"})
+    assert content(target) == {"a": "2", "c": "2", "link": "2", "notes/mine": "mine"}
+    assert (target / "link").is_symlink()
+    assert stat.S_IMODE(target.stat().st_mode) == 0o750
+    assert [item.name for item in target.parent.iterdir()] == ["out"]
+    if how == "working directory":
+        assert sorted(os.listdir()) == ["a", "c", "link", "notes"]
+
+
+def test_a_folder_that_fails_stays_as_it_was(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    fill(target, {"a": "1"})
+
+    def half() -> None:
+        with complete_folder(target, ("a",)) as new:
+            (new / "a").write_text("2")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        half()
+    assert content(tmp_path) == {"out/a": "1"}
+    with pytest.raises(InputError, match="not a folder"):
+        fill(tmp_path / "out" / "a", {"b": "1"})
+    assert content(tmp_path) == {"out/a": "1"}
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from nipper_pin.outputs import complete_folder
+for turn in range(1, 10 ** 6):
+    with complete_folder(sys.argv[1], [f"f{k}" for k in range(5)]) as new:
+        for k in range(4 + turn % 2):
+            (new / f"f{k}").write_text(str(turn))
+    print(turn, flush=True)
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_process_leaves_one_whole_set(tmp_path: Path) -> None:
+    """Sixty kills at random times: all files of one turn, the last one reported or the next."""
+    target, rng = tmp_path / "out", np.random.default_rng(5)
+    for _ in range(60):
+        with subprocess.Popen(
+            [sys.executable, "-c", WRITER, str(target)], stdout=subprocess.PIPE, text=True
+        ) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            time.sleep(float(rng.uniform(0.0, 0.05)))
+            process.send_signal(signal.SIGKILL)
+            told = 1 + len(process.stdout.read().splitlines())
+        found = content(target)
+        (turn,) = {int(text) for text in found.values()}
+        assert told <= turn <= told + 1
+        assert sorted(found) == [f"f{k}" for k in range(4 + turn % 2)]
