@@ -11,6 +11,7 @@ import yourdfpy
 
 from nipper_pin.errors import ModelError, UnknownNameError
 from nipper_pin.mechanism import find_model, load
+from nipper_pin.mechanism.build import mechanism as build
 from nipper_pin.mechanism.shapes import collision_model
 
 VERIFICATION = Path(__file__).parents[1] / "verification" / "models"
@@ -291,3 +292,37 @@ def test_another_reader_agrees(caplog: pytest.LogCaptureFixture) -> None:
             np.testing.assert_allclose(
                 robot.get_transform(link, "frame"), data.oMf[frame].homogeneous, atol=1e-12
             )
+
+
+@pytest.mark.parametrize("change", [
+    (MASS, '<mass value="1.2 "/>'), (MASS, '<mass value=" 1.2"/>'), (MASS, '<mass value="\t1.2"/>'),
+    (MASS, '<mass value="+1.2e0"/>'), (INERTIA, 'iyy=" 0.001142 "'), (' iyz="0"', ""),
+    (JAW, JAW.replace("0.1226 0 0.0561", " 0.1226\n0\t0.0561  ")),
+    (JAW, JAW.replace("0 -1 0", "0   -1 0 ")),
+])  # fmt: skip
+def test_pinocchio_reads_what_was_checked(spoil, change: tuple[str, str]) -> None:  # type: ignore[no-untyped-def]
+    """However a number is spaced: its parser takes such an inertial for none, and goes on."""
+    plain, changed = load("e62").model, load(spoil(urdf=(change,))).model
+    for ours, theirs in zip(changed.inertias, plain.inertias, strict=True):
+        assert (ours.toDynamicParameters() == theirs.toDynamicParameters()).all()
+    for ours, theirs in zip(changed.jointPlacements, plain.jointPlacements, strict=True):
+        assert (ours.homogeneous == theirs.homogeneous).all()
+
+
+@pytest.mark.parametrize(
+    "number", ["1_2", "\uff11.2", "\u0661", "0x1p3", "infinity", "1e", "1.2.3"]
+)
+def test_what_is_no_number_of_xml_is_refused(spoil, number: str) -> None:  # type: ignore[no-untyped-def]
+    """Python would read the first three and Pinocchio none of them."""
+    with pytest.raises(ModelError, match="a finite number"):
+        load(spoil(urdf=((MASS, f'<mass value="{number}"/>'),)))
+
+
+def test_a_mass_that_pinocchio_reads_otherwise_is_refused(
+    spoil,  # type: ignore[no-untyped-def]
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The total of each joint is compared, whatever the reason of a difference is."""
+    monkeypatch.setattr(build, "spell_out", lambda _: False)
+    with pytest.raises(ModelError, match=r"mass behind joint jaw in Pinocchio = 0\.0 .* 1\.2 kg"):
+        load(spoil(urdf=((MASS, '<mass value="1.2 "/>'),)))

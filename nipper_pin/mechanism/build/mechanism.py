@@ -15,6 +15,7 @@ from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
+from ..files.urdf_values import spell_out
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
 from .drive_keys import check_drive
 from .elements import build_elements
@@ -23,7 +24,14 @@ from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .stops import build_stops
 from .touch_checks import check_assembly
-from .tree import Tree, build_model, collision_geometry, joint_placements, tree_joints
+from .tree import (
+    Tree,
+    build_model,
+    check_masses,
+    collision_geometry,
+    joint_placements,
+    tree_joints,
+)
 
 if TYPE_CHECKING:
     from ..forces.law import JointForce
@@ -95,11 +103,12 @@ def _tree(
     file, urdf_file = f"{name}.toml", f"{name}.urdf"
     root = parse_xml(urdf_text, urdf_file)
     urdf = check_urdf(root, urdf_file, mesh_folder)
-    if flatten(root):
+    if flatten(root) | spell_out(root):
         urdf_text = ElementTree.tostring(root, encoding="unicode")
     check_frames(description.closures, urdf, file)
     tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
     model = build_model(tree_text, description.gravity_m_s2, urdf_file)
+    check_masses(model, urdf, urdf_file)
     geometry = pin.GeometryModel()
     if any(stop.contact for stop in description.stops.values()):
         geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)

@@ -91,7 +91,8 @@ def with_blocks(
         return text, urdf
     root = parse_xml(text, file)
     found = read_layout(root, {}, file)
-    links, joints, shapes = list(urdf.links), dict(urdf.joints), dict(urdf.shapes)
+    links, joints = list(urdf.links), dict(urdf.joints)
+    shapes, masses = dict(urdf.shapes), dict(urdf.masses)
     for name, closure in slots.items():
         axis, block = _AXES[closure.slot_axis or "x"], block_of(name)
         frame = closure.frame_a
@@ -114,5 +115,6 @@ def with_blocks(
         links.append(block)
         joints[name] = UrdfJoint(name=name, kind="prismatic", parent=frame, child=block, axis=axis)
         shapes[block] = ()
-    changed = replace(urdf, links=tuple(links), joints=joints, shapes=shapes)
+        masses[block] = closure.block_mass_kg or 0.0
+    changed = replace(urdf, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
     return ElementTree.tostring(root, encoding="unicode"), changed

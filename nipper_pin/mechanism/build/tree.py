@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
+from ...tolerances import URDF_TOLERANCE
 from ..files.urdf import Urdf
 from ..files.urdf_values import mesh_path
 from ..mechanism import Joint
@@ -63,6 +64,32 @@ def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:
     model.gravity.linear = np.array([0.0, 0.0, -gravity_m_s2])
     model.gravity.angular = np.zeros(3)
     return model
+
+
+def check_masses(model: pin.Model, urdf: Urdf, file: str) -> None:
+    """Compare what Pinocchio has read with what was checked: the mass that each joint moves.
+
+    Args:
+        model: The Pinocchio model.
+        urdf: The checked URDF.
+        file: File name, for messages.
+
+    Raises:
+        ModelError: They differ; Pinocchio reads an inertial that it does not understand as none.
+    """
+    above = {joint.child: joint for joint in urdf.joints.values()}
+    moved = dict.fromkeys(model.names, 0.0)
+    for link, mass in urdf.masses.items():
+        joint = above.get(link)
+        while joint is not None and joint.kind == "fixed":
+            joint = above.get(joint.parent)
+        if joint is not None:
+            moved[joint.name] += mass
+    for name, inertia in zip(model.names, model.inertias, strict=True):
+        if name != "universe" and abs(inertia.mass - moved[name]) > URDF_TOLERANCE * moved[name]:
+            allowed = f"{moved[name]:g} kg, which the links behind joint {name} have in the file"
+            key = f"mass behind joint {name} in Pinocchio"
+            raise ModelError(file=file, key=key, value=inertia.mass, allowed=allowed)
 
 
 def _bounded(text: str) -> str:

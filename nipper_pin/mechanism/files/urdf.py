@@ -62,12 +62,14 @@ class Urdf:
         joints: All joints by name.
         shapes: Names of the collision elements of each link, in the order of the file; an element
             without a name is called ``<link>_<place>``.
+        masses: Mass of each link [kg], zero without inertial.
     """
 
     root: str
     links: tuple[str, ...]
     joints: dict[str, UrdfJoint]
     shapes: dict[str, tuple[str, ...]]
+    masses: dict[str, float]
 
 
 def parse_xml(text: str, file: str) -> ElementTree.Element:
@@ -117,12 +119,12 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         joints[joint.name] = joint
     top = _check_tree(links, joints, file)
     moving = {joint.child for joint in joints.values() if joint.kind != "fixed"}
-    shapes = {}
+    shapes, masses = {}, {}
     for name, link in links.items():
-        check_inertial(link, name, name in moving, file)
+        masses[name] = check_inertial(link, name, name in moving, file)
         shapes[name] = check_shapes(link, name, file, mesh_folder)
     _check_shape_names(shapes, file)
-    return Urdf(root=top, links=tuple(links), joints=joints, shapes=shapes)
+    return Urdf(root=top, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
 
 
 def _name(element: ElementTree.Element, file: str) -> str:

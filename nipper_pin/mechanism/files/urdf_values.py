@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
@@ -15,6 +16,9 @@ from ...tolerances.mechanics import URDF_TOLERANCE
 _MOST_DAMPING = 1e15
 _PACKAGE = "package://"
 _INSIDE = "a path relative to the model folder that stays inside it"
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NUMERIC = ("value", "xyz", "rpy", "size", "radius", "length", "scale", "damping", "friction")
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ATTRIBUTES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
 
 
@@ -40,11 +44,10 @@ def _finite(
 ) -> list[float]:
     """Read an attribute of finite numbers as a list: most are only checked, hundreds a load."""
     text = element.get(attribute, default)
-    try:
-        values = [float(part) for part in (text or "").split()]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
+    # Python's float reads more than a number of XML: other digits, 3_0, infinity.
+    words = (text or "").split()
+    values = [float(word) for word in words if _NUMBER.fullmatch(word)]
+    if len(words) != count or len(values) != count or not all(map(math.isfinite, values)):
         noun = "a finite number" if count == 1 else f"{count} finite numbers"
         raise ModelError(file=file, key=key, value=text, allowed=f"{attribute} is {noun}")
     return values
@@ -77,6 +80,30 @@ def rotation_from_rpy(rpy: FloatArray) -> FloatArray:
     )
 
 
+def spell_out(root: ElementTree.Element) -> bool:
+    """Write the numbers of a checked URDF as Pinocchio's parser needs them, in place.
+
+    That parser takes a number between spaces, or an inertia without one of its six parts, for none,
+    and goes on with zero. Here spaces are taken away and missing parts are written as zero.
+
+    Args:
+        root: The ``robot`` element.
+
+    Returns:
+        Whether anything was changed.
+    """
+    changed = False
+    for element in root.iter():
+        missing = () if element.tag != "inertia" else _INERTIA
+        for name in (*_NUMERIC, *missing):
+            text = element.get(name, "0" if name in missing else "")
+            plain = " ".join(text.split())
+            if plain and plain != element.get(name):
+                element.set(name, plain)
+                changed = True
+    return changed
+
+
 def check_dynamics(joint: ElementTree.Element, key: str, file: str) -> float:
     """Damping of a joint [N s/m or N m s/rad]; friction is refused, for nothing computes it."""
     dynamics = joint.find("dynamics")
@@ -95,14 +122,14 @@ def check_dynamics(joint: ElementTree.Element, key: str, file: str) -> float:
     return damping
 
 
-def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str) -> None:
-    """A moving link has a mass and an inertia that a body can have."""
+def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str) -> float:
+    """Return the mass of a link [kg]; a moving one has mass and inertia that a body can have."""
     inertial = link.find("inertial")
     if inertial is None:
         if moving:
             allowed = "a moving link needs mass and inertia"
             raise ModelError(file=file, key=f"link {name} inertial", value=None, allowed=allowed)
-        return
+        return 0.0
     _origin(inertial, f"link {name} inertial", file)
     mass = inertial.find("mass")
     if mass is None:
@@ -113,6 +140,7 @@ def check_inertial(link: ElementTree.Element, name: str, moving: bool, file: str
             file=file, key=f"link {name} mass", value=value, allowed="a positive mass in kg"
         )
     _check_inertia(inertial, f"link {name} inertia", file)
+    return value
 
 
 def _check_inertia(inertial: ElementTree.Element, key: str, file: str) -> None:
