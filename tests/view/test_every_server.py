@@ -79,13 +79,13 @@ def beside() -> Iterator[Callable[[Callable[[], Any]], list[Any]]]:
         thread.join()
 
 
-def get(port: int, path: str) -> tuple[int, dict[str, str], bytes]:
+def get(port: int, path: str, **headers: str) -> tuple[int, dict[str, str], bytes]:
     """Status, headers and body, as soon as the server is there."""
     until = time.monotonic() + 30.0
     while True:
         connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30.0)
         try:
-            connection.request("GET", path)
+            connection.request("GET", path, headers=headers)
             reply = connection.getresponse()
             return reply.status, dict(reply.getheaders()), reply.read()
         except ConnectionRefusedError:
@@ -108,12 +108,17 @@ def test_the_page_of_a_scene(
 ) -> None:
     """At one address, whatever follows a question mark, not to be kept; nothing else is there."""
     paths = ("/", "/?again", "/other")
-    answers = beside(lambda: [get(port, path) for path in paths])
+    asked = ({}, {"Host": "evil.example"}, {"Origin": "http://evil.example"})
+    answers = beside(
+        lambda: [*(get(port, path) for path in paths), *(get(port, "/", **each) for each in asked)]
+    )
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", output)
         serve(PAGE, port, browser=browser)
     assert isinstance(answers[0], list), answers
-    first, again, other = answers[0]
+    first, again, other, *foreign = answers[0]
+    assert [reply[0] for reply in foreign] == [200, 403, 403]
+    assert all(PAGE.encode() not in reply[2] for reply in foreign[1:])
     assert again[0] == first[0] == 200
     assert again[2] == first[2] == PAGE.encode()
     assert other[0] == 404

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
-from ...tolerances import URDF_TOLERANCE
+from ...tolerances.mechanics import URDF_TOLERANCE
 from ..files.urdf import Urdf
 from ..files.urdf_values import mesh_path
 from ..mechanism import Joint

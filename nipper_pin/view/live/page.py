@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Sequence
 from html import escape
+from typing import Any
 
 import numpy as np
 import viser
@@ -17,6 +18,7 @@ from ...mechanism import Mechanism
 from ..reading import gap_noun, units_of
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer, as_html, boxed
+from .guard import Filter
 from .moment import closed_at, impulses_at, moment_text
 from .settings import Knob
 from .stage import Stage
@@ -86,6 +88,9 @@ class Page:
             gui.add_html(boxed(f'<span id="note">{escape(_NOTE)}</span>'))
         for slider in self._sliders.values():
             slider.on_update(self._changed)
+        numbers: list[Any] = [*self._sliders.values(), self._slow, self._larger]
+        ranges = {item._impl.uuid: (float(item.min), float(item.max)) for item in numbers}
+        Filter(server, ranges, frozenset({self._play._impl.uuid}))
         self._answer = self._follow()
 
     def run(self) -> None:

@@ -13,10 +13,10 @@ import viser
 
 from ...errors import InputError
 from ...mechanism import Mechanism
+from ..local import HOST
+from .guard import only_local
 from .page import Page
 from .settings import knobs
-
-HOST = "127.0.0.1"
 
 
 def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bool) -> None:
@@ -65,7 +65,7 @@ def _server(port: int) -> viser.ViserServer:
         problem = getattr(error, "strerror", None) or error
     else:
         # viser announces itself on stdout, which belongs to the command.
-        with redirect_stdout(io.StringIO()):
+        with redirect_stdout(io.StringIO()), only_local():
             server = viser.ViserServer(host=HOST, port=port, verbose=False)
         if port in (0, server.get_port()):
             return server

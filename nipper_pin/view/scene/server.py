@@ -8,8 +8,16 @@ import webbrowser
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 from ...errors import InputError
+from ..local import HOST, is_local
 
-HOST = "127.0.0.1"
+# Nothing is loaded from anywhere, and no other page may show this one.
+_HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
 
 
 def serve(page: str, port: int, *, browser: bool) -> None:
@@ -56,16 +64,20 @@ class _Server(ThreadingHTTPServer):
 
 class _Handler(BaseHTTPRequestHandler):
     body: bytes
+    server: _Server
 
     def do_GET(self) -> None:
         """Send the page."""
+        if not is_local(self.headers["Host"], self.headers["Origin"], self.server.server_port):
+            self.send_error(403)
+            return
         if self.path.partition("?")[0] != "/":
             self.send_error(404)
             return
         self.send_response(200)
-        self.send_header("Content-Type", "text/html; charset=utf-8")
+        for name, value in _HEADERS.items():
+            self.send_header(name, value)
         self.send_header("Content-Length", str(len(self.body)))
-        self.send_header("Cache-Control", "no-store")
         self.end_headers()
         self.wfile.write(self.body)
 

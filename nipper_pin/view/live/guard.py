@@ -1,0 +1,135 @@
+"""Who may talk to the live page, and about what.
+
+A page of another site that the same browser shows may try to connect to a server on this machine.
+Browsers say from where a page comes (Origin) and under which name it asks (Host): both have to be
+the address of this server. Messages of other kinds than the page sends are dropped, and values are
+brought into the range of their control.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
+from http import HTTPStatus
+from typing import Any
+
+import msgspec
+import viser
+from viser import _messages
+from websockets.asyncio import server as sockets
+
+from ..local import is_local
+
+_REFUSED = "this page is for browsers on this machine, at the address that was printed\n"
+# A browser sends the value of a control, or where its camera stands.
+_MOST_BYTES = 64 * 1024
+# All that a page sends: values of its controls, and where its camera stands.
+_TAKEN = (_messages.GuiUpdateMessage, _messages.ViewerCameraMessage)
+_UNREADABLE = (
+    msgspec.DecodeError, LookupError, TypeError, ValueError, AttributeError, AssertionError,
+)  # fmt: skip
+
+
+@contextmanager
+def only_local() -> Iterator[None]:
+    """Servers that start in this block refuse requests that are not local."""
+    serve = sockets.serve
+
+    def guarded(
+        handler: Callable[[Any], Awaitable[None]],
+        *place: Any,
+        process_request: Callable[..., Any],
+        **options: Any,
+    ) -> Any:
+        def admitted(connection: Any, request: Any) -> Any:
+            port, headers = connection.local_address[1], request.headers
+            hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
+            told = (hosts or [None])[0], (origins or [None])[0]
+            if len(hosts) > 1 or len(origins) > 1 or not is_local(*told, port):
+                return connection.respond(HTTPStatus.FORBIDDEN, _REFUSED)
+            return process_request(connection, request)
+
+        async def handled(connection: Any) -> None:
+            connection.recv = _readable(connection.recv)
+            await handler(connection)
+
+        options["max_size"] = _MOST_BYTES
+        return serve(handled, *place, process_request=admitted, **options)
+
+    sockets.serve = guarded  # type: ignore[assignment, misc]
+    try:
+        yield
+    finally:
+        sockets.serve = serve  # type: ignore[misc]
+
+
+def _readable(receive: Callable[[], Awaitable[bytes | str]]) -> Callable[[], Awaitable[bytes]]:
+    """Receive as before, without messages that are unreadable or of no kind that a page sends."""
+
+    async def recv() -> bytes:
+        while True:
+            raw = await receive()
+            if isinstance(raw, bytes) and _taken(raw):
+                return raw
+
+    return recv
+
+
+def _taken(raw: bytes) -> bool:
+    try:
+        return isinstance(_messages.Message.deserialize(raw), _TAKEN)
+    except _UNREADABLE:
+        return False
+
+
+class Filter:
+    """Takes from browsers nothing but values of controls, each within its range.
+
+    Args:
+        server: The server, with all its controls.
+        ranges: Lowest and highest value of each slider, by its identity in viser.
+        switches: Identities of the check boxes.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        ranges: Mapping[str, tuple[float, float]],
+        switches: frozenset[str],
+    ) -> None:
+        """Take the place of viser's own handlers."""
+        self._ranges, self._switches = ranges, switches
+        interface = server.gui._websock_interface
+        (self._apply,) = interface._incoming_handlers[_messages.GuiUpdateMessage]
+        interface.unregister_handler(_messages.GuiUpdateMessage)
+        interface.register_handler(_messages.GuiUpdateMessage, self._update)
+
+    async def _update(self, client: Any, message: _messages.GuiUpdateMessage) -> None:
+        """Apply a value that is one of its control; drop all else."""
+        value = self.allowed(message.uuid, message.updates)
+        if value is not None:
+            done = self._apply(client, _messages.GuiUpdateMessage(message.uuid, {"value": value}))
+            if done is not None:
+                await done
+
+    def allowed(self, control: object, updates: object) -> float | bool | None:
+        """Return the value of a control that an update asks for, in its range; None if none.
+
+        Args:
+            control: Identity of the control.
+            updates: What is to be changed.
+        """
+        if not isinstance(control, str) or not isinstance(updates, Mapping):
+            return None
+        if set(updates) != {"value"}:
+            return None
+        value = updates["value"]
+        if control in self._switches:
+            return value if isinstance(value, bool) else None
+        if control not in self._ranges or isinstance(value, bool):
+            return None
+        if not isinstance(value, int | float) or not math.isfinite(value):
+            return None
+        low, high = self._ranges[control]
+        return min(max(float(value), low), high)

@@ -1,0 +1,206 @@
+"""The live page takes values of its controls from its own pages, and nothing else from anybody."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import random
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+
+import viser
+import zstandard
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidStatus, WebSocketException
+
+from nipper_pin.view.live.guard import Filter
+from nipper_pin.view.local import is_local
+
+
+@pytest.mark.parametrize(("host", "origin", "local"), [
+    ("127.0.0.1:7001", None, True), ("localhost:7001", None, True),
+    ("127.0.0.1:7001", "http://127.0.0.1:7001", True),
+    ("localhost:7001", "http://localhost:7001", True),
+    ("127.0.0.1:7002", None, False), ("127.0.0.1", None, False), (None, None, False),
+    ("evil.example:7001", None, False), ("evil.example:7001", "http://evil.example:7001", False),
+    ("127.0.0.1:7001", "http://evil.example", False), ("127.0.0.1:7001", "null", False),
+    ("127.0.0.1:7001", "https://127.0.0.1:7001", False), ("127.0.0.1:7001", "", False),
+    ("127.0.0.1:7001", "http://127.0.0.1:7001.evil.example", False),
+    ("127.0.0.1:7001", "http://localhost:7001", False),
+    ("127.0.0.1:7001", "http://127.0.0.1:8080", False),
+])  # fmt: skip
+def test_requests_of_this_page_are_told_from_others(
+    host: str | None, origin: str | None, local: bool
+) -> None:
+    """A page of another program on this machine is another origin; so is a name of elsewhere."""
+    assert is_local(host, origin, 7001) is local
+
+
+@pytest.mark.parametrize(("control", "updates", "value"), [
+    ("speed", {"value": 450}, 450.0), ("speed", {"value": 1e9}, 2000.0),
+    ("speed", {"value": -1e9}, 60.0), ("speed", {"value": math.nan}, None),
+    ("speed", {"value": math.inf}, None), ("speed", {"value": "450"}, None),
+    ("speed", {"value": True}, None), ("speed", {"value": None}, None),
+    ("speed", {"value": [450]}, None), ("speed", {"value": 450, "min": 0}, None),
+    ("speed", {"min": 0}, None), ("speed", {"update_cb": []}, None), ("speed", {}, None),
+    ("speed", [], None), ("other", {"value": 450}, None), (["speed"], {"value": 450}, None),
+    ("play", {"value": False}, False), ("play", {"value": 1}, None), ("play", {"value": "x"}, None),
+])  # fmt: skip
+def test_values_are_those_of_their_controls(control: Any, updates: Any, value: Any) -> None:
+    found = Filter.__new__(Filter)
+    found._ranges, found._switches = {"speed": (60.0, 2000.0)}, frozenset({"play"})
+    assert found.allowed(control, updates) == value
+    assert type(found.allowed(control, updates)) is type(value)
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[int, subprocess.Popen[str]]]:
+    """A live page as the command serves it."""
+    with subprocess.Popen(
+        [str(Path(sys.executable).with_name("nipper-pin")), "live", "e62", "--port", "0",
+         "--no-browser"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        yield int(line.partition("127.0.0.1:")[2].partition("/")[0]), process
+        process.kill()
+        assert process.stderr is not None
+        assert "Traceback" not in process.stderr.read()
+
+
+def page(port: int, origin: str | None) -> Any:
+    protocols = [f"viser-v{viser.__version__}"]
+    return connect(f"ws://127.0.0.1:{port}/", origin=origin, subprotocols=protocols, max_size=None)  # type: ignore[arg-type]
+
+
+def decoded(raw: bytes) -> list[dict[str, Any]]:
+    """Messages of a window, without the arrays behind them."""
+    size, packed = struct.unpack("<QQ", raw[:16])
+    inner = zstandard.ZstdDecompressor().decompress(raw[16 : 16 + packed], max_output_size=size)
+    return list(msgspec.msgpack.decode(inner)["messages"])
+
+
+class Browser:
+    """A page that shows what it is sent: the controls, and what was updated."""
+
+    def __init__(self, socket: Any) -> None:
+        self.socket, self.sliders, self.texts = socket, {}, []
+
+    async def follow(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            with contextlib.suppress(TimeoutError):
+                for item in decoded(await asyncio.wait_for(self.socket.recv(), left)):
+                    if item["type"] == "GuiSliderMessage":
+                        self.sliders[item["props"]["label"]] = item["uuid"]
+                    elif item["type"] == "GuiUpdateMessage" and "content" in item["updates"]:
+                        self.texts.append(item["updates"]["content"])
+
+    async def begin(self) -> None:
+        """Say where the camera stands, as a browser does first."""
+        camera = {
+            "type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0),
+            "position": (1.0, 1.0, 1.0), "fov": 0.8, "near": 0.01, "far": 100.0,
+            "image_height": 600, "image_width": 800, "look_at": (0.0, 0.0, 0.0),
+            "up_direction": (0.0, 0.0, 1.0),
+        }  # fmt: skip
+        await self.socket.send(msgspec.msgpack.encode(camera))
+
+    async def set(self, control: str, value: object) -> None:
+        message = {"type": "GuiUpdateMessage", "uuid": control, "updates": {"value": value}}
+        await self.socket.send(msgspec.msgpack.encode(message))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
+def test_a_foreign_page_cannot_connect(
+    served: tuple[int, subprocess.Popen[str]], origin: str
+) -> None:
+    async def ask() -> None:
+        async with page(served[0], origin):
+            pass
+
+    with pytest.raises(InvalidStatus) as caught:
+        asyncio.run(ask())
+    assert caught.value.response.status_code == 403
+
+
+def random_message(rng: random.Random, controls: list[str]) -> bytes | str:
+    """Something that a page may send, or should not, or cannot be read at all."""
+    values = [0, -1e9, 1e300, math.nan, math.inf, "x", None, [], {}, True, 2**70 % 2**63, b"\0"]
+    kinds = [
+        "GuiUpdateMessage", "ShareUrlRequest", "FileTransferStartUpload", "FileTransferPart",
+        "GuiFormSubmitMessage", "ViewerCameraMessage", "CommandTriggerMessage",
+        "SetCameraPositionMessage", "nothing of this kind", "GuiButtonHoldMessage",
+    ]  # fmt: skip
+    fields = ["value", "min", "max", "update_cb", "visible", "disabled", "_impl", "step"]
+    match rng.randrange(8):
+        case 0:
+            return rng.randbytes(rng.randrange(200))
+        case 1:
+            return "text"
+        case 2:
+            return msgspec.msgpack.encode(rng.choice(values))
+        case 3:
+            return msgspec.msgpack.encode({"type": rng.choice(kinds), "uuid": rng.choice(controls)})
+        case _:
+            updates = {rng.choice(fields): rng.choice(values) for _ in range(rng.randrange(1, 3))}
+            uuid = rng.choice([*controls, "no control"])
+            return msgspec.msgpack.encode(
+                {"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates}
+            )
+
+
+@pytest.mark.slow
+def test_an_attacked_page_goes_on_for_others(served: tuple[int, subprocess.Popen[str]]) -> None:
+    """A thousand random messages by one browser; another moves its slider and reads the answer."""
+    port, process = served
+    origin = f"http://127.0.0.1:{port}"
+    rng = random.Random(7)
+
+    async def attack(controls: list[str]) -> int:
+        sent = 0
+        while sent < 1000:
+            with contextlib.suppress(WebSocketException, OSError):
+                async with page(port, origin) as socket:
+                    while sent < 1000:
+                        sent += 1
+                        await socket.send(random_message(rng, controls))
+                        await asyncio.sleep(0.002)
+        return sent
+
+    async def both() -> tuple[Browser, list[int]]:
+        async with page(port, origin) as socket:
+            mine = Browser(socket)
+            await mine.begin()
+            await mine.follow(3.0)
+            speed = next(uuid for label, uuid in mine.sliders.items() if "speed" in label)
+            attacker = asyncio.create_task(attack(list(mine.sliders.values())))
+            answers = []
+            for value in (500.0, 520.0, 540.0, 560.0):
+                mine.texts.clear()
+                await mine.set(speed, value)
+                await mine.follow(1.5)
+                answers.append(len(mine.texts))
+            assert await attacker == 1000
+            mine.texts.clear()
+            await mine.set(speed, 444.0)
+            await mine.follow(2.0)
+            return mine, answers
+
+    mine, answers = asyncio.run(both())
+    assert min(answers) > 0
+    assert any("collision" in text for text in mine.texts)
+    assert process.poll() is None
