@@ -6,6 +6,7 @@ import io
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -40,12 +41,20 @@ def page_file(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> P
     return write_page(solution, tmp_path_factory.mktemp("page") / "e62.html", Look(exaggerate=10.0))
 
 
+def until(page: Page, what: str) -> None:
+    """Wait for a condition; the browser's own waiting would need a page that may run any text."""
+    end = time.monotonic() + 60.0
+    while not page.evaluate(what):
+        assert time.monotonic() < end, what
+        time.sleep(0.02)
+
+
 @pytest.fixture
 def page(open_page, page_file: Path) -> Iterator[Page]:
     """The static file, paused; whatever it complained of or asked for fails the test."""
     with open_page(page_file) as opened:
         opened.page.wait_for_selector("#pane canvas")
-        opened.page.wait_for_function("animator.time > 0.2")
+        until(opened.page, "animator.time > 0.2")
         yield opened.page
         assert opened.complaints == []
         assert opened.requests == [page_file.resolve().as_uri()]
@@ -100,14 +109,14 @@ def test_the_picture_changes_as_it_plays(page: Page) -> None:
     before = picture(page)
     assert page.text_content("#play") == "play"
     page.click("#play")
-    page.wait_for_function("animator.time > 0.7")
+    until(page, "animator.time > 0.7")
     page.click("#play")
-    page.wait_for_function("!animator.playing")
+    until(page, "!animator.playing")
     still = picture(page)
     assert (np.abs(still - before).max(axis=-1) > 30.0).mean() > 0.01
     np.testing.assert_array_equal(picture(page), still)
     page.click("#play")
-    page.wait_for_function("animator.playing")
+    until(page, "animator.playing")
 
 
 def test_numbers_follow_the_time(page: Page, shown: Film) -> None:
@@ -168,7 +177,7 @@ def test_an_exaggerated_gap_shows(open_page, page_file: Path, shown: Film, tmp_p
     images = []
     for path in (page_file, plain):
         with open_page(path) as opened:
-            opened.page.wait_for_function("animator.time > 0.2")
+            until(opened.page, "animator.time > 0.2")
             for time in (rebound, rest):
                 seek(opened.page, time)
                 images.append(picture(opened.page))
@@ -197,7 +206,7 @@ def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
             found = watch(page)
             page.goto(address)
             page.wait_for_selector("#pane canvas")
-            page.wait_for_function("animator.time > 0.2")
+            until(page, "animator.time > 0.2")
             seek(page, 1.0)
             image = picture(page)
             page.close()

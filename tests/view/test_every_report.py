@@ -37,7 +37,7 @@ from nipper_pin.study.paper.shares import Shares
 from nipper_pin.study.paper.studies import run_studies
 from nipper_pin.study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
 from nipper_pin.study.sweep import SweepTable
-from nipper_pin.view.paper import kinematic_figures, published_figures, question_figures
+from nipper_pin.view.paper import kinematic_figures, published_figures, question_figures, report
 from nipper_pin.view.paper.canvas import Plate, new_figure, plate
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
@@ -500,13 +500,28 @@ def test_frames_and_captions(
     assert told == pytest.approx(wanted, rel=3e-3)
 
 
-def test_a_figure_as_files() -> None:
-    """As an element of a page and as documents: named, without size, date and shared names."""
+def test_headings_are_texts_but_for_subscripts() -> None:
+    assert report._subscripts("A<sub>1</sub> [deg]") == "A<sub>1</sub> [deg]"
+    shown = report._subscripts(HOSTILE)
+    assert "<img" not in shown
+    assert '"' not in shown
+
+
+HOSTILE = 'x"><img src=x onerror="PWN=1"> & <sub>'
+
+
+@pytest.mark.parametrize("title", ["A title", HOSTILE])
+def test_a_figure_as_files(title: str) -> None:
+    """As an element of a page and as documents: named, without size, date and shared names.
+
+    The name of a stop may be anything, and stays a text.
+    """
     figure = new_figure(2.0, "estimates")
     figure.subplots().plot([1.0, 2.0])
-    made = plate("some_name", "A title", "words", figure)
+    made = plate("some_name", title, "words", figure)
     root = ElementTree.fromstring(made.inline_svg)
-    assert (root.get("role"), root.get("aria-label")) == ("img", "A title")
+    assert (root.get("role"), root.get("aria-label")) == ("img", title)
+    assert not list(root.iter("{*}img"))
     assert root.get("viewBox")
     assert root.get("width") is root.get("height") is None
     names = [item.get("id") for item in root.iter() if item.get("id")]

@@ -322,5 +322,5 @@ def test_files_that_are_no_identification_are_refused(text, tmp_path):
 @pytest.mark.slow
 def test_a_folder_that_is_a_file_is_refused(study, tmp_path: Path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be made a folder"):
+    with pytest.raises(InputError, match="not a folder"):
         write_paper(study, tmp_path / "file")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
+from html import escape
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -48,7 +49,7 @@ class Plate:
         text = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{self.name}-", text)
         head, tail = text.split(">", 1)
         head = re.sub(r'\s(width|height)="[^"]*"', "", head)
-        return f'{head} role="img" aria-label="{self.title}">{tail}'
+        return f'{head} role="img" aria-label="{escape(self.title)}">{tail}'
 
 
 def plate(name: str, title: str, caption: str, figure: Figure) -> Plate:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
 from importlib.metadata import version
 from typing import Any
 
@@ -92,6 +93,14 @@ def material(study: PaperStudy, supplements: Supplements, drawn: Sequence[Plate]
     return Material(tuple(plates), tuple(tables))
 
 
+def _subscripts(heading: str) -> str:
+    """The heading of a column, escaped but for its subscripts."""
+    text = escape(heading)
+    for tag in ("sub", "/sub"):
+        text = text.replace(f"&lt;{tag}&gt;", f"<{tag}>")
+    return text
+
+
 def report_html(study: PaperStudy, supplements: Supplements, content: Material) -> str:
     """Return the page.
 
@@ -110,6 +119,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["subscripts"] = _subscripts
     figure_numbers = numbers([plate.name for plate in content.plates])
     table_numbers = numbers([table.name for table in content.tables])
     plates = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 from importlib import resources
 from pathlib import Path
@@ -52,12 +53,15 @@ def scene_page(shown: Film) -> str:
         HTML with script, scene and animation inside.
     """
     here = resources.files(__package__)
+    viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
+    overlay = (here / "overlay.js").read_text(encoding="utf-8")
     parts = {
+        "policy": _policy(viewer, overlay),
         "licence": _licences(),
-        "viewer": (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8"),
+        "viewer": viewer,
         "scene": json.dumps(_messages(shown)),
         "film": _in_script(json.dumps({**readings(shown), "camera": _camera(shown)})),
-        "overlay": (here / "overlay.js").read_text(encoding="utf-8"),
+        "overlay": overlay,
     }
     pieces = []
     # Split first: what is put in may hold anything, also what looks like a place to put something.
@@ -95,6 +99,16 @@ def _camera(shown: Film) -> dict[str, object]:
         shown.solution.mechanism, shown.position.reshape(-1, 2), _NEAR, _SHIFT
     )
     return {"target": target.tolist(), "position": position.tolist()}
+
+
+def _policy(*scripts: str) -> str:
+    """What a browser lets the page do: run these scripts alone, and load nothing from anywhere."""
+    digests = (hashlib.sha256(script.encode()).digest() for script in scripts)
+    own = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {own}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; connect-src data: blob:"
+    )
 
 
 def _in_script(text: str) -> str:
