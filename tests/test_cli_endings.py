@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -315,3 +317,30 @@ def test_control_characters_are_written_out(capsys: pytest.CaptureFixture[str]) 
     said = capsys.readouterr().err
     assert r"no\n\x1b[31m\tmodel é" in said
     assert said.count("\n") == 1
+
+
+def test_a_broken_pipe_to_a_worker_is_an_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Only a reader of the output may stop early: then nobody is told, and nothing went wrong."""
+
+    def broken(*_: object, **__: object) -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr("nipper_pin.cli.simulate.simulate", broken)
+    monkeypatch.setattr("nipper_pin.cli._unread", lambda: False)
+    assert main(["simulate", "e62"]) == 1
+    assert "another process ended before its work was done" in capsys.readouterr().err
+
+
+def test_a_reader_that_stops_early_is_no_error() -> None:
+    program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
+    with subprocess.Popen(
+        [sys.executable, "-c", program, "simulate", "e62", "--json", "-"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait(60.0) == 0

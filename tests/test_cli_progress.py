@@ -91,6 +91,7 @@ def test_a_reader_of_a_pipe_may_stop(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = io.StringIO()
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stderr", stream)
+        patch.setattr("nipper_pin.cli._unread", lambda: True)
         patch.setattr("nipper_pin.view.studies.sweep_plots.plot_sweep", broken)
         assert main(["plot", "folder"]) == 0
     assert stream.closed

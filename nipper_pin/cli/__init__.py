@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import select
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -60,10 +61,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(error, _NOT_SIMULATED)
     except KeyboardInterrupt:
         return _INTERRUPTED
-    except BrokenPipeError:
-        # The reader of a pipe may stop early; that is no error.
-        sys.stderr.close()
+    except BrokenPipeError as error:
+        return _broken(error)
     return _RIGHT
+
+
+def _broken(error: BrokenPipeError) -> int:
+    """Tell the reader of the output, who may stop early, from a process that has died."""
+    if _unread():
+        # Python would complain of it when it ends.
+        sys.stderr.close()
+        return _RIGHT
+    sys.stderr.write(f"nipper-pin: another process ended before its work was done ({error})\n")
+    return _NOT_SIMULATED
+
+
+def _unread() -> bool:
+    """Return whether nobody reads the output any more."""
+    try:
+        poll = select.poll()
+        poll.register(sys.stdout.fileno(), 0)
+    except (AttributeError, OSError, ValueError):
+        # No such call on this system, or an output that is no file.
+        return True
+    return any(event & (select.POLLERR | select.POLLHUP) for _, event in poll.poll(0))
 
 
 def _complain(error: NipperError, status: int) -> int:
