@@ -56,10 +56,13 @@ def test_counts() -> None:
 
     assert reads()
     assert reads(degrees_of_freedom=2)
+    assert reads(cylinder={**whole["cylinder"], "angle_at_touch_deg": -3600.0})
     assert reads(phases=[phase, {**phase, "number": 2, "closed": ["a"]}])
     for changes in (
         {"degrees_of_freedom": 0}, {"phases": []}, {"phases": [{**phase, "number": 0}]},
         {"format": 2}, {"format": 0}, {"title": ""}, {"gravity_m_s2": -1.0},
         {"phases": [{**phase, "name": ""}]}, {"phases": [{**phase, "closed": [""]}]},
+        *({"cylinder": {**whole["cylinder"], key: angle}} for angle in (1e16, 3600.1, -3600.1)
+          for key in ("angle_at_touch_deg", "reference_angle_deg")),
     ):  # fmt: skip
         assert not reads(**changes), changes

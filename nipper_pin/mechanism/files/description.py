@@ -14,6 +14,7 @@ from .toml_types import (
     NotNegative,
     Positive,
     Restitution,
+    ShaftAngle,
     Stiffness,
     TomlTable,
 )
@@ -34,11 +35,11 @@ class CylinderDescription(TomlTable, frozen=True, kw_only=True):
 
     rated_speed_rpm: Positive
     direction: Literal["clockwise", "counter-clockwise"]
-    angle_at_touch_deg: float
+    angle_at_touch_deg: ShaftAngle
     reference_index: Index
     reference_drive: Name | None = None
     reference_extreme: Literal["minimum", "maximum"] = "minimum"
-    reference_angle_deg: float | None = None
+    reference_angle_deg: ShaftAngle | None = None
 
 
 class SpringDescription(TomlTable, frozen=True, kw_only=True):

@@ -14,6 +14,8 @@ Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
 Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
 Length = Annotated[float, Meta(ge=0.0, le=1e15)]
 Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
+# Round-off of an angle grows with it: after ten turns it is still below 1e-14 of a turn.
+ShaftAngle = Annotated[float, Meta(ge=-3600.0, le=3600.0)]
 Index = Annotated[float, Meta(ge=0.0, lt=40.0)]
 Name = Annotated[str, Meta(min_length=1)]
 PlanePoint = tuple[float, float]
