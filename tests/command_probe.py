@@ -108,6 +108,8 @@ class Probe:
         finally:
             os.chdir(before)
         assert (status, err.getvalue()) == (0, ""), err.getvalue()
+        # Plots are drawn into a folder that is named at the end; their place is among the files.
+        self._asked.pop("plot_solution.folder", None)
         return {**self._asked, **_printed(out.getvalue()), **_written(home)}
 
 
@@ -147,13 +149,19 @@ def stand_ins(probe: Probe) -> None:
     note("nipper_pin.hybrid.files.npz.load_solution")
     note("nipper_pin.mechanism.skeleton.write_skeleton")
     note("nipper_pin.mechanism.drawing.write_drawing")
-    note("nipper_pin.view.run.export.plot_solution", lambda _run, folder: [Path(folder)])
+    note("nipper_pin.view.run.export.plot_solution", _drawn)
     report = SimpleNamespace(record=lambda: done)
     note("nipper_pin.study.check.check_model", lambda *_: report)
     note("nipper_pin.study.next_steps.next_steps", lambda *_: ("next",))
     note("nipper_pin.view.studies.check_report.print_report", lambda *_: None)
     _views(note)
     _studies(note, done, report)
+
+
+def _drawn(_solution: object, folder: str | Path) -> list[Path]:
+    """A picture, where the plots are to be."""
+    (Path(folder) / "drawn.png").touch()
+    return [Path(folder) / "drawn.png"]
 
 
 def _views(note: Callable[..., None]) -> None:

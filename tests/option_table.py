@@ -34,7 +34,7 @@ _PLACES = ("simulate", "plot_solution.solution", "saved case", "saved run")
 _OUT = "--out run"
 _JSON = "--json -"
 _RUN_FILES = ("case.json", "collisions.csv", "link_velocities.csv", "motion.csv", "phases.csv",
-              "solution.npz")  # fmt: skip
+              "solution.npz", "drawn.png")  # fmt: skip
 _PRELOAD = "description.springs.steeve.preload_length_mm"
 _STIFFNESS = "description.springs.steeve.stiffness_N_per_m"
 _RESTITUTION = "description.stops.jaw.restitution"
@@ -107,7 +107,7 @@ SIMULATE = {
                      ("document.work.turns_computed",)),
     "--forces": Entry("--forces", {"forces": True}, "--window cycle"),
     "--out": Entry("--out run", {**files(*(f"run/{name}" for name in _RUN_FILES)),
-                                 "plot_solution called": True, "plot_solution.folder": "run"},
+                                 "plot_solution called": True},
                    moves=("saved case.", "saved run.", "plot_solution.solution.")),
     "--case": Entry("--case {case}", {"simulate.case.speed_rpm": 620.0,
                                       "document.case.speed_rpm": 620.0}, _JSON, _HITS),
