@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -229,6 +230,42 @@ def test_files_without_sources_have_no_copies(stored: Path) -> None:
     read = load_solution(stored)
     assert [event.source for event in read.events] == [event.number for event in read.events]
     _same(read.segments, original.segments)
+
+
+def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None:
+    """A thousand times its size, by its directory; it is refused before it is decompressed."""
+    path = tmp_path / "large.npz"
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("events.npy", "w", force_zip64=True) as member,
+    ):
+        np.lib.format.write_array_header_1_0(
+            member, {"descr": "<f8", "fortran_order": False, "shape": (2**27 + 1,)}
+        )
+        for _ in range(128):
+            member.write(bytes(2**23))
+        member.write(bytes(8))
+    assert path.stat().st_size < 2**21
+    tracemalloc.start()
+    try:
+        with pytest.raises(InputError, match=r"1\.07e\+09 bytes; at most 1\.07e\+09 are read"):
+            load_solution(path)
+        assert tracemalloc.get_traced_memory()[1] < 2**24
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("length", [10**15, 1])
+def test_an_array_is_as_long_as_it_says(tmp_path: Path, length: int) -> None:
+    """One that says more would be given memory before its content is read."""
+    path = tmp_path / "lying.npz"
+    with zipfile.ZipFile(path, "w") as archive, archive.open("events.npy", "w") as member:
+        np.lib.format.write_array_header_1_0(
+            member, {"descr": "<f8", "fortran_order": False, "shape": (length,)}
+        )
+        member.write(bytes(80))
+    with pytest.raises(InputError, match=r"events\.npy is not as long as it says"):
+        load_solution(path)
 
 
 def test_another_format_is_refused_by_number(stored: Path, tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ from ..result.solution import Solution
 from ..run.outcome import Outcome
 from ..segment import Segment
 from . import npz_schema
+from .archive import check_archive
 
 FORMAT = 2
 _Nodes = tuple[FloatArray, FloatArray, FloatArray]
@@ -109,10 +110,12 @@ def load_solution(path: str | Path) -> Solution:
     """
     try:
         # A file of our own is closed whatever is wrong with its content.
-        with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
-            _check_format(document, path)
-            return _solution(npz_schema.run(document), stored)
+        with Path(path).open("rb") as stream:
+            check_archive(stream)
+            with np.load(stream, allow_pickle=False) as stored:
+                document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
+                _check_format(document, path)
+                return _solution(npz_schema.run(document), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error

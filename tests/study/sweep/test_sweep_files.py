@@ -16,7 +16,8 @@ from sweep_studies import plan, study
 from nipper_pin import InputError, load
 from nipper_pin.cli import main
 from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
-from nipper_pin.study.sweep.results.chunk_file import DamageError, read
+from nipper_pin.study.sweep.results import chunk_file
+from nipper_pin.study.sweep.results.chunk_file import DamageError, encode, read
 
 SMALL = """
 chunk = 2
@@ -81,6 +82,17 @@ def test_no_part_of_a_chunk_is_read(swept: Path, part: str) -> None:
     }
     with pytest.raises(DamageError):
         read(parts[part])
+
+
+def test_a_chunk_that_would_grow_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Zeros of a thousand times the size of the file, under a checksum that is right."""
+    columns = {"scenario": np.arange(50_000), "zero": np.zeros(50_000)}
+    content = encode(columns, words=(), units={}, about={})
+    monkeypatch.setattr(chunk_file, "MOST_BYTES", 500_000)
+    with pytest.raises(DamageError, match=r"it would take \S+ bytes; at most 5e\+05 are read"):
+        read(content)
+    monkeypatch.setattr(chunk_file, "MOST_BYTES", 10**6)
+    assert read(content).num_rows == 50_000
 
 
 def test_pages_carry_checksums_of_their_own(swept: Path) -> None:

@@ -20,6 +20,9 @@ from ....errors import InputError
 if TYPE_CHECKING:
     import pyarrow as pa
 
+MOST_BYTES = 2**29
+"""Most that a chunk may hold after decompression [byte]: 65,536 rows, the most that a plan puts
+into one, of a thousand columns."""
 _ABOUT, _CRC = "nipper_pin", "nipper_pin.crc32"
 # A word before it, so that no other eight zeros of a file are taken for its place.
 _MARK = b"crc32:"
@@ -122,6 +125,11 @@ def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
         message = "damaged: its checksum is not that of its bytes"
         raise DamageError(message)
     file = pq.ParquetFile(pa.BufferReader(content), page_checksum_verification=True)
+    groups = (file.metadata.row_group(place) for place in range(file.metadata.num_row_groups))
+    size = sum(group.total_byte_size for group in groups)
+    if size > MOST_BYTES:
+        message = f"it would take {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
+        raise DamageError(message)
     return file.read(None if columns is None else list(columns))
 
 
