@@ -12,6 +12,8 @@ from ..tolerances.hybrid import LARGEST_TOLERANCE, LEAST_TOLERANCE
 
 # Faster ones overflow in squares of rates long before they mean anything.
 _FASTEST_RPM = 1e9
+# Days of a machine; their events would fill the memory.
+_MOST_CYCLES = 1_000_000
 START_INDEX = 24.0
 """Index at which turns start unless it is given."""
 
@@ -99,7 +101,8 @@ class Case:
             raise InputError(message, window=self.window, drive=self.drive) from error
         _require(0.0 < self.speed_rpm <= _FASTEST_RPM, "speed_rpm", self.speed_rpm,
                  f"a speed above 0 and up to {_FASTEST_RPM:g} r/min")  # fmt: skip
-        _require(self.cycles >= 1, "cycles", self.cycles, "a whole number from 1")
+        _require(1 <= self.cycles <= _MOST_CYCLES, "cycles", self.cycles,
+                 f"a whole number from 1 to {_MOST_CYCLES}")  # fmt: skip
         _require(math.isfinite(self.start_index), "start_index", self.start_index, "a number")
         _require(self.max_collisions >= 1, "max_collisions", self.max_collisions, "at least 1")
         if self.rest_rate is not None:

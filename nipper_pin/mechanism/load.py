@@ -33,21 +33,15 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
         ModelError: A value in a file or override cannot be used.
         AssemblyError: The closures do not meet at touch.
     """
-    import tomllib
-
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
+    from .files.toml_text import read_toml
 
     folder = find_model(model)
     name = folder.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
     urdf = _read(folder / urdf_file)
-    try:
-        data: dict[str, object] = tomllib.loads(_read(folder / toml_file))
-    except tomllib.TOMLDecodeError as error:
-        raise ModelError(
-            file=toml_file, key="TOML", value=str(error), allowed="a well-formed TOML document"
-        ) from error
+    data = read_toml(_read(folder / toml_file), toml_file)
     if overrides:
         from .edit.overrides import apply_overrides, by_path, with_tables
 
@@ -191,7 +185,13 @@ def find_model(model: str | Path) -> Path:
     known = known_models()
     if isinstance(model, str) and model in known:
         return known[model]
-    folder = Path(model).resolve()
+    try:
+        folder = Path(model).resolve()
+    except (OSError, RuntimeError) as error:
+        # Links in a circle.
+        raise UnknownNameError(
+            kind="model or model folder", name=str(model), known=known, where=str(error)
+        ) from error
     if not folder.is_dir():
         raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
     for suffix in (".urdf", ".toml"):

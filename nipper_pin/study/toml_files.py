@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +12,7 @@ import msgspec
 from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
 from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
+from ..mechanism.files.toml_text import read_toml
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
@@ -57,10 +57,11 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
         InputError: A key or value in it cannot be used.
     """
     try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
         allowed = "a readable TOML file"
         raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
+    document = read_toml(text, file.name)
     try:
         return msgspec.convert(document, kind)
     except msgspec.ValidationError as error:

@@ -53,7 +53,8 @@ def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
     model = textwrap.fill(mechanism.title or mechanism.name, _TITLE_COLUMNS)
     restitution = f"restitution: {restitution_text(mechanism.stops)}"
     values = textwrap.fill(f"{restitution}; springs: {spring_text(mechanism)}", _TITLE_COLUMNS)
-    figure.suptitle(f"{subject}\n{model}\n{case_text(solution)}\n{values}", fontsize=TEXT)
+    text = f"{subject}\n{model}\n{case_text(solution)}\n{values}"
+    figure.suptitle(text, fontsize=TEXT, parse_math=False)
     return figure
 
 

@@ -168,7 +168,13 @@ def collision_geometry(
     solids = (part.partition("</collision>")[0] for part in text.split("<collision")[1:])
     if any("<mesh" in solid for solid in solids):
         text = _absolute_meshes(text, mesh_folder, file)
-    geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
+    try:
+        geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
+    except (ValueError, RuntimeError) as error:
+        reason = str(error).partition("message: ")[2] or str(error)
+        allowed = "collision meshes that can be read: STL, OBJ or DAE with vertices and faces"
+        value = " ".join(reason.split())
+        raise ModelError(file=file, key="collision mesh", value=value, allowed=allowed) from error
     # Pinocchio numbers the shapes of each link in the order of the file.
     for link, names in urdf.shapes.items():
         for place, name in enumerate(names):

@@ -149,6 +149,6 @@ def _convert(value: object, old: object, path: str, file: str) -> object:
         return int(number) if isinstance(old, int) and number.is_integer() else number
     try:
         return tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         allowed = f"a value like {old!r}"
         raise ModelError(file=file, key=path, value=value, allowed=allowed) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -75,22 +76,31 @@ def _read_csv(
         known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
         allowed = f"a CSV file in the model folder {folder}; found there: {known}"
         raise ModelError(file=file, key=key, value=name, allowed=allowed)
-    with path.open(encoding="utf-8", newline="") as stream:
-        reader = csv.DictReader(stream, skipinitialspace=True)
-        header = tuple(reader.fieldnames or ())
-        if header not in choices:
-            raise ModelError(
-                file=name,
-                key="first line",
-                value=",".join(header),
-                allowed=f"the column names {' or '.join(map(','.join, choices))}",
-            )
-        columns: dict[str, list[float]] = {column: [] for column in header}
-        for row in reader:
-            for column in header:
-                columns[column].append(
-                    _number(row[column], name, f"line {reader.line_num} {column}")
-                )
+    try:
+        text = path.read_text(encoding="utf-8")
+        return _columns(csv.DictReader(io.StringIO(text, newline=""), skipinitialspace=True),
+                        choices, name)  # fmt: skip
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        allowed = "a readable CSV file"
+        raise ModelError(file=file, key=key, value=str(error), allowed=allowed) from error
+
+
+def _columns(
+    reader: csv.DictReader[str], choices: Sequence[Columns], name: str
+) -> dict[str, list[float]]:
+    """The two columns of a table, checked."""
+    header = tuple(reader.fieldnames or ())
+    if header not in choices:
+        raise ModelError(
+            file=name,
+            key="first line",
+            value=",".join(header),
+            allowed=f"the column names {' or '.join(map(','.join, choices))}",
+        )
+    columns: dict[str, list[float]] = {column: [] for column in header}
+    for row in reader:
+        for column in header:
+            columns[column].append(_number(row[column], name, f"line {reader.line_num} {column}"))
     first, second = (tuple(columns[column]) for column in header)
     try:
         if header in (_DRIVE, _DRIVE_OF_SLIDE):

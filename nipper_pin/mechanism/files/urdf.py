@@ -14,6 +14,7 @@ import numpy as np
 from ...errors import ModelError, UnknownNameError
 from ...tolerances.mechanics import URDF_TOLERANCE
 from .urdf_values import (
+    check_colours,
     check_dynamics,
     check_inertial,
     check_shapes,
@@ -22,6 +23,8 @@ from .urdf_values import (
     rotation_from_rpy,
 )
 
+# Parsers of URDF call themselves for each joint in a row.
+_DEEPEST = 500
 HINGE_AXIS = (0.0, -1.0, 0.0)
 _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
     "revolute": "revolute",
@@ -124,6 +127,7 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         masses[name] = check_inertial(link, name, name in moving, file)
         shapes[name] = check_shapes(link, name, file, mesh_folder)
     _check_shape_names(shapes, file)
+    check_colours(root, file)
     return Urdf(root=top, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
 
 
@@ -270,6 +274,9 @@ def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -
         seen = {link}
         while link in above:
             link = above[link]
+            if len(seen) > _DEEPEST:
+                allowed = f"a tree of at most {_DEEPEST} joints in a row"
+                raise ModelError(file=file, key="links", value=f"behind {link}", allowed=allowed)
             if link in seen:
                 allowed = "links hang from the root; these hang from one another in a circle"
                 raise ModelError(file=file, key="links", value=sorted(seen), allowed=allowed)

@@ -167,6 +167,12 @@ def _check_inertia(inertial: ElementTree.Element, key: str, file: str) -> None:
         raise ModelError(file=file, key=key, value=values, allowed=allowed)
 
 
+def check_colours(root: ElementTree.Element, file: str) -> None:
+    """Refuse colours that are no four numbers; a viewer would stumble over them."""
+    for colour in root.iter("color"):
+        _finite(colour, "rgba", 4, None, "color", file)
+
+
 def check_shapes(
     link: ElementTree.Element, name: str, file: str, mesh_folder: Path
 ) -> tuple[str, ...]:
