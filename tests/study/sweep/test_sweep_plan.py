@@ -259,7 +259,7 @@ def test_every_number_of_a_model_can_vary(tmp_path: Path, path: str, own: float 
         (TABLE.replace("sobol", "random"), "samples.method"),
         ("[parameters]\n", "nothing varies"),
         ("", "parameters"),
-        ("[parameters", "readable TOML"),
+        ("[parameters", "well-formed TOML"),
     ],
 )  # fmt: skip
 def test_unusable_studies_are_refused(
