@@ -10,8 +10,8 @@ import numpy as np
 from numpy.lib import format as npy
 
 MOST_BYTES = 2**30
-"""Most that an archive may hold after decompression [byte]: four thousand turns of the E62 of which
-no two are equal, at 0.22 MB each."""
+"""Most that an archive may hold after decompression [byte]: four thousand turns of a comber, no two
+of them equal, at 0.22 MB each."""
 _SUFFIX = ".npy"
 # Of an array: numbers, or one text.
 _KINDS = "fU"

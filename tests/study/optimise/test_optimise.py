@@ -360,7 +360,7 @@ def test_limits_that_starts_break_are_mended_first(tmp_path: Path) -> None:
 
 WRONG = {
     "no file": (None, "file"),
-    "not TOML": ("minimise =", "file"),
+    "not TOML": ("minimise =", "TOML"),
     "no aim": (BOUNCES, "minimise"),
     "three aims": (
         'minimise = ["duration_s", "rebound_amplitude_1", "rebound_time_s_1"]\n' + BOUNCES,
