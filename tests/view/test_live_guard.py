@@ -10,9 +10,10 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import pytest
@@ -26,6 +27,8 @@ from websockets.exceptions import InvalidStatus, WebSocketException
 
 from nipper_pin.view.live.guard import Filter
 from nipper_pin.view.local import is_local
+
+T = TypeVar("T")
 
 
 @pytest.mark.parametrize(("host", "origin", "local"), [
@@ -62,6 +65,12 @@ def test_values_are_those_of_their_controls(control: Any, updates: Any, value: A
     found._ranges, found._switches = {"speed": (60.0, 2000.0)}, frozenset({"play"})
     assert found.allowed(control, updates) == value
     assert type(found.allowed(control, updates)) is type(value)
+
+
+def finished(task: Coroutine[Any, Any, T]) -> T:
+    """The result of a task in a thread of its own: beside a browser a loop runs in this one."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, task).result()
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +142,7 @@ def test_a_foreign_page_cannot_connect(
             pass
 
     with pytest.raises(InvalidStatus) as caught:
-        asyncio.run(ask())
+        finished(ask())
     assert caught.value.response.status_code == 403
 
 
@@ -200,7 +209,7 @@ def test_an_attacked_page_goes_on_for_others(served: tuple[int, subprocess.Popen
             await mine.follow(2.0)
             return mine, answers
 
-    mine, answers = asyncio.run(both())
+    mine, answers = finished(both())
     assert min(answers) > 0
     assert any("collision" in text for text in mine.texts)
     assert process.poll() is None
