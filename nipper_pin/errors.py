@@ -117,6 +117,13 @@ class ConvergenceError(SimulationError):
     """
 
 
+class SelfCheckError(SimulationError):
+    """A run that was computed does not meet its own closures, or its energy balance.
+
+    Evidence: ``check``, ``residual``, ``tolerance``.
+    """
+
+
 class ElementError(SimulationError):
     """A spring or damper has no force here: its table ends, or its two points coincide.
 

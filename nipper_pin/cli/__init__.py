@@ -6,6 +6,7 @@ import argparse
 import os
 import select
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -54,7 +55,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser(named).parse_args(words)
     options.words = words
     try:
-        options.run(options)
+        with warnings.catch_warnings():
+            warnings.showwarning = _note
+            options.run(options)
     except InputError as error:
         return _complain(error, _UNUSABLE)
     except NipperError as error:
@@ -85,6 +88,10 @@ def _unread() -> bool:
         # No such call on this system, or an output that is no file.
         return True
     return any(event & (select.POLLERR | select.POLLHUP) for _, event in poll.poll(0))
+
+
+def _note(message: Warning | str, *_: object, **__: object) -> None:
+    sys.stderr.write(f"nipper-pin: note: {message}\n")
 
 
 def _complain(error: NipperError, status: int) -> int:

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..extras import require
 from ..hybrid.case import Case, Window
 from ..hybrid.result.json_document import record
+from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism
@@ -58,6 +59,7 @@ def _run(options: argparse.Namespace) -> None:
     check_outputs(options.out, options.json)
     with _progress(case) as advance:
         solution = simulate(mechanism, case, advance)
+    need_sound(solution)
     if options.out is not None:
         from ..view.run.export import export
 

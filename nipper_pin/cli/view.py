@@ -6,6 +6,7 @@ import argparse
 
 from ..errors import InputError
 from ..hybrid.case import Window
+from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..view.show import PORT, need_film, need_page
 from .arguments import add_model, check_outputs, load_mechanism, refuse_beside, write_json
@@ -67,6 +68,7 @@ def _run(options: argparse.Namespace) -> None:
     for file in (options.html, options.gif, options.json):
         check_outputs(None, file)
     solution = _solution(options)
+    need_sound(solution)
     if options.json is not None:
         from ..hybrid.result.json_document import record
 

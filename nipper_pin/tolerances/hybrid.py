@@ -147,6 +147,15 @@ and far below what an event changes."""
 ENERGY_AGREEMENT = 1e-12
 """[1] Error of an energy integral, by the energy of the panel, or by the largest kinetic energy so
 far times its part of the duration. A choice: round-off may exceed the former."""
+SELF_CHECK = 1e-6
+"""[1] Part of the reach of the mechanism by which closures may gape, and part of all exchanged
+energy that the balance may leave over, before a run is refused. A choice, far above round-off."""
+SELF_CHECK_TOLERANCES = 1e3
+"""[1] The same in tolerances of the run. A choice: some thousand times what the machines of the
+package leave over."""
+STORED_ENERGY = 1e-12
+"""[1] Round-off of the energy balance by the energy of the springs. A choice, as
+``ENERGY_AGREEMENT``."""
 
 # Limits of a case
 

@@ -1,69 +1,123 @@
-"""Machine code that is kept on disk: which of it is forgotten."""
+"""Machine code on disk: kept where it can be, never trusted when it is damaged or of other sources.
+
+A small function is compiled by the decorator of the engine, each time from a module that is loaded
+anew, as another process would. Whether a kept file was used is what numba counts itself.
+"""
 
 from __future__ import annotations
 
-import os
+import importlib.util
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numba.core import config
 
-from nipper_pin.reduced.kernels import compiled
+from nipper_pin.reduced.kernels import compiled as compiling
+
+SOURCE = """
+from nipper_pin.reduced.kernels.compiled import compiled
+@compiled
+def triple(x):
+    return 3.0 * x
+"""
 
 
-def test_code_that_is_older_than_any_source_of_its_room_is_forgotten(
+def loaded(folder: Path) -> Any:
+    """The function, as a process finds it that has not compiled it yet."""
+    file = folder / "function.py"
+    if not file.exists():
+        file.write_text(SOURCE)
+    spec = importlib.util.spec_from_file_location("function", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.triple
+
+
+def used_kept_code(folder: Path) -> bool:
+    triple = loaded(folder)
+    assert triple(14.0) == 42.0
+    return sum(triple.stats.cache_hits.values()) == 1
+
+
+@pytest.fixture
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "kept"
+    monkeypatch.setattr(config, "CACHE_DIR", str(folder))
+    assert not used_kept_code(tmp_path)
+    assert used_kept_code(tmp_path)
+    return folder
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", ["one bit", "cut off", "empty", "other bytes"])
+def test_damaged_files_count_as_missing(kept: Path, tmp_path: Path, kind: str, damage: str) -> None:
+    (file,) = kept.rglob(f"*.{kind}")
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 4
+    file.write_bytes({
+        "one bit": content, "cut off": content[:100], "empty": b"", "other bytes": b"\x80\x04K.",
+    }[damage])  # fmt: skip
+    assert not used_kept_code(tmp_path)
+    assert used_kept_code(tmp_path)
+
+
+def test_code_of_other_sources_is_not_used(
+    kept: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor where an index of today stands beside code that was compiled before."""
+    (code,) = kept.rglob("*.nbc")
+    before = code.read_bytes()
+    monkeypatch.setattr(compiling, "_sources", lambda: "sources with another constant")
+    assert not used_kept_code(tmp_path)
+    assert used_kept_code(tmp_path)
+    code.write_bytes(before)
+    assert not used_kept_code(tmp_path)
+
+
+def test_every_source_and_tolerance_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The digest changes with one byte of any file that is compiled in."""
+    found = compiling._sources.__wrapped__()
+    read, seen = Path.read_bytes, []
+
+    def changed(file: Path) -> bytes:
+        seen.append(file)
+        return read(file) + b"#" * (file.name == name)
+
+    monkeypatch.setattr(Path, "read_bytes", changed)
+    for name in ("kernel.py", "flight.py", "reduced.py", "hybrid.py"):
+        assert compiling._sources.__wrapped__() != found
+        assert name in {file.name for file in seen}
+    name = "no such file"
+    assert compiling._sources.__wrapped__() == found
+
+
+def test_without_a_folder_that_can_be_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of the file in question alone; what is as old as the newest source stays."""
-    monkeypatch.setattr(compiled, "_TOLERANCES", tmp_path)
-    room, cache = tmp_path / "room", tmp_path / "cache"
-    room.mkdir()
-    cache.mkdir()
-    for name, changed in (("a.py", 100), ("b.py", 200), ("note.txt", 900)):
-        (room / name).write_text("", encoding="utf-8")
-        os.utime(room / name, (changed, changed))
-    kept = {
-        "a.f-3.py312.nbi": (150, False), "a.f-3.py312.1.nbc": (199, False),
-        "a.g-9.py312.nbi": (200, True), "a.h-9.py312.nbc": (300, True),
-        "b.f-3.py312.nbi": (150, True), "a.f-3.py312.txt": (150, True),
-    }  # fmt: skip
-    for name, (changed, _) in kept.items():
-        (cache / name).write_text("", encoding="utf-8")
-        os.utime(cache / name, (changed, changed))
-    monkeypatch.setattr(compiled, "_folders", {cache})
-    compiled.forget_stale(str(room / "a.py"))
-    assert {path.name for path in cache.iterdir()} == {
-        name for name, (_, stays) in kept.items() if stays
-    }
+    """A read-only installation for a user without a home: it says so once, and computes."""
+    monkeypatch.setattr(config, "CACHE_DIR", "")
+    monkeypatch.setattr(config, "CACHE_LOCATOR_CLASSES", "UserProvidedCacheLocator")
+    compiling._tell_that_nothing_is_kept.cache_clear()
+    with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR"):
+        loaded(tmp_path)
+    # A second warning would be an error here.
+    assert not used_kept_code(tmp_path)
 
 
-@pytest.mark.parametrize(("changed", "stays"), [(150, False), (100, True)])
-def test_code_that_is_older_than_the_tolerances_is_forgotten(
-    changed: int, stays: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Their values are compiled into it, and they are no file of its room."""
-    assert (compiled._TOLERANCES / "reduced.py").is_file()
-    source, kept = tmp_path / "room/a.py", tmp_path / "cache/a.f-3.py312.nbi"
-    constants = tmp_path / "tolerances/reduced.py"
-    for file, time in ((source, 100), (kept, 100), (constants, changed)):
-        file.parent.mkdir(exist_ok=True)
-        file.touch()
-        os.utime(file, (time, time))
-    monkeypatch.setattr(compiled, "_folders", {kept.parent})
-    monkeypatch.setattr(compiled, "_TOLERANCES", constants.parent)
-    compiled.forget_stale(str(source))
-    assert kept.exists() is stays
+def test_a_folder_that_stops_taking_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "kept"
+    monkeypatch.setattr(config, "CACHE_DIR", str(folder))
+    triple = loaded(tmp_path)
+    (home,) = folder.iterdir()
+    home.rmdir()
+    home.write_text("a file where the folder was")
+    assert triple(14.0) == 42.0
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:
-    """And their machine code lies in a folder that is known."""
-    source = tmp_path / "quotient.py"
-    source.write_text("def quotient(a, b):\n    return a / b\n", encoding="utf-8")
-    names: dict[str, object] = {}
-    exec(compile(source.read_text(encoding="utf-8"), str(source), "exec"), names)
-    function = compiled.compiled(names["quotient"])  # type: ignore[type-var]
-    assert function(1.0, 0.0) == np.inf
-    assert function(3.0, 2.0) == 1.5
-    folder = Path(str(function.stats.cache_path))  # type: ignore[attr-defined]
-    assert folder in compiled._folders
-    assert list(folder.glob("quotient.quotient-*.nbi"))
+    (tmp_path / "function.py").write_text(SOURCE.replace("3.0 * x", "x / 0.0"))
+    assert loaded(tmp_path)(1.0) == np.inf

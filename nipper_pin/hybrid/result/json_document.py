@@ -9,6 +9,7 @@ from typing import Any
 from ...mechanism import Mechanism, number_of
 from ..case import Case
 from .quantities import COLLISION, TRANSITION
+from .self_check import need_sound
 from .solution import Solution
 from .tables import Collision
 
@@ -25,7 +26,11 @@ def record(solution: Solution) -> dict[str, Any]:
     Returns:
         The document: ``case``, ``outcome``, ``collisions``, ``phases``, ``transition``, ``checks``
         and ``work``.
+
+    Raises:
+        SelfCheckError: The run does not meet its closures or its energy balance.
     """
+    need_sound(solution)
     origin = solution.collisions[0].t if solution.collisions else 0.0
     transition = solution.transitions[0] if solution.transitions else None
     return {

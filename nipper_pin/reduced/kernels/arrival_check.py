@@ -20,7 +20,7 @@ from ...tolerances.reduced import (
     PHASE_TOLERANCE,
     STEADY_DECELERATION,
 )
-from .compiled import compiled, forget_stale
+from .compiled import compiled
 from .flight import flight
 from .flight_errors import drift, flight_errors, size, sizes_of
 from .layout import (
@@ -300,6 +300,3 @@ def landed(sizes: FloatArray, speed: float, T: float, v: float, a: float, fastes
     dt = off / abs(v) + 4.0 * EPS * T
     rate = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
     return dt, rate + 4.0 * EPS * abs(v)
-
-
-forget_stale(__file__)

@@ -1,50 +1,118 @@
-"""Compilation with numba, and validity of its cache."""
+"""Compilation with numba, and machine code that is kept on disk."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
+import hashlib
+import io
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 from ... import tolerances
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
+_DIGEST = hashlib.sha256
+_DIGEST_BYTES = _DIGEST().digest_size
 
 
 def compiled(function: _Function) -> _Function:
-    """Compile a function to machine code at its first call, cached on disk.
+    """Compile a function to machine code at its first call, kept on disk where a folder allows it.
 
     IEEE arithmetic in the order of the source: no fast-math, so a case gives the same bits alone
     and in a batch.
     """
-    wrapped = numba.njit(cache=True, error_model="numpy")(function)
-    if getattr(wrapped, "stats", None) is not None:
-        _folders.add(Path(str(wrapped.stats.cache_path)))
+    wrapped = numba.njit(error_model="numpy")(function)
+    kept = _kept(function)
+    if kept is not None:
+        wrapped._cache = kept
     return cast("_Function", wrapped)
 
 
-_folders: set[Path] = set()
-# Compiled functions hold the values of its constants.
-_TOLERANCES = Path(tolerances.__file__).parent
+def _kept(function: Callable[..., object]) -> _KeptCode | None:
+    """The files of a function's machine code; None where no folder can be written."""
+    try:
+        return _KeptCode(function)
+    except (RuntimeError, OSError):
+        _tell_that_nothing_is_kept()
+        return None
 
 
-def forget_stale(file: str) -> None:
-    """Remove cached machine code that is older than a file of this folder or the tolerances.
+@cache
+def _tell_that_nothing_is_kept() -> None:
+    warnings.warn(
+        "no folder can be written for the machine code of the reduced engine, so each process "
+        "compiles it anew, which takes about a minute; set NUMBA_CACHE_DIR to a folder of yours",
+        RuntimeWarning,
+        stacklevel=2,
+    )
 
-    The cache of numba compares only the file of a function, not the files of the functions and
-    constants that are compiled into it.
 
-    Args:
-        file: The source file whose code includes that of others.
+@cache
+def _sources() -> str:
+    """Digest of what is compiled: functions are compiled into others, and constants into them."""
+    folders = Path(__file__).parent, Path(tolerances.__file__).parent
+    files = sorted(file for folder in folders for file in folder.glob("*.py"))
+    return _DIGEST(b"\0".join(file.read_bytes() for file in files)).hexdigest()
+
+
+class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """Files of numba's cache that end with a digest; damaged or older ones count as missing.
+
+    Machine code of which one bit has turned would crash the process, or compute something else.
     """
-    source = Path(file)
-    with suppress(OSError):
-        sources = (*source.parent.glob("*.py"), *_TOLERANCES.glob("*.py"))
-        newest = max(other.stat().st_mtime_ns for other in sources)
-        for folder in _folders:
-            for kept in folder.glob(f"{source.stem}.*.nb[ic]"):
-                if kept.stat().st_mtime_ns < newest:
-                    kept.unlink(missing_ok=True)
+
+    def load(self, key: object) -> object:
+        """Machine code of a signature, or None."""
+        try:
+            return super().load(key)
+        except OSError:
+            return None
+
+    def save(self, key: object, data: object) -> None:
+        """Keep machine code, if the disk takes it."""
+        # Where it does not, the function is compiled in the next process again.
+        with suppress(OSError):
+            super().save(key, data)
+
+    def _load_index(self) -> dict[object, str]:
+        return super()._load_index() if self._is_whole(self._index_path) else {}
+
+    def _load_data(self, name: str) -> object:
+        return super()._load_data(name) if self._is_whole(self._data_path(name)) else None
+
+    def _is_whole(self, path: str) -> bool:
+        try:
+            content = Path(path).read_bytes()
+        except FileNotFoundError:
+            return False
+        return content[-_DIGEST_BYTES:] == self._digest(content[:-_DIGEST_BYTES])
+
+    def _digest(self, content: bytes) -> bytes:
+        # With the stamp: a kill may leave an index of today beside machine code of before.
+        return _DIGEST(str(self._source_stamp).encode() + content).digest()
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
+        with super()._open_for_write(filepath) as stream:
+            content = io.BytesIO()
+            yield content
+            stream.write(content.getvalue() + self._digest(content.getvalue()))
+
+
+class _KeptCode(FunctionCache):  # type: ignore[misc]
+    """The cache of a function whose files are checked, for the sources of all functions."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        super().__init__(function)
+        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _sources())
+
+    def save_overload(self, sig: object, data: object) -> None:
+        """Keep machine code, if there can be a folder for it."""
+        with suppress(OSError):
+            super().save_overload(sig, data)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
-from .compiled import compiled, forget_stale
+from .compiled import compiled
 from .layout import (
     AT_REST,
     HIGH,
@@ -227,6 +227,3 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
         a = nodes[NODE_A, count - 1]
     return UNRESOLVED, *failed
-
-
-forget_stale(__file__)

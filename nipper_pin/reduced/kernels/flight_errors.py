@@ -31,7 +31,7 @@ from math import exp
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from .compiled import compiled, forget_stale
+from .compiled import compiled
 from .layout import BY_U, BY_V, BY_X, RESIDUAL, Tables
 
 # A change of x'' enters the time of a bounce once and the next rate twice.
@@ -102,6 +102,3 @@ def drift(sizes: FloatArray, speed: float, w: float, a: float, ahead: float) -> 
     by_gap = 0.5 * w * w / -a * size(sizes, BY_X, w)
     by_rate = 2.0 * w * size(sizes, BY_V, w)
     return float(min(_FELT * (by_time + by_gap + by_rate) / -a, 1.0))
-
-
-forget_stale(__file__)

@@ -11,7 +11,7 @@ from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE, LIMIT_ERROR_SAFETY
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
-from .compiled import compiled, forget_stale
+from .compiled import compiled
 from .flight import flight
 from .flight_errors import drift, flight_errors
 from .layout import (
@@ -338,6 +338,3 @@ def run_batch(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, speed: F
         rest[i, 0], rest[i, 1], rest[i, 2], rest[i, 3] = _summary(
             table[i], status[i], counts[i], end, error
         )
-
-
-forget_stale(__file__)

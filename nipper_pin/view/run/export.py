@@ -13,6 +13,7 @@ import numpy as np
 
 from ...hybrid.files.npz import save, save_case
 from ...hybrid.result.quantities import COLLISION, Quantity, coordinate_unit, force_unit
+from ...hybrid.result.self_check import need_sound
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
 from ...outputs import complete_file, complete_folder
@@ -40,7 +41,9 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
 
     Raises:
         InputError: The folder cannot be written.
+        SelfCheckError: The run does not meet its closures or its energy balance.
     """
+    need_sound(solution)
     with complete_folder(folder, _FILES) as target:
         written = [
             _write(target / "collisions.csv", *_collisions(solution)),
