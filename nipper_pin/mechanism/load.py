@@ -172,6 +172,17 @@ def known_models() -> dict[str, Path]:
     return {}
 
 
+def model_folder(name: str, planned: str | Path) -> Path:
+    """Folder of a model that was saved; on another machine that of the model which comes with it.
+
+    Args:
+        name: Model name.
+        planned: Its folder where it was saved.
+    """
+    folder = Path(planned)
+    return folder if folder.is_dir() else known_models().get(name, folder)
+
+
 def find_model(model: str | Path) -> Path:
     """Folder of a model.
 

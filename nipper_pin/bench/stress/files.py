@@ -13,7 +13,8 @@ from typing import Any
 
 from ...errors import InputError
 from ...hybrid.case import Case, Resolution
-from ...hybrid.files.npz import FORMAT
+from ...hybrid.files.npz import FORMAT, READ, formats_read
+from ...hybrid.files.own_files import mesh_digests, need_own_files
 from ...outputs import complete_file
 from ...study.folders import make_folder
 from .judging import Verdict
@@ -36,6 +37,7 @@ def save_trial(item: Trial, verdict: Verdict, folder: str | Path) -> Path:
     document = {
         "format": FORMAT,
         "mechanism": asdict(item.source) | {"folder": str(Path(item.source.folder).resolve())},
+        "meshes": mesh_digests(item.source.name, item.source.urdf, Path(item.source.folder)),
         "case": asdict(case),
         "stress": {
             "seed": item.seed,
@@ -73,7 +75,10 @@ def load_trial(path: str | Path) -> Trial:
     except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         message = f"{path}: not a case file, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
-    if written != FORMAT:
-        message = f"{path}: this is format {written!r}, and this version reads format {FORMAT}"
+    if written not in READ:
+        message = f"{path}: this is format {written!r}, and this version reads {formats_read()}"
         raise InputError(message, file=str(path), format=written)
+    source = item.source
+    folder, meshes = Path(source.folder), document.get("meshes")
+    need_own_files(source.name, source.urdf, source.description, folder, meshes)
     return item

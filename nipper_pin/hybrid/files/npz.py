@@ -22,7 +22,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
-from ...mechanism import Mechanism, from_sources
+from ...mechanism import Mechanism, from_sources, model_folder
 from ...outputs import complete_file
 from ..case import Case, Resolution
 from ..event import Event, EventKind
@@ -32,8 +32,11 @@ from ..run.outcome import Outcome
 from ..segment import Segment
 from . import npz_schema
 from .archive import check_archive
+from .own_files import mesh_digests, need_own_files
 
-FORMAT = 2
+FORMAT = 3
+READ = frozenset({2, FORMAT})
+"""Formats that are read. The second has no digests of meshes."""
 _Nodes = tuple[FloatArray, FloatArray, FloatArray]
 # What reading an archive or a document can run into that is not what it should be.
 _DAMAGE = (
@@ -49,6 +52,11 @@ _DAMAGE = (
     zipfile.BadZipFile,
     zlib.error,
 )
+
+
+def formats_read() -> str:
+    """The formats that are read, in words."""
+    return " and ".join(f"format {number}" for number in sorted(READ))
 
 
 def save(solution: Solution, path: str | Path) -> Path:
@@ -155,15 +163,16 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
             "description": mechanism.description,
             "folder": mechanism.mesh_folder,
         },
+        "meshes": mesh_digests(mechanism.name, mechanism.urdf, Path(mechanism.mesh_folder)),
         "case": asdict(case),
     }
 
 
 def _check_format(document: dict[str, Any], path: str | Path) -> None:
-    if document["format"] != FORMAT:
+    if document["format"] not in READ:
         message = (
-            f"{path}: this is format {document['format']!r}, and this version reads format "
-            f"{FORMAT}; simulate the case again"
+            f"{path}: this is format {document['format']!r}, and this version reads "
+            f"{formats_read()}; simulate the case again"
         )
         raise InputError(message, file=str(path), format=document["format"])
 
@@ -176,7 +185,9 @@ def _refuse_constant(name: str) -> None:
 
 def _mechanism(setting: npz_schema.Setting) -> Mechanism:
     source = setting.mechanism
-    return from_sources(source.name, source.urdf, source.description, Path(source.folder))
+    folder = model_folder(source.name, source.folder)
+    need_own_files(source.name, source.urdf, source.description, folder, setting.meshes)
+    return from_sources(source.name, source.urdf, source.description, folder)
 
 
 def _case(setting: npz_schema.Setting) -> Case:

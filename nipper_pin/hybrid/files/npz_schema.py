@@ -63,12 +63,14 @@ class Setting(_Record, frozen=True, kw_only=True):
         format: Of the file.
         version: Of the package that wrote it; empty in files from before it was kept.
         mechanism: Sources of the mechanism.
+        meshes: SHA-256 of its mesh files by their names in the URDF; None in format 2.
         case: The case.
     """
 
     format: int
     version: str = ""
     mechanism: Model
+    meshes: dict[str, str] | None = None
     case: CaseRecord
 
 

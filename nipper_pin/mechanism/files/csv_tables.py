@@ -39,14 +39,14 @@ def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[s
         if isinstance(entries, Mapping):
             changed[section] = {
                 name: _inlined(entry, choices, folder, f"{section}.{name}", file)
-                if _has_file(section, entry)
+                if has_file(section, entry)
                 else entry
                 for name, entry in entries.items()
             }
     return changed
 
 
-def _has_file(section: str, entry: object) -> bool:
+def has_file(section: str, entry: object) -> bool:
     """True for a table that names a file; one of a wrong kind is left to the description."""
     if not isinstance(entry, Mapping) or "file" not in entry:
         return False

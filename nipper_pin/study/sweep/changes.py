@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from pathlib import Path
 
-from ...mechanism import Mechanism, from_sources, known_models
+from ...mechanism import Mechanism, from_sources, model_folder
 from ...mechanism.edit.dimensions import HEADS, read_dimension
 from ...mechanism.edit.layout import read_layout
 from ...mechanism.edit.overrides import apply_overrides
@@ -50,11 +48,4 @@ def changed(job: Job, values: Mapping[str, float]) -> Mechanism:
     document, urdf = apply_overrides(
         job.document, job.urdf, values, f"{job.name}.toml", f"{job.name}.urdf"
     )
-    return from_sources(job.name, urdf, document, _folder(job.name, job.folder))
-
-
-@lru_cache
-def _folder(name: str, planned: str) -> Path:
-    """Folder of collision meshes: on another machine that of the model that comes with it."""
-    folder = Path(planned)
-    return folder if folder.is_dir() else known_models().get(name, folder)
+    return from_sources(job.name, urdf, document, model_folder(job.name, job.folder))

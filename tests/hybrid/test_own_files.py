@@ -1,0 +1,127 @@
+"""Saved runs and cases: no file of the reader's disk is used but the meshes they were saved with.
+
+Also the promise for old files: one file of each format stays in the repository, with its numbers
+written here by hand.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nipper_pin import (
+    Case,
+    NipperError,
+    load,
+    load_case,
+    load_solution,
+    save,
+    save_case,
+    simulate,
+)
+from nipper_pin.bench.stress.files import load_trial
+from nipper_pin.cli import main
+from nipper_pin.mechanism import find_model
+
+SAVED = Path(__file__).parents[1] / "reference/saved"
+TIMES = [float.fromhex("0x1.99aad7df37aafp-5"), float.fromhex("0x1.acdcf58a9b63bp-5")]
+
+
+def edited(file: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    document = json.loads(file.read_text())
+    change(document)
+    file.write_text(json.dumps(document))
+    return file
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """A folder of ours with a machine whose meshes are its own."""
+    folder = tmp_path / "e62"
+    shutil.copytree(find_model("e62"), folder)
+    return folder
+
+
+@pytest.mark.parametrize("read", [load_case, load_trial])
+def test_a_mesh_of_the_reader_is_not_read(
+    read: Callable[[Path], object], machine: Path, tmp_path: Path
+) -> None:
+    """A file that names another folder, or another file of the same one."""
+    private = tmp_path / "private"
+    private.mkdir()
+    shutil.copy(machine / "meshes/spring.stl", private / "secret.stl")
+    case = save_case(load(machine), Case(speed_rpm=650.0), tmp_path / "case.json")
+    read(case)
+
+    def another(document: dict[str, Any]) -> None:
+        source = document["mechanism"]
+        source["folder"] = str(private)
+        source["urdf"] = source["urdf"].replace("meshes/rockers.stl", "secret.stl")
+
+    with pytest.raises(NipperError, match=r"secret\.stl in .* is not the mesh"):
+        read(edited(case, another))
+
+
+def test_a_mesh_that_has_changed_is_not_shown(
+    machine: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = save(simulate(load(machine), Case(speed_rpm=650.0)), tmp_path / "run.npz")
+    assert load_solution(run).mechanism.mesh_folder == str(machine)
+    with (machine / "meshes/spring.stl").open("ab") as stream:
+        stream.write(b"\0")
+    page = tmp_path / "page.html"
+    assert main(["view", "--solution", str(run), "--html", str(page)]) == 2
+    assert "meshes/spring.stl" in capsys.readouterr().err
+    assert not page.exists()
+    # Without its files the run is what it was; only its picture is plainer.
+    shutil.rmtree(machine)
+    assert load_solution(run).events
+
+
+@pytest.mark.parametrize("read", [load_case, load_trial])
+def test_a_table_of_the_reader_is_not_read(read: Callable[[Path], object], tmp_path: Path) -> None:
+    """Its first line would be shown by the refusal."""
+    (tmp_path / "secret.csv").write_text("the first line of a secret\n")
+    case = save_case(load("hanging_pendulum"), Case(speed_rpm=300.0), tmp_path / "case.json")
+
+    def another(document: dict[str, Any]) -> None:
+        document["mechanism"]["folder"] = str(tmp_path)
+        document["mechanism"]["description"]["springs"] = {
+            "tab": {"joint": "lid", "file": "secret.csv"}
+        }
+
+    with pytest.raises(NipperError, match=r"springs\.tab names a file") as refused:
+        read(edited(case, another))
+    assert "secret" not in refused.value.message
+
+
+def test_format_2_reads_meshes_of_the_package_alone(machine: Path, tmp_path: Path) -> None:
+    def before(document: dict[str, Any]) -> None:
+        document["format"] = 2
+        del document["meshes"]
+
+    ours = save_case(load("e62"), Case(speed_rpm=650.0), tmp_path / "ours.json")
+    load_case(edited(ours, before))
+    theirs = save_case(load(machine), Case(speed_rpm=650.0), tmp_path / "theirs.json")
+    with pytest.raises(NipperError, match="is not the mesh"):
+        load_case(edited(theirs, before))
+
+
+@pytest.mark.parametrize("format_", [2, 3])
+def test_old_files_are_read(format_: int) -> None:
+    """Every number as it was written."""
+    run = load_solution(SAVED / f"format_{format_}.npz")
+    assert [event.t for event in run.events] == TIMES
+    assert [hit.energy_lost for hit in run.collisions] == [
+        0.13213468424623176, 0.00529061240520938,
+    ]  # fmt: skip
+    mechanism, case = load_case(SAVED / f"format_{format_}.json")
+    assert (mechanism.name, case.speed_rpm, case.cycles) == ("hanging_pendulum", 300.0, 2)
+    assert [event.t for event in simulate(mechanism, case).events] == pytest.approx(
+        TIMES, abs=1e-13
+    )
