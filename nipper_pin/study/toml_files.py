@@ -12,7 +12,7 @@ import msgspec
 from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
 from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
-from ..mechanism.files.toml_text import read_toml
+from ..mechanism.files.toml_text import need_plain_text, read_toml
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
@@ -62,6 +62,7 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
         allowed = "a readable TOML file"
         raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
     document = read_toml(text, file.name)
+    need_plain_text(document, file.name)
     try:
         return msgspec.convert(document, kind)
     except msgspec.ValidationError as error:

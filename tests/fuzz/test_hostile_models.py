@@ -52,6 +52,12 @@ HOSTILE = {
     "deep toml": (None, lambda text: text + "\nx = " + "[" * 10**5 + "]" * 10**5 + "\n", {}),
     "long number": (None, toml(r"^degrees_of_freedom = \d+", f"degrees_of_freedom = {'9' * 5000}"),
                     {}),
+    "escape in a title": (None, toml("^title = .*$", r'title = "a\u001b[2Jb"'), {}),
+    "control character of eight bits": (None, toml("^title = .*$", r'title = "\u009b2J"'), {}),
+    "text that is turned round": (None, toml("^title = .*$", r'title = "\u202etxt"'), {}),
+    "formula as a name": (lambda text: text.replace('"jaw"', '"=jaw"'),
+                          lambda text: text.replace("jaw", "=jaw"), {}),
+    "formula as a key": (None, toml(r"^\[stops\.jaw\]", '[stops."=1+1"]'), {}),
     "text of bytes": (None, lambda text: text + TABLE, {"t.csv": HEAD + b"\xff\xfe,1\n"}),
     "long field": (None, lambda text: text + TABLE, {"t.csv": HEAD + b"1" * 200_000 + b",1\n"}),
 }  # fmt: skip

@@ -14,6 +14,7 @@ from ...errors import ModelError, UnknownNameError
 from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
+from ..files.toml_text import need_plain_text
 from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
 from ..files.urdf_values import spell_out
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
@@ -56,6 +57,8 @@ def build_mechanism(
         ModelError: A value in the data cannot be used.
     """
     file = f"{name}.toml"
+    need_plain_text(name, file, "name of the model")
+    need_plain_text(data, file)
     description = describe(data, file)
     urdf_text, tree = _tree(name, urdf_text, description, mesh_folder)
     by_name = {joint.name: joint for joint in tree.joints}

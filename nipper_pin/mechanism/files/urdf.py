@@ -13,6 +13,7 @@ import numpy as np
 
 from ...errors import ModelError, UnknownNameError
 from ...tolerances.mechanics import URDF_TOLERANCE
+from .toml_text import NAMES, is_name
 from .urdf_values import (
     check_colours,
     check_dynamics,
@@ -134,9 +135,8 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
 def _name(element: ElementTree.Element, file: str) -> str:
     """Name of an element."""
     name = element.get("name")
-    if not name or not name.isprintable():
-        allowed = "a name that is not empty, without line breaks and control characters"
-        raise ModelError(file=file, key=f"<{element.tag}> name", value=name, allowed=allowed)
+    if name is None or not is_name(name):
+        raise ModelError(file=file, key=f"<{element.tag}> name", value=name, allowed=NAMES)
     return name
 
 
