@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from .errors import (
     AssemblyError,
     ConvergenceError,
+    DamagedError,
     ElementError,
     ImpactError,
     InfeasibleError,
@@ -84,6 +85,7 @@ __all__ = [
     "Case",
     "Collision",
     "ConvergenceError",
+    "DamagedError",
     "DriveMode",
     "ElementError",
     "Event",

@@ -262,6 +262,13 @@ PLOT = {
     "--format": Entry("--format png", {"plot_sweep.kind": "png"}, "folder"),
     "--out": Entry("--out here", {"plot_sweep.target": "here"}, "folder"),
 }  # fmt: skip
+VERIFY = {
+    "FILE-OR-FOLDER": Entry("elsewhere.npz", {"verify.path": "elsewhere.npz"}),
+    "--json": Entry("--json -", {"stdout": "document", "document.whole": True,
+                                 "document.parts.0.path": "run.npz",
+                                 "document.parts.0.kind": "run", "document.parts.0.holds": "all",
+                                 "document.parts.0.version": "1.0", "forces": GONE}, "run.npz"),
+}  # fmt: skip
 BENCHMARK = {
     "--quick": Entry("--quick", {"benchmark.quick": True}),
     "--repeats": Entry("--repeats 7", {"benchmark.repeats": 7}),
@@ -276,7 +283,7 @@ TABLE = {
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "live": LIVE, "new": NEW, "check": CHECK,
         "study paper": PAPER, "identify": IDENTIFY, "optimise": OPTIMISE, "sweep": SWEEP,
-        "plot": PLOT, "stress": STRESS, "benchmark": BENCHMARK,
+        "plot": PLOT, "verify": VERIFY, "stress": STRESS, "benchmark": BENCHMARK,
     }.items()
     for option, entry in entries.items()
 }  # fmt: skip

@@ -33,6 +33,7 @@ _COMMANDS = {
     "optimise": (".optimise", "find the least rebound or transition time inside limits"),
     "sweep": (".sweep", "compute many scenarios, on all processors or on a cluster"),
     "plot": (".plot", "draw the results of a sweep"),
+    "verify": (".verify", "tell whether a saved run, case or sweep is whole, and who made it"),
     "stress": (
         "..bench.commands.stress",
         "run random and extreme cases, and check what must hold of each",

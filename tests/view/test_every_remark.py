@@ -29,7 +29,7 @@ from nipper_pin.study.optimise import Optimum
 from nipper_pin.view.console import paste, say
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import plots, table
-from nipper_pin.view.run.export import _motion
+from nipper_pin.view.run.csv_tables import _motion
 from nipper_pin.view.scene import Look, film
 from nipper_pin.view.scene.flat import colours, flat
 from nipper_pin.view.scene.framing import _reach

@@ -12,8 +12,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import FrameType
 
-from ...errors import NipperError, SimulationError
+from ...errors import NipperError, SelfCheckError, SimulationError
 from ...hybrid.case import Case, Resolution, Window
+from ...hybrid.result.self_check import need_sound
+from ...hybrid.result.solution import Solution
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...tolerances.bench import FINER_RUN, FINEST_RUN
@@ -101,6 +103,7 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
     mechanism = item.mechanism()
     solution = simulate(mechanism, case)
     found = violations(solution)
+    found += _self_check(solution)
     if solution.evaluations > _LONG:
         return solution.outcome.name, bits(solution), found
     found += same_bits(solution, simulate(item.mechanism(), case))
@@ -124,6 +127,15 @@ def _run(item: Trial) -> tuple[str, bytes, list[Violation]]:
     if case.window is Window.TRANSITION and solution.outcome is Outcome.AT_REST:
         found += engines_agree(solution, resolution.tolerance) or []
     return solution.outcome.name, bits(solution), found
+
+
+def _self_check(solution: Solution) -> list[Violation]:
+    """No run that is right is refused as one that fails its own checks."""
+    try:
+        need_sound(solution)
+    except SelfCheckError as error:
+        return [Violation("self-check", error.message)]
+    return []
 
 
 @contextmanager

@@ -24,6 +24,7 @@ from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
 from ...mechanism import Mechanism, from_sources, model_folder
 from ...outputs import complete_file
+from ...outputs.seal import sealed
 from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
@@ -132,7 +133,8 @@ def load_solution(path: str | Path) -> Solution:
 def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
     """Write everything that a run needs to be repeated, model included, as one JSON file."""
     with complete_file(Path(path)) as partial:
-        partial.write_text(json.dumps(_setting(mechanism, case), indent=1), encoding="utf-8")
+        document = sealed(_setting(mechanism, case))
+        partial.write_text(json.dumps(document, indent=1), encoding="utf-8")
     return Path(path)
 
 
@@ -151,6 +153,29 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
         raise InputError(message, file=str(path)) from error
+
+
+def made_by(path: str | Path) -> str:
+    """Version of the package that wrote a saved run or case; empty if that cannot be told.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InputError: The file cannot be read.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            if Path(path).suffix == ".npz":
+                check_archive(stream)
+                with np.load(stream, allow_pickle=False) as stored:
+                    return str(json.loads(str(stored["document"]))["version"])
+            return str(json.loads(stream.read())["version"])
+    except OSError as error:
+        message = f"{path}: cannot be read ({error.strerror or error})"
+        raise InputError(message, file=str(path)) from error
+    except _DAMAGE:
+        return ""
 
 
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:

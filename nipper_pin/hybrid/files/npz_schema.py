@@ -78,9 +78,11 @@ class SavedCase(Setting, frozen=True, kw_only=True):
     """A case by itself.
 
     Attributes:
+        sha256: Digest of all else, from format 3 on; a case that was edited is read all the same.
         stress: What a campaign has found of it, in files of its failures.
     """
 
+    sha256: str = ""
     stress: dict[str, object] | None = None
 
 

@@ -21,7 +21,7 @@ from nipper_pin.bench.stress.judging import Verdict, judge
 from nipper_pin.bench.stress.machines.parts import Source
 from nipper_pin.bench.stress.refusals import Excess, allowed_share, excesses
 from nipper_pin.bench.stress.space import Trial
-from nipper_pin.errors import InputError, SimulationError
+from nipper_pin.errors import InputError, SelfCheckError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.run.outcome import Outcome
 
@@ -110,6 +110,7 @@ class Runs:
         self.solution = {"evaluations": 100_000, "outcome": Outcome.AT_REST, **changes}
         monkeypatch.setattr(judging, "simulate", self.simulate)
         monkeypatch.setattr(judging, "violations", lambda one: [f"own {one.name}"])
+        monkeypatch.setattr(judging, "need_sound", lambda _: None)
         monkeypatch.setattr(judging, "bits", lambda one: f"bits {one.name}".encode())
         for name in ("same_bits", "within_errors", "mirror_images", "engines_agree"):
             monkeypatch.setattr(judging, name, lambda *s, name=name: [(name, *map(self.told, s))])
@@ -144,6 +145,18 @@ def test_each_trial_is_run_in_four_ways(monkeypatch: pytest.MonkeyPatch) -> None
     ]  # fmt: skip
     assert item.runs == [("machine", 1e-9), ("machine", 1e-9), ("machine", 1e-9 / 16.0),
                          ("image", 1e-9)]  # fmt: skip
+
+
+def test_a_right_run_that_refuses_itself_is_a_violation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be counted among the refused ones otherwise, which may be any."""
+
+    def refuse(_: Any) -> None:
+        message = "this run fails its own check"
+        raise SelfCheckError(message)
+
+    item: Any = Runs(monkeypatch, 1e-9)
+    monkeypatch.setattr(judging, "need_sound", refuse)
+    assert judging._run(item)[2][1] == Violation("self-check", "this run fails its own check")
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
-from ....errors import SelfCheckError
 from ....hybrid.event import EventKind
-from ....hybrid.result.self_check import need_sound
 from ....hybrid.result.solution import Solution
 from ....hybrid.run.outcome import Outcome
 from ....tolerances.bench import (
@@ -340,14 +338,6 @@ def _tables(solution: Solution) -> Iterator[str]:
             return
 
 
-def _self_check(solution: Solution) -> Iterator[str]:
-    """Check that no run which is right is refused as one that fails its own checks."""
-    try:
-        need_sound(solution)
-    except SelfCheckError as error:
-        yield error.message
-
-
 CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
     "model": built,
     "time order": _times,
@@ -359,7 +349,6 @@ CHECKS: dict[str, Callable[[Solution], Iterator[str]]] = {
     "springs and dampers": elements,
     "continuity": _continuity,
     "energy": _energy,
-    "self-check": _self_check,
     "tables": _tables,
 }
 """The invariants by name."""
