@@ -15,7 +15,7 @@ import pytest
 from command_probe import Facts, Probe, stand_ins
 from test_cli_options import DESIGN, FIT, STUDY
 
-from nipper_pin import Mechanism, SimulationError
+from nipper_pin import Mechanism, SimulationError, cli
 from nipper_pin.bench.stress import Campaign, Verdict
 from nipper_pin.cli import main
 
@@ -331,6 +331,19 @@ def test_a_broken_pipe_to_a_worker_is_an_error(
     monkeypatch.setattr("nipper_pin.cli._unread", lambda: False)
     assert main(["simulate", "e62"]) == 1
     assert "another process ended before its work was done" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_pipe_without_a_reader_is_known(closed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    reading, writing = os.pipe()
+    if closed:
+        os.close(reading)
+    with os.fdopen(writing, "w") as stream:
+        monkeypatch.setattr("sys.stdout", stream)
+        assert cli._unread() is closed
+        monkeypatch.undo()
+    if not closed:
+        os.close(reading)
 
 
 def test_a_reader_that_stops_early_is_no_error() -> None:

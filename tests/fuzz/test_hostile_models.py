@@ -82,6 +82,26 @@ def test_a_hostile_model_is_refused(
     assert "nipper-pin: " in capfd.readouterr().err
 
 
+def test_markup_in_names_is_printed_as_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Closing tags that open nothing are errors of the library that prints tables."""
+    folder = tmp_path / "m"
+    folder.mkdir()
+    model = find_model("hanging_pendulum")
+    for suffix in ("urdf", "toml"):
+        text = (model / f"hanging_pendulum.{suffix}").read_text(encoding="utf-8")
+        text = text.replace('"jaw"', '"[/x]jaw"').replace("stops.jaw]", 'stops."[/x]jaw"]')
+        text = re.sub("^title = .*$", 'title = "[bold]t[/y]"', text, flags=re.MULTILINE)
+        (folder / f"m.{suffix}").write_text(text.partition("[shortcuts]")[0])
+    out = str(tmp_path / "run")
+    for words in (["check"], ["simulate", "--speed", "300", "--forces", "--out", out]):
+        assert main([words[0], str(folder), *words[1:]]) == 0
+        said = capsys.readouterr().out
+        assert said.startswith("[bold]t[/y]")
+        assert "[/x]jaw" in said
+
+
 def test_links_in_a_circle_are_no_model(tmp_path: Path) -> None:
     loop = tmp_path / "loop"
     loop.symlink_to(loop)
