@@ -51,7 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.optimise import optimise, read_problem, write
+    from ..outputs import complete_folder
+    from ..study.folders import alone_in
+    from ..study.optimise import RESULTS, optimise, read_problem, write
 
     problem = read_problem(options.study)
     if len(problem.aims) == 1:
@@ -60,22 +62,25 @@ def _run(options: argparse.Namespace) -> None:
     else:
         require("study", "matplotlib", what="the figure of the front")
     folder = Path(options.out or Path("out") / Path(options.study).stem)
-    with _progress(folder) as advance:
-        optimum = optimise(
-            problem,
-            starts=options.starts,
-            seed=options.seed,
-            check=not options.no_check,
-            points=_POINTS if options.points is None else options.points,
-            workers=options.workers,
-            folder=folder,
-            progress=advance,
-        )
-    written = write(optimum, folder)
-    if len(optimum.front) > 1:
-        from ..view.studies.front_plot import plot_front
+    with alone_in(folder):
+        with _progress(folder) as advance:
+            optimum = optimise(
+                problem,
+                starts=options.starts,
+                seed=options.seed,
+                check=not options.no_check,
+                points=_POINTS if options.points is None else options.points,
+                workers=options.workers,
+                folder=folder,
+                progress=advance,
+            )
+        # The figure of another front must not stand beside a new result.
+        with complete_folder(folder, RESULTS) as new:
+            written = list(write(optimum, new))
+            if len(optimum.front) > 1:
+                from ..view.studies.front_plot import plot_front
 
-        written += (plot_front(optimum, folder / f"front.{options.format or 'svg'}"),)
+                written.append(plot_front(optimum, new / f"front.{options.format or 'svg'}"))
     if options.json is not None:
         write_json(optimum.record(), options.json)
     if options.json != "-":
@@ -84,7 +89,7 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.studies.optimise_report import print_optimum
 
         print_optimum(optimum, Console())
-        sys.stdout.write("".join(f"{path}\n" for path in written))
+        sys.stdout.write("".join(f"{folder / path.name}\n" for path in written))
     if optimum.contradiction:
         from ..errors import SimulationError
 

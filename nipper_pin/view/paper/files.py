@@ -15,11 +15,11 @@ from .supplements import Supplements
 def write_paper(
     study: PaperStudy, folder: str | Path, supplements: Callable[[], Supplements] = Supplements
 ) -> list[Path]:
-    """Write the study; each file appears only when it is complete.
+    """Write the study; its files take the place of those of an earlier one in one step.
 
     Args:
         study: The study.
-        folder: Folder, made if it does not exist; files of the same names are replaced.
+        folder: Folder, made if it does not exist; what else it holds stays.
         supplements: Gives results of other studies, to be shown after it. Asked when the figures
             of this study are drawn, so that the others can be computed meanwhile.
 
@@ -36,17 +36,30 @@ def write_paper(
     record = study.record()
     if added.sensitivities is not None:
         record["sensitivities"] = added.sensitivities.record()
-    document = json.dumps(record, indent=1, allow_nan=False) + "\n"
     files: dict[str, bytes] = {
-        "report.html": report_html(study, added, content).encode(),
-        "study.json": document.encode(),
-    }
+        "report.html": report_html(study, added, content).encode(), _DOCUMENT: b"",
+    }  # fmt: skip
     for plate in content.plates:
         files[f"{plate.name}.svg"] = plate.svg.encode()
         files[f"{plate.name}.pdf"] = plate.pdf
     for table in content.tables:
         files[f"{table.name}.csv"] = table.csv_text().encode()
-    with complete_folder(target, ()) as new:
+    record["files"] = list(files)
+    files[_DOCUMENT] = (json.dumps(record, indent=1, allow_nan=False) + "\n").encode()
+    with complete_folder(target, _earlier(target)) as new:
         for name, data in files.items():
             (new / name).write_bytes(data)
     return [target / name for name in files]
+
+
+_DOCUMENT = "study.json"
+
+
+def _earlier(folder: Path) -> tuple[str, ...]:
+    """Names of the files of the study that a folder holds; none if its document names none."""
+    try:
+        names = json.loads((folder / _DOCUMENT).read_text(encoding="utf-8"))["files"]
+        # A document of other people may name anything.
+        return tuple(name for name in names if name == Path(name).name and name not in ("", ".."))
+    except (OSError, ValueError, LookupError, TypeError):
+        return ()
