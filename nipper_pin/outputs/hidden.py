@@ -39,8 +39,7 @@ def hidden_file(target: Path, allowed: int) -> Iterator[Path]:
     try:
         yield path
     finally:
-        _gone(path)
-        os.close(handle)
+        _given_back(path, handle)
 
 
 @contextmanager
@@ -66,8 +65,7 @@ def hidden_folder(target: Path) -> Iterator[Path]:
     try:
         yield path
     finally:
-        _gone(path)
-        os.close(handle)
+        _given_back(path, handle)
 
 
 def _taken(target: Path, make: Callable[[Path], int]) -> tuple[Path, int]:
@@ -101,6 +99,13 @@ def _locked(path: Path, make: Callable[[Path], int]) -> int | None:
         return handle
     os.close(handle)
     return None
+
+
+def _given_back(path: Path, handle: int) -> None:
+    """Remove what is still there; once it was renamed, its name may be another process's."""
+    if _is_at(path, handle):
+        _gone(path)
+    os.close(handle)
 
 
 def _remove_dead(path: Path) -> None:

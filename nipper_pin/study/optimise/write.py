@@ -10,7 +10,6 @@ from ...mechanism import load
 from ...outputs import complete_folder
 from .result import Optimum
 
-
 RESULTS = ("result.json", "overrides.json", "case.json", "front.svg", "front.png")
 """Names of what a search leaves beside its parts; they change together."""
 

@@ -86,7 +86,9 @@ class Field:
     def disturbed(self, fault: Fault) -> Seen:
         """Run the command with a fault, judge what is there, and run it again."""
         place = self.fresh()
-        seen = self.judged(fault, self.arena.run(self.words(self.command.words), place, fault), place)
+        seen = self.judged(
+            fault, self.arena.run(self.words(self.command.words), place, fault), place
+        )
         if not seen.wrong:
             seen = replace(seen, wrong=self._again(place, seen))
         if not seen.wrong:
