@@ -87,12 +87,34 @@ def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mor
     assert written == [target / name for name in names]
     texts = {name: (target / name).read_bytes() for name in names}
     document = json.loads(texts.pop("study.json"))
+    assert document.pop("files") == names
     assert document == {"a": 1, **({"sensitivities": {"b": 2}} if more else {})}
     assert texts == {
         "report.html": b"page of 3", "figure.svg": b"<svg/>", "figure.pdf": b"pdf",
         "table.csv": b"a,b\n",
     }  # fmt: skip
     assert study.given == [(study, added, "plates of study")]
+
+
+def test_files_of_an_earlier_study_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its document names them; of what it cannot have written nothing is touched."""
+    study = made_up_study(monkeypatch)
+    added: Any = SimpleNamespace(sensitivities=None)
+    target, outside = tmp_path / "folder", tmp_path / "outside.csv"
+    files.write_paper(study, target, lambda: added)
+    for name in ("earlier.svg", "notes.txt", "../outside.csv"):
+        (target / name).write_text("text", encoding="utf-8")
+    document = json.loads((target / "study.json").read_bytes())
+    document["files"] += ["earlier.svg", "../outside.csv", "..", "", "absent.csv"]
+    (target / "study.json").write_text(json.dumps(document), encoding="utf-8")
+    written = files.write_paper(study, target, lambda: added)
+    assert {item.name for item in target.iterdir()} == {
+        "notes.txt",
+        *(item.name for item in written),
+    }
+    assert outside.read_text(encoding="utf-8") == "text"
+    (target / "study.json").write_text('{"files": [1, {}]}', encoding="utf-8")
+    files.write_paper(study, target, lambda: added)
 
 
 def test_figure_of_a_front_as_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
