@@ -6,6 +6,7 @@ As a program it is the process that they are forked from: it imports the package
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import itertools
 import json
@@ -129,13 +130,20 @@ class Arena:
             home: Its working directory, below which writes are counted.
             fault: What happens to it; by default nothing.
         """
-        pipes = self._process.stdin, self._process.stdout
-        asked = {"words": words, "home": str(home), "fault": asdict(fault or Fault())}
-        if pipes[0] is None or pipes[1] is None:
-            raise EOFError
-        pipes[0].write(json.dumps(asked) + "\n")
-        pipes[0].flush()
-        return Ended(**json.loads(pipes[1].readline()))
+        self.begin(words, home, fault or Fault())
+        return self.ended()
+
+    def begin(self, words: list[str], home: Path, fault: Fault) -> None:
+        """Start a command, and do not wait for it."""
+        if self._process.stdin is not None:
+            asked = {"words": words, "home": str(home), "fault": asdict(fault)}
+            self._process.stdin.write(json.dumps(asked) + "\n")
+            self._process.stdin.flush()
+
+    def ended(self) -> Ended:
+        """Wait for a command that was started."""
+        line = "" if self._process.stdout is None else self._process.stdout.readline()
+        return Ended(**json.loads(line))
 
 
 def _serve(shim: Any, answers: int) -> None:
@@ -187,10 +195,8 @@ def _awaited(child: int, home: Path, fault: Fault) -> int:
             break
         time.sleep(0.0005)
     # Workers of a child that has died are to be gone, too, before anything is judged.
-    try:
+    with contextlib.suppress(ProcessLookupError):
         os.killpg(child, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
     return os.waitstatus_to_exitcode(status)
 
 

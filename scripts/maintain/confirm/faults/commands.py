@@ -51,6 +51,7 @@ class Command:
         parts: Pattern of files in a target that are finished one by one, and kept.
         pair: Arguments of another command that writes the same; by default those of `words`.
         kills: Its share of the kills.
+        step: Only every so many of its calls are disturbed one by one.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Command:
     parts: str = ""
     pair: list[str] | None = None
     kills: int = 0
+    step: int = 1
 
 
 COMMANDS = (
@@ -83,15 +85,16 @@ COMMANDS = (
     Command(
         name="optimise", words=[*_FRONT, "--out", "out", "--points", "3"],
         before=([*_FRONT, "--out", "out", "--points", "2"],), parts=r"problem\.json|parts/.*",
-        pair=[*_FRONT, "--out", "out", "--points", "4"], kills=5,
+        pair=[*_FRONT, "--out", "out", "--points", "4"], kills=5, step=5,
     ),
     Command(
         name="identify", words=[*_FIT, "--out", "machine", "--json", "fit.json"],
-        targets=("machine", "fit.json"), kills=5,
+        targets=("machine", "fit.json"), kills=5, step=3,
     ),
     Command(
         name="study paper", words=["study", "paper", "--out", "out"],
-        before=(["study", "paper", "e62_identified", "--out", "out"],), kills=4,
+        before=(["study", "paper", "e62_identified", "--out", "out"],),
+        pair=["study", "paper", "e62_identified", "--out", "out"], kills=4, step=3,
     ),
     Command(
         name="view --html", words=[*_FILM, "10", "--html", "a.html"],
@@ -119,10 +122,6 @@ COMMANDS = (
     Command(
         name="stress --out", words=[*_STRESS, "--cases", "3"], before=([*_STRESS, "--cases", "1"],),
         parts=r"campaign\.json|verdicts\.jsonl",
-    ),
-    Command(
-        name="benchmark --out", words=["benchmark", "--out", "out"],
-        before=(["benchmark", "--out", "out", "--quick"],),
     ),
 )  # fmt: skip
 

@@ -48,26 +48,29 @@ def state(found: Content, old: Content, new: Content, parts: str = "") -> str:
         new: The result of an undisturbed run.
         parts: Pattern of files that may be there before the others are; each must be right alone.
     """
-    whole = {**old, **new}
-    kept = {name for name in found if parts and re.fullmatch(parts, name)}
-    if any(found[name] not in (old.get(name), new.get(name)) for name in kept if name in whole):
-        return WRONG
-    if not kept <= whole.keys():
-        return WRONG
-
-    def rest(item: Content) -> Content:
-        return {name: data for name, data in item.items() if name not in kept}
-
-    def others(item: Content) -> Content:
-        return {name: data for name, data in item.items() if not re.fullmatch(parts or "$^", name)}
-
     if found == new:
         return SAME if found == old else NEW
     if found == old:
         return OLD if found else NONE
-    if parts and rest(found) in (others(old), others(new), {}):
-        return PART
-    return WRONG if found else NONE
+    kept, rest = split(found, parts)
+    right = all(data in (old.get(name), new.get(name)) for name, data in kept.items())
+    if right and rest in ({}, split(old, parts)[1], split(new, parts)[1]):
+        return PART if kept else NONE
+    return WRONG
+
+
+def split(found: Content, parts: str) -> tuple[Content, Content]:
+    """Files that are finished one by one, and the others.
+
+    Args:
+        found: All files.
+        parts: Pattern of the former; there are none without it.
+    """
+    kept = {name for name in found if parts and re.fullmatch(parts, name)}
+    return (
+        {name: data for name, data in found.items() if name in kept},
+        {name: data for name, data in found.items() if name not in kept},
+    )
 
 
 def _hidden(path: Path, home: Path | None = None) -> bool:
@@ -81,7 +84,8 @@ def _lasting(file: Path) -> bytes:
         return json.dumps(_untimed(json.loads(file.read_bytes())), sort_keys=True).encode()
     if file.suffix == ".jsonl":
         lines = [_untimed(json.loads(line)) for line in file.read_bytes().splitlines() if line]
-        return json.dumps(sorted(lines, key=str)).encode()
+        # Two processes may both have done the same piece of work.
+        return "\n".join(sorted({json.dumps(item, sort_keys=True) for item in lines})).encode()
     if file.suffix == ".npz":
         with np.load(file, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in sorted(stored)}
