@@ -63,7 +63,10 @@ def hidden_folder(target: Path) -> Iterator[Path]:
 
     path, handle = _taken(target, made)
     try:
-        yield path
+        # One folder deeper, so that whoever locks the folder that this one lies in does not wait.
+        inner = path / "new"
+        inner.mkdir()
+        yield inner
     finally:
         _given_back(path, handle)
 
