@@ -11,7 +11,6 @@ import ctypes
 import itertools
 import json
 import os
-import runpy
 import shutil
 import signal
 import subprocess
@@ -96,15 +95,15 @@ class Arena:
 
     Args:
         shim: The compiled shim.
-        prepare: A Python file that is run once, before any command.
+        study: Whether the published study is to be done, too.
     """
 
-    def __init__(self, shim: Path, prepare: Path | None = None) -> None:
+    def __init__(self, shim: Path, *, study: bool = False) -> None:
         """Start it."""
         # The date of a figure is the same in all runs.
         env = {**os.environ, "LD_PRELOAD": str(shim), "FAULT_SHIM": str(shim),
-               "SOURCE_DATE_EPOCH": "0"}  # fmt: skip
-        words = [sys.executable, str(HERE / "arena.py"), str(prepare or "")]
+               "SOURCE_DATE_EPOCH": "0", "FAULT_STUDY": "1" if study else ""}  # fmt: skip
+        words = [sys.executable, str(HERE / "arena.py")]
         self._process = subprocess.Popen(
             words, env=env, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -206,10 +205,11 @@ def _names(home: Path) -> list[str]:
 
 # What commands import when they are asked; children then need not.
 _EARLY = (
-    "pyarrow.parquet", "nipper_pin.study.identify", "nipper_pin.study.optimise",
-    "nipper_pin.study.sweep", "nipper_pin.view.paper.files", "nipper_pin.view.run.export",
-    "nipper_pin.view.scene.gif", "nipper_pin.view.scene.page",
+    "nipper_pin.cli.optimise", "nipper_pin.cli.simulate", "nipper_pin.study.identify",
+    "nipper_pin.study.optimise", "nipper_pin.study.sweep", "nipper_pin.view.paper.files",
+    "nipper_pin.view.run.export", "nipper_pin.view.scene.gif", "nipper_pin.view.scene.page",
     "nipper_pin.view.studies.front_plot", "nipper_pin.view.studies.sweep_plots",
+    "pyarrow.parquet", "rich.progress",
 )  # fmt: skip
 
 
@@ -224,8 +224,7 @@ def _program() -> None:
     # Pages and figures hold random names; here every child draws the same ones.
     numbers = itertools.count(1)
     uuid.uuid1 = uuid.uuid4 = lambda *_: uuid.UUID(int=next(numbers))  # type: ignore[assignment]
-    if sys.argv[1]:
-        runpy.run_path(sys.argv[1])
+    import_module("once")
     _serve(shim, answers)
 
 

@@ -19,7 +19,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -77,12 +77,12 @@ def _asked(command: Command, options: argparse.Namespace) -> bool:
 
 @contextmanager
 def _arenas(shim: Path, *, study: bool, pairs: bool) -> Iterator[tuple[Arena, Arena]]:
-    prepare = Path(__file__).with_name("study_once.py") if study else None
-    with ExitStack() as stack:
-        yield (
-            stack.enter_context(Arena(shim, prepare)),
-            stack.enter_context(Arena(shim, prepare if pairs else None)),
-        )
+    with Arena(shim, study=study) as one:
+        if not pairs:
+            yield one, one
+            return
+        with Arena(shim, study=study) as two:
+            yield one, two
 
 
 def _row(command: Command, kind: str, runs: Iterable[Seen]) -> int:

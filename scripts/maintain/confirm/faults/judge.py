@@ -54,9 +54,11 @@ def state(found: Content, old: Content, new: Content, parts: str = "") -> str:
         return OLD if found else NONE
     kept, rest = split(found, parts)
     right = all(data in (old.get(name), new.get(name)) for name, data in kept.items())
-    if right and rest in ({}, split(old, parts)[1], split(new, parts)[1]):
-        return PART if kept else NONE
-    return WRONG
+    # What was finished before must not be lost, neither parts nor the rest.
+    right = right and split(old, parts)[0].keys() <= kept.keys()
+    return (
+        PART if right and kept and rest in (split(old, parts)[1], split(new, parts)[1]) else WRONG
+    )
 
 
 def split(found: Content, parts: str) -> tuple[Content, Content]:
