@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import gc
 import itertools
 import json
 import os
@@ -16,6 +17,7 @@ import signal
 import subprocess
 import sys
 import time
+import traceback
 import uuid
 from dataclasses import asdict, dataclass
 from importlib import import_module
@@ -175,8 +177,16 @@ def _child(shim: Any, main: Any, words: list[str], home: str, fault: Fault, said
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     kind = (fault.at, fault.code, int(fault.lasting), int(fault.kill))
     shim.fault_arm(os.fsencode(os.path.realpath(home)), *kind)
-    # As the interpreter ends: buffers are flushed, and whatever is wrong then is told.
-    sys.exit(main(words))
+    try:
+        status = main(words)
+        sys.stdout.flush()
+    except BaseException:
+        traceback.print_exc()
+        status = 1
+    # What is forgotten half written would complain here. All else would be freed for nothing.
+    gc.collect()
+    sys.stderr.flush()
+    os._exit(status)
 
 
 def _awaited(child: int, home: Path, fault: Fault) -> int:
@@ -225,6 +235,7 @@ def _program() -> None:
     numbers = itertools.count(1)
     uuid.uuid1 = uuid.uuid4 = lambda *_: uuid.UUID(int=next(numbers))  # type: ignore[assignment]
     import_module("once")
+    gc.freeze()
     _serve(shim, answers)
 
 

@@ -134,6 +134,9 @@ class Field:
         if not set(self.states(place)) <= {NEW, SAME}:
             return f"run again: {self.states(place)} ({place})"
         left = leftovers(place)
+        if refused and len(left) == 1:
+            # Whoever names a folder that is there does not get as far as removing anything.
+            return ""
         return f"run again, and {left} is left ({place})" if left else ""
 
     def _reference(self, words: list[str]) -> tuple[Ended, list[Content]]:
