@@ -80,9 +80,12 @@ def _unwritten(error: OSError) -> int:
     place = "the output" if error.filename is None else error.filename
     message = f"{place}: cannot be written or read ({error.strerror or error}); is there space?"
     status = _complain(InputError(message), _UNUSABLE)
-    # What is still in its buffer cannot be written, and Python would complain of it at the end.
-    with contextlib.suppress(OSError):
-        sys.stdout.close()
+    try:
+        sys.stdout.flush()
+    except OSError:
+        # What is still in its buffer cannot be written; Python would complain of it at the end.
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
     return status
 
 
