@@ -109,8 +109,9 @@ class Probe:
         finally:
             os.chdir(before)
         assert (status, err.getvalue()) == (0, ""), err.getvalue()
-        # Plots are drawn into a folder that is named at the end; their place is among the files.
-        self._asked.pop("plot_solution.folder", None)
+        # These write into a folder that is named at the end; its name is among the files.
+        for name in ("plot_solution.folder", "write.folder", "plot_front.path"):
+            self._asked.pop(name, None)
         return {**self._asked, **_printed(out.getvalue()), **_written(home)}
 
 
@@ -207,8 +208,10 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.sweep.run_sweep", lambda *_, **__: swept)
     optimum = SimpleNamespace(front=("one", "two"), record=lambda: done, contradiction="")
     note("nipper_pin.study.optimise.optimise", lambda *_, **__: optimum)
-    note("nipper_pin.study.optimise.write", lambda *_: ())
-    note("nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file)
+    note("nipper_pin.study.optimise.write",
+         lambda _optimum, folder: _write(Path(folder) / "result.json", done))  # fmt: skip
+    note("nipper_pin.view.studies.front_plot.plot_front",
+         lambda _optimum, file: _write(Path(file), {})[0])  # fmt: skip
     note("nipper_pin.view.studies.optimise_report.print_optimum", lambda *_: None)
     known = SimpleNamespace(ranked=lambda: [("a", 1), ("b", 2), ("c", 3)])
     fit = SimpleNamespace(known=known, goodness=SimpleNamespace(), check=lambda: None)

@@ -52,8 +52,7 @@ ASKED: dict[str, dict[str, object]] = {
     },
     "optimise {design}": {
         "optimise.starts": 6, "optimise.seed": 1, "optimise.check": True, "optimise.points": 12,
-        "optimise.workers": None, "optimise.folder": "out/design", "write.folder": "out/design",
-        "plot_front.path": "out/design/front.svg",
+        "optimise.workers": None, "optimise.folder": "out/design",
     },
     "sweep {sweep}": {
         "run_sweep.folder": "out/sweep", "run_sweep.workers": None, "run_sweep.scheduler": None,
@@ -85,6 +84,8 @@ def files(tmp_path: Path) -> dict[str, str]:
 @pytest.fixture
 def probe(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Probe:
     (tmp_path / "runs").mkdir()
+    # What a command writes by itself is not to lie in the checkout.
+    monkeypatch.chdir(tmp_path)
     found = Probe(monkeypatch, tmp_path / "runs")
     stand_ins(found)
     return found
@@ -100,7 +101,10 @@ def test_what_is_asked_without_options(words: str, files: dict[str, str], probe:
     for name, value in ASKED[words].items():
         assert found.get(name) == value, name
     written = {key for key in found if key.startswith("file ")}
-    assert written == ({"file out/paper/report.json"} if words == "study paper" else set())
+    assert written == {
+        "study paper": {"file out/paper/report.json"},
+        "optimise {design}": {"file out/design/result.json", "file out/design/front.svg"},
+    }.get(words, set())
     assert not {"write_page called", "write_gif called"} & set(found)
 
 
@@ -143,11 +147,11 @@ def test_files_that_were_written_are_named(
         "nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file
     )
     assert main(["optimise", files["design"], "--out", "here", "--format", "png"]) == 0
-    assert capsys.readouterr().out == "a\nb\nhere/front.png\n"
+    assert capsys.readouterr().out == "here/a\nhere/b\nhere/front.png\n"
     single = SimpleNamespace(front=("one",), record=dict, contradiction="")
     monkeypatch.setattr("nipper_pin.study.optimise.optimise", lambda *_, **__: single)
-    assert main(["optimise", files["design"]]) == 0
-    assert capsys.readouterr().out == "a\nb\n"
+    assert main(["optimise", files["design"], "--out", "there"]) == 0
+    assert capsys.readouterr().out == "there/a\nthere/b\n"
     monkeypatch.setattr(
         "nipper_pin.view.studies.sweep_plots.plot_sweep",
         lambda *_, **__: [Path("x.svg"), Path("y.svg")],

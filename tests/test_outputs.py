@@ -210,6 +210,71 @@ def test_a_folder_that_fails_stays_as_it_was(tmp_path: Path) -> None:
     assert content(tmp_path) == {"out/a": "1"}
 
 
+def test_a_folder_may_be_written_inside_another(tmp_path: Path) -> None:
+    """A function that writes a folder of its own is called while another one is written."""
+    with complete_folder(tmp_path / "out", ("a",)) as new:
+        fill(new, {"a": "1"})
+        fill(new / "below", {"a": "2"})
+        (new / "b").write_text("3")
+    assert content(tmp_path) == {"out/a": "1", "out/below/a": "2", "out/b": "3"}
+
+
+def killed(target: Path, how: str) -> Path:
+    """What a killed process leaves: as it is written, without what is done at its end."""
+    program = f"""
+import os, signal
+from pathlib import Path
+from nipper_pin.outputs import complete_file, complete_folder
+with {how} as partial:
+    print(partial, flush=True)
+    (partial / "a" if partial.is_dir() else partial).write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program.replace("TARGET", repr(str(target)))],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == -signal.SIGKILL
+    return Path(done.stdout.strip())
+
+
+@pytest.mark.parametrize("how", ["complete_file(TARGET)", "complete_folder(TARGET, ())"])
+def test_what_a_kill_leaves_goes_with_the_next_run(tmp_path: Path, how: str) -> None:
+    """One hidden name at most, however many kills; that of a living process stays."""
+    target = tmp_path / "out"
+    act = write if how.startswith("complete_file") else (lambda path, text: fill(path, {"a": text}))
+    for _ in range(3):
+        assert killed(target, how).exists()
+        assert [item.name for item in tmp_path.iterdir()] == [".out.0.partial"]
+    act(target, "whole")
+    assert [item.name for item in tmp_path.iterdir()] == ["out"]
+    with complete_file(target) if target.is_file() else complete_folder(target, ()) as living:
+        (living / "a" if living.is_dir() else living).write_text("later")
+        act(target, "between")
+        assert living.exists()
+    assert [item.name for item in tmp_path.iterdir()] == ["out"]
+    assert (target if target.is_file() else target / "a").read_text() == "later"
+
+
+def test_hidden_files_of_others_are_left_alone(tmp_path: Path) -> None:
+    """A link of such a name is not followed, and what is merely called alike stays."""
+    (tmp_path / "mine").write_text("mine")
+    (tmp_path / ".out.0.partial").symlink_to("mine")
+    (tmp_path / ".out.partial").write_text("mine")
+    write(tmp_path / "out", "text")
+    assert content(tmp_path) == {
+        "out": "text", "mine": "mine", ".out.0.partial": "mine", ".out.partial": "mine",
+    }  # fmt: skip
+    assert (tmp_path / ".out.0.partial").is_symlink()
+
+
+@pytest.mark.parametrize("name", ["x" * 255, "\u4e2d" * 85])
+def test_the_longest_names_can_be_written(tmp_path: Path, name: str) -> None:
+    """255 bytes, the most that file systems allow, also of characters of three bytes."""
+    write(tmp_path / name, "text")
+    assert [item.name for item in tmp_path.iterdir()] == [name]
+
+
 WRITER = """
 import sys
 from pathlib import Path

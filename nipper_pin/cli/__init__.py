@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import select
 import sys
@@ -59,6 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.showwarning = _note
             options.run(options)
+        # While it can still be told that there is no space.
+        sys.stdout.flush()
     except InputError as error:
         return _complain(error, _UNUSABLE)
     except NipperError as error:
@@ -67,7 +70,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _INTERRUPTED
     except BrokenPipeError as error:
         return _broken(error)
+    except OSError as error:
+        return _unwritten(error)
     return _RIGHT
+
+
+def _unwritten(error: OSError) -> int:
+    """Tell of an output that is full, or of another failure of the system that nobody expected."""
+    place = "the output" if error.filename is None else error.filename
+    message = f"{place}: cannot be written or read ({error.strerror or error}); is there space?"
+    status = _complain(InputError(message), _UNUSABLE)
+    try:
+        sys.stdout.flush()
+    except OSError:
+        # What is still in its buffer cannot be written; Python would complain of it at the end.
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
+    return status
 
 
 def _broken(error: BrokenPipeError) -> int:

@@ -72,10 +72,11 @@ def _run(options: argparse.Namespace) -> None:
     known, judged = fit.known, fit.goodness
     chosen = [path for path, _ in known.ranked()][: options.profiles]
     profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
-    if options.out is not None:
-        write_model(fit, judged, options.out)
+    # The folder last: once it is there, the same command is refused.
     if options.json is not None:
         write_json(record(fit, judged, known, profiles), options.json)
+    if options.out is not None:
+        write_model(fit, judged, options.out)
     if options.json != "-":
         from rich.console import Console
 

@@ -51,7 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from ..study.optimise import optimise, read_problem, write
+    from ..outputs import complete_folder
+    from ..study.optimise import RESULTS, optimise, read_problem, write
 
     problem = read_problem(options.study)
     if len(problem.aims) == 1:
@@ -71,11 +72,13 @@ def _run(options: argparse.Namespace) -> None:
             folder=folder,
             progress=advance,
         )
-    written = write(optimum, folder)
-    if len(optimum.front) > 1:
-        from ..view.studies.front_plot import plot_front
+    # The figure of another front must not stand beside a new result.
+    with complete_folder(folder, RESULTS) as new:
+        written = list(write(optimum, new))
+        if len(optimum.front) > 1:
+            from ..view.studies.front_plot import plot_front
 
-        written += (plot_front(optimum, folder / f"front.{options.format or 'svg'}"),)
+            written.append(plot_front(optimum, new / f"front.{options.format or 'svg'}"))
     if options.json is not None:
         write_json(optimum.record(), options.json)
     if options.json != "-":
@@ -84,7 +87,7 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.studies.optimise_report import print_optimum
 
         print_optimum(optimum, Console())
-        sys.stdout.write("".join(f"{path}\n" for path in written))
+        sys.stdout.write("".join(f"{folder / path.name}\n" for path in written))
     if optimum.contradiction:
         from ..errors import SimulationError
 

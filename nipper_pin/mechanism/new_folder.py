@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
+from ..outputs import hidden_folder, synchronise
 from .load import known_models
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -77,11 +77,14 @@ def new_folder(folder: str | Path) -> Iterator[Path]:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         # Beside it, since only within one file system is renaming one step.
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}-") as home:
-            partial = Path(home) / target.name
+        with hidden_folder(target) as home:
+            partial = home / target.name
             partial.mkdir()
             yield partial
+            for item in (*partial.rglob("*"), partial):
+                synchronise(item)
             partial.replace(target)
+        synchronise(target.parent)
     except OSError as error:
         raise _unwritable(target, error) from error
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 from ..errors import InputError
+from .hidden import hidden_folder
 
 
 def check_folder(path: str | Path) -> None:
@@ -26,7 +26,7 @@ def check_folder(path: str | Path) -> None:
         raise InputError(message, folder=str(target))
     try:
         # Permissions do not tell all: file systems are read-only, full, or no place for files.
-        with tempfile.TemporaryDirectory(dir=place, prefix=".nipper-pin-"):
+        with hidden_folder(place / "nipper-pin"):
             pass
     except OSError as error:
         message = f"{target} cannot be written ({error.strerror} in {place}); name another folder"

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import os
-import secrets
 import shutil
 import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
-
-# Names of partial files begin like those of their targets, within what file systems allow.
-_LONGEST_START = 100
+from .hidden import hidden_file
 
 
 @contextmanager
@@ -36,27 +33,23 @@ def complete_file(path: str | Path) -> Iterator[Path]:
     """
     try:
         target = Path(path).resolve(strict=False)
-        mode = _mode(target)
-        partial = _partial(target, mode)
     except (OSError, RuntimeError) as error:
         raise _unwritable(path, error) from error
     try:
-        yield partial
-        if mode is not None and not stat.S_ISREG(mode):
-            with partial.open("rb") as source, target.open("wb") as stream:
-                shutil.copyfileobj(source, stream)
-            return
-        if mode is not None:
-            partial.chmod(stat.S_IMODE(mode))
-        synchronise(partial)
-        partial.replace(target)
+        mode = _mode(target)
+        with _place(target, mode) as partial:
+            yield partial
+            if mode is not None and not stat.S_ISREG(mode):
+                with partial.open("rb") as source, target.open("wb") as stream:
+                    shutil.copyfileobj(source, stream)
+                return
+            if mode is not None:
+                partial.chmod(stat.S_IMODE(mode))
+            synchronise(partial)
+            partial.replace(target)
         synchronise(target.parent)
     except OSError as error:
         raise _unwritable(path, error) from error
-    finally:
-        # Where no file can be there is none to remove, and the first error is the one to tell.
-        with suppress(OSError):
-            partial.unlink()
 
 
 def synchronise(path: Path) -> None:
@@ -83,18 +76,16 @@ def _mode(target: Path) -> int | None:
     return found
 
 
-def _partial(target: Path, mode: int | None) -> Path:
+@contextmanager
+def _place(target: Path, mode: int | None) -> Iterator[Path]:
     """An empty file beside the target, or among temporary files if that is no regular file."""
-    start = f".{target.name[:_LONGEST_START]}."
-    if mode is not None and not stat.S_ISREG(mode):
-        handle, name = tempfile.mkstemp(prefix=start, suffix=".partial")
-        os.close(handle)
-        return Path(name)
-    partial = target.with_name(f"{start}{secrets.token_hex(8)}.partial")
-    # Nobody else may read what replaces a private file; of a new one the umask decides.
-    allowed = 0o666 if mode is None else 0o600
-    os.close(os.open(partial, os.O_CREAT | os.O_EXCL | os.O_WRONLY, allowed))
-    return partial
+    if mode is None or stat.S_ISREG(mode):
+        # Nobody else may read what replaces a private file; of a new one the umask decides.
+        with hidden_file(target, 0o666 if mode is None else 0o600) as partial:
+            yield partial
+        return
+    with tempfile.NamedTemporaryFile(prefix=f".{target.name[:50]}.", suffix=".partial") as item:
+        yield Path(item.name)
 
 
 def _unwritable(path: str | Path, error: Exception) -> InputError:

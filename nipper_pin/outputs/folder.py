@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import fcntl
 import os
 import shutil
 import stat
-import tempfile
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from ..errors import InputError
 from .check import check_folder
 from .file import synchronise
+from .hidden import hidden_folder
 
 _EXCHANGE, _HERE = 2, -100  # RENAME_EXCHANGE and AT_FDCWD of Linux
 
@@ -41,26 +42,48 @@ def complete_folder(path: str | Path, ours: Collection[str]) -> Iterator[Path]:
     target = Path(path)
     try:
         target = target.resolve(strict=False)
+    except (OSError, RuntimeError) as error:
+        raise _unwritable(path, error) from error
+    try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(
-            dir=target.parent, prefix=f".{target.name[:100]}-"
-        ) as home:
-            new = Path(home) / "new"
+        with hidden_folder(target) as home:
+            new = home / "new"
             new.mkdir()
             yield new
-            written = [file.name for file in new.iterdir()]
-            for name in written:
-                synchronise(new / name)
-            if not target.exists():
-                synchronise(new)
-                new.replace(target)
-            elif not _exchanged(new, target, {*ours, *written}):
-                _moved(new, target, ours, written)
+            _placed(new, target, ours)
         synchronise(target.parent)
-    except (OSError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        message = f"{path}: cannot be written ({reason}); name another folder"
+    except InputError as error:
+        # Of a file in it: where it was to be, not where it was written.
+        if str(new) not in error.message:
+            raise
+        message = error.message.replace(str(new), str(path))
         raise InputError(message, folder=str(path)) from error
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
+def _placed(new: Path, target: Path, ours: Collection[str]) -> None:
+    """Let the files of a new folder take their place."""
+    written = [file.name for file in new.iterdir()]
+    for name in written:
+        synchronise(new / name)
+    synchronise(new)
+    with _alone(target.parent):
+        if not target.exists():
+            new.replace(target)
+        elif not _exchanged(new, target, {*ours, *written}):
+            _moved(new, target, ours, written)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Wait until no other process exchanges anything in a folder, where that can be known."""
+    with ExitStack() as stack:
+        with suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            stack.callback(os.close, handle)
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
 
 
 def _exchanged(new: Path, target: Path, replaced: Collection[str]) -> bool:
@@ -111,3 +134,12 @@ def _moved(new: Path, target: Path, ours: Collection[str], written: Collection[s
     for name in written:
         (new / name).replace(target / name)
     synchronise(target)
+
+
+def _unwritable(path: str | Path, error: Exception) -> InputError:
+    reason = getattr(error, "strerror", None) or error
+    if isinstance(error, shutil.Error):
+        # One of what may be many, each with two names and a reason.
+        reason = error.args[0][0][-1]
+    message = f"{path}: cannot be written ({reason}); name another folder"
+    return InputError(message, folder=str(path))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +25,31 @@ def make_folder(folder: str | Path) -> None:
     except OSError as error:
         message = f"{folder}: cannot be made a folder ({error.strerror or error})"
         raise InputError(message, folder=str(folder)) from error
+
+
+@contextmanager
+def alone_in(folder: str | Path) -> Iterator[None]:
+    """Be the only process that works in a folder, as far as its file system has locks.
+
+    The system gives the lock back when the process ends, however it ends.
+
+    Args:
+        folder: The folder, made if it does not exist.
+
+    Raises:
+        InputError: Another process works in it, or it cannot be made.
+    """
+    make_folder(folder)
+    with ExitStack() as stack:
+        with suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            stack.callback(os.close, handle)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                message = f"{folder}: another process works in it; wait for it, or give --out"
+                raise InputError(message, folder=str(folder)) from error
+        yield
 
 
 def claim(

@@ -6,6 +6,7 @@ import io
 import json
 import math
 from collections.abc import Callable
+from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,7 +29,7 @@ from nipper_pin.study.optimise import write as write_optimum
 from nipper_pin.view.live import serve, shapes
 from nipper_pin.view.paper import files, kinematic_figures
 from nipper_pin.view.paper.terms import terms
-from nipper_pin.view.run import export, sampling, table
+from nipper_pin.view.run import csv_tables, export, sampling, table
 from nipper_pin.view.scene import gif
 from nipper_pin.view.studies import front_plot
 
@@ -87,12 +88,38 @@ def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mor
     assert written == [target / name for name in names]
     texts = {name: (target / name).read_bytes() for name in names}
     document = json.loads(texts.pop("study.json"))
+    assert document.pop("files") == {name: sha256(text).hexdigest() for name, text in texts.items()}
     assert document == {"a": 1, **({"sensitivities": {"b": 2}} if more else {})}
     assert texts == {
         "report.html": b"page of 3", "figure.svg": b"<svg/>", "figure.pdf": b"pdf",
         "table.csv": b"a,b\n",
     }  # fmt: skip
     assert study.given == [(study, added, "plates of study")]
+
+
+def test_files_of_an_earlier_study_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its document names them; of what it cannot have written nothing is touched."""
+    study = made_up_study(monkeypatch)
+    added: Any = SimpleNamespace(sensitivities=None)
+    target, outside = tmp_path / "folder", tmp_path / "outside.csv"
+    files.write_paper(study, target, lambda: added)
+    for name in ("earlier.svg", "edited.svg", "notes.txt", "../outside.csv"):
+        (target / name).write_text("text", encoding="utf-8")
+    document = json.loads((target / "study.json").read_bytes())
+    theirs, other = sha256(b"text").hexdigest(), sha256(b"before it was edited").hexdigest()
+    document["files"] |= {"edited.svg": other, "..": theirs, "": theirs} | dict.fromkeys(
+        ("earlier.svg", "../outside.csv", "absent.csv"), theirs
+    )
+    (target / "study.json").write_text(json.dumps(document), encoding="utf-8")
+    written = files.write_paper(study, target, lambda: added)
+    assert {item.name for item in target.iterdir()} == {
+        "edited.svg",
+        "notes.txt",
+        *(item.name for item in written),
+    }
+    assert outside.read_text(encoding="utf-8") == "text"
+    (target / "study.json").write_text('{"files": [1, {}]}', encoding="utf-8")
+    files.write_paper(study, target, lambda: added)
 
 
 def test_figure_of_a_front_as_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -328,14 +355,14 @@ def test_motion_of_a_run_leaves_empty_stretches_out(
     transition: Solution,
 ) -> None:
     """A segment that has no length has no rows."""
-    header, rows = export._motion(transition)
+    header, rows = csv_tables._motion(transition)
     wanted = list(rows)
     empty = SimpleNamespace(t_start=0.5, t_end=0.5)
     more: Any = SimpleNamespace(
         mechanism=transition.mechanism, trajectory=transition.trajectory, shaft=transition.shaft,
         segments=[empty, *transition.segments],
     )  # fmt: skip
-    again, found = export._motion(more)
+    again, found = csv_tables._motion(more)
     assert again == header
     assert [row[:3] for row in found] == [row[:3] for row in wanted]
     assert all(len(row) == len(header) for row in wanted)

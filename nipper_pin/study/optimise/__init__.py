@@ -6,9 +6,10 @@ from .problem.problem import Aim, Limit, Parameter, Problem
 from .problem.problem_file import read_problem
 from .result import Optimum
 from .run import optimise
-from .write import write
+from .write import RESULTS, write
 
 __all__ = [
+    "RESULTS",
     "Aim",
     "Control",
     "Design",

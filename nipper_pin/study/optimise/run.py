@@ -6,11 +6,13 @@ import os
 import time
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from ...errors import InputError, SimulationError
+from ..folders import alone_in
 from .control import control
 from .design import Design, design
 from .points import Evaluator
@@ -53,17 +55,19 @@ def optimise(
         progress: Called with (parts finished, parts known so far).
 
     Raises:
-        InputError: An argument is out of range, or the folder holds another problem.
+        InputError: An argument is out of range, the folder holds another problem, or another
+            process works in it.
         InfeasibleError: No design that was found meets all limits.
         SimulationError: No sample is a machine that can be simulated, or a process died.
     """
     _check_arguments(starts=starts, seed=seed, points=points, workers=workers)
     began = time.perf_counter()
-    store = Store(folder, problem, {"seed": seed, "starts": starts})
-    with Work(store, workers or os.cpu_count() or 1, progress) as work:
-        search = Search(problem, screen(problem, seed, work), starts, seed, work)
-        led = _searched(search, check=check, points=points)
-        return _optimum(search, led, began)
+    with nullcontext() if folder is None else alone_in(folder):
+        store = Store(folder, problem, {"seed": seed, "starts": starts})
+        with Work(store, workers or os.cpu_count() or 1, progress) as work:
+            search = Search(problem, screen(problem, seed, work), starts, seed, work)
+            led = _searched(search, check=check, points=points)
+            return _optimum(search, led, began)
 
 
 def _check_arguments(*, starts: int, seed: int, points: int, workers: int | None) -> None:

@@ -7,13 +7,15 @@ from pathlib import Path
 
 from ...hybrid.files.npz import save_case
 from ...mechanism import load
-from ...outputs import complete_file
-from ..folders import make_folder
+from ...outputs import complete_folder
 from .result import Optimum
+
+RESULTS = ("result.json", "overrides.json", "case.json", "front.svg", "front.png")
+"""Names of what a search leaves beside its parts; they change together."""
 
 
 def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
-    """Write an optimum; every file appears only when it is complete.
+    """Write an optimum; its files take the place of those of an earlier one in one step.
 
     Args:
         optimum: The optimum.
@@ -25,17 +27,11 @@ def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:
     Raises:
         InputError: A file cannot be written.
     """
-    home = Path(folder)
-    make_folder(home)
-    problem = optimum.problem
-    # A result of another run of the same problem must not stand beside a newer case.
-    written = [save_case(load(problem.model, optimum.overrides), optimum.case, home / "case.json")]
-    for name, document in (
-        ("overrides.json", optimum.overrides),
-        ("result.json", optimum.record()),
-    ):
-        with complete_file(home / name) as partial:
+    with complete_folder(folder, RESULTS) as new:
+        problem = optimum.problem
+        documents = {"result.json": optimum.record(), "overrides.json": optimum.overrides}
+        for name, document in documents.items():
             text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-            partial.write_text(text, encoding="utf-8")
-        written.append(home / name)
-    return tuple(reversed(written))
+            (new / name).write_text(text, encoding="utf-8")
+        save_case(load(problem.model, optimum.overrides), optimum.case, new / "case.json")
+    return tuple(Path(folder) / name for name in RESULTS[:3])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -15,11 +16,11 @@ from .supplements import Supplements
 def write_paper(
     study: PaperStudy, folder: str | Path, supplements: Callable[[], Supplements] = Supplements
 ) -> list[Path]:
-    """Write the study; each file appears only when it is complete.
+    """Write the study; its files take the place of those of an earlier one in one step.
 
     Args:
         study: The study.
-        folder: Folder, made if it does not exist; files of the same names are replaced.
+        folder: Folder, made if it does not exist; what else it holds stays.
         supplements: Gives results of other studies, to be shown after it. Asked when the figures
             of this study are drawn, so that the others can be computed meanwhile.
 
@@ -36,17 +37,39 @@ def write_paper(
     record = study.record()
     if added.sensitivities is not None:
         record["sensitivities"] = added.sensitivities.record()
-    document = json.dumps(record, indent=1, allow_nan=False) + "\n"
     files: dict[str, bytes] = {
-        "report.html": report_html(study, added, content).encode(),
-        "study.json": document.encode(),
-    }
+        "report.html": report_html(study, added, content).encode(), _DOCUMENT: b"",
+    }  # fmt: skip
     for plate in content.plates:
         files[f"{plate.name}.svg"] = plate.svg.encode()
         files[f"{plate.name}.pdf"] = plate.pdf
     for table in content.tables:
         files[f"{table.name}.csv"] = table.csv_text().encode()
-    with complete_folder(target, ()) as new:
+    record["files"] = {name: _digest(data) for name, data in files.items() if data}
+    files[_DOCUMENT] = (json.dumps(record, indent=1, allow_nan=False) + "\n").encode()
+    with complete_folder(target, _earlier(target)) as new:
         for name, data in files.items():
             (new / name).write_bytes(data)
     return [target / name for name in files]
+
+
+_DOCUMENT = "study.json"
+
+
+def _earlier(folder: Path) -> tuple[str, ...]:
+    """Names of the files of an earlier study, as far as they are as that one has left them.
+
+    A document may name any file of the folder, so that its digest has to be right as well.
+    """
+    try:
+        digests = json.loads((folder / _DOCUMENT).read_text(encoding="utf-8"))["files"]
+        there = {file.name: file for file in folder.iterdir() if file.name in digests}
+        return tuple(
+            name for name, file in there.items() if _digest(file.read_bytes()) == digests[name]
+        )
+    except (OSError, ValueError, LookupError, TypeError):
+        return ()
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

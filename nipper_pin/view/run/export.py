@@ -28,8 +28,8 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
         InputError: The folder cannot be written.
         SelfCheckError: The run does not meet its closures or its energy balance.
     """
-    need_sound(solution)
     with complete_folder(folder, _FILES) as target:
+        need_sound(solution)
         written = [
             *(_write(target / name, text) for name, text in tables(solution)),
             save(solution, target / "solution.npz"),

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
-from ...outputs import complete_file
+from ...outputs import complete_folder
 from ...study.sweep import SweepTable, read_sweep
 from ..style import LINES, SMALL, TEXT, WIDTH_IN, tidy
 
@@ -42,7 +42,7 @@ def plot_sweep(
     kind: str = "svg",
     target: str | Path | None = None,
 ) -> list[Path]:
-    """Write the figures of a sweep; each file appears only when it is complete.
+    """Write the figures of a sweep; they take the place of earlier ones in one step.
 
     Args:
         folder: Folder of the sweep.
@@ -67,29 +67,24 @@ def plot_sweep(
             raise UnknownNameError(kind="quantity", name=name, known=known, where=str(folder))
     parameters = [_Parameter.of(sweep, place) for place in range(len(sweep.axes))]
     pair = _pair(parameters, across, upwards, str(folder))
+    written: list[Path] = []
     home = Path(target) if target is not None else Path(folder) / "plots"
-    try:
-        home.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        message = f"{home}: cannot be made a folder ({error.strerror})"
-        raise InputError(message, folder=str(home)) from error
-    written = []
-    for name in chosen:
-        y = np.asarray(sweep.table[name].to_numpy(), dtype=float)
-        if not np.isfinite(y).any():
-            message = f"{folder}: no scenario has a value of {name}; see the column message"
-            raise InputError(message, quantity=name)
-        figures = {
-            "main_effects": main_effects(sweep, parameters, name, y),
-            "parallel": parallel_coordinates(sweep, parameters, name, y),
-        }
-        if pair is not None:
-            figures["level_lines"] = level_lines(sweep, *pair, name, y)
-        for subject, figure in figures.items():
-            path = home / f"{subject}_{name}.{kind}"
-            with complete_file(path) as partial:
-                figure.savefig(partial, format=kind)
-            written.append(path)
+    with complete_folder(home, ()) as new:
+        for name in chosen:
+            y = np.asarray(sweep.table[name].to_numpy(), dtype=float)
+            if not np.isfinite(y).any():
+                message = f"{folder}: no scenario has a value of {name}; see the column message"
+                raise InputError(message, quantity=name)
+            figures = {
+                "main_effects": main_effects(sweep, parameters, name, y),
+                "parallel": parallel_coordinates(sweep, parameters, name, y),
+            }
+            if pair is not None:
+                figures["level_lines"] = level_lines(sweep, *pair, name, y)
+            for subject, figure in figures.items():
+                file = new / f"{subject}_{name}.{kind}"
+                figure.savefig(file, format=kind)
+                written.append(home / file.name)
     return written
 
 
