@@ -101,14 +101,17 @@ def test_what_the_judge_says_of_results(tmp_path: Path) -> None:
     assert leftovers(tmp_path) == [".a.0.partial"]
 
 
-@pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new --list"])
-def test_an_output_that_is_full(words: str) -> None:
-    """A table or a document on a full disk: one sentence and status 2, and no traceback."""
+@pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new press"])
+def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
+    """A table or a document on a full disk: one sentence and status 2, and no traceback.
+
+    Also of a few lines, which stay in a buffer until the end.
+    """
     program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run(
             [sys.executable, "-c", program, *words.split()],
-            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False, cwd=tmp_path,
         )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr.startswith("nipper-pin: the output: cannot be written")
