@@ -6,6 +6,7 @@ standard library. `scripts/maintain/confirm/faults/campaign.py` does the same wi
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -108,10 +109,13 @@ def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
     Also of a few lines, which stay in a buffer until the end.
     """
     program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
+    # Where nothing is buffered there is nothing left to write at the end.
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run(
             [sys.executable, "-c", program, *words.split()],
             stdout=full, stderr=subprocess.PIPE, text=True, check=False, cwd=tmp_path,
+            env=env,
         )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr.startswith("nipper-pin: the output: cannot be written")

@@ -185,7 +185,8 @@ def _child(shim: Any, main: Any, words: list[str], home: str, fault: Fault, said
         traceback.print_exc()
         status = 1
     # What is forgotten half written would complain here. All else would be freed for nothing.
-    multiprocessing.util._exit_function()
+    ending: Any = multiprocessing.util
+    ending._exit_function()
     gc.collect()
     sys.stderr.flush()
     os._exit(status)
