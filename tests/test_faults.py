@@ -6,6 +6,7 @@ standard library. `scripts/maintain/confirm/faults/campaign.py` does the same wi
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -101,14 +102,20 @@ def test_what_the_judge_says_of_results(tmp_path: Path) -> None:
     assert leftovers(tmp_path) == [".a.0.partial"]
 
 
-@pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new --list"])
-def test_an_output_that_is_full(words: str) -> None:
-    """A table or a document on a full disk: one sentence and status 2, and no traceback."""
+@pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new press"])
+def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
+    """A table or a document on a full disk: one sentence and status 2, and no traceback.
+
+    Also of a few lines, which stay in a buffer until the end.
+    """
     program = "import sys; from nipper_pin.cli import main; sys.exit(main())"
+    # Where nothing is buffered there is nothing left to write at the end.
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     with Path("/dev/full").open("wb") as full:
         done = subprocess.run(
             [sys.executable, "-c", program, *words.split()],
-            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False, cwd=tmp_path,
+            env=env,
         )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr.startswith("nipper-pin: the output: cannot be written")

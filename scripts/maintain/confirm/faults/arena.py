@@ -11,6 +11,7 @@ import ctypes
 import gc
 import itertools
 import json
+import multiprocessing.util
 import os
 import shutil
 import signal
@@ -184,6 +185,8 @@ def _child(shim: Any, main: Any, words: list[str], home: str, fault: Fault, said
         traceback.print_exc()
         status = 1
     # What is forgotten half written would complain here. All else would be freed for nothing.
+    ending: Any = multiprocessing.util
+    ending._exit_function()
     gc.collect()
     sys.stderr.flush()
     os._exit(status)
