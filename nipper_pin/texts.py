@@ -13,6 +13,19 @@ MOST_TABLE = 16 * 2**20
 MOST_JSON = 16 * 2**20
 """Most that is read of a JSON file [byte]: a case with four tables of a hundred thousand rows. Its
 objects take twenty times as much as its text."""
+# Of a path and of a name in it, everywhere [byte].
+_LONGEST_PATH, _LONGEST_NAME = 2000, 255
+
+
+def is_path(text: str) -> bool:
+    """Whether a file may have this path; systems end with an error of their own otherwise.
+
+    Args:
+        text: The path.
+    """
+    whole = text.encode("utf-8", "replace")
+    longest = max(map(len, whole.split(b"/")))
+    return b"\0" not in whole and len(whole) <= _LONGEST_PATH and longest <= _LONGEST_NAME
 
 
 def read_text(file: Path, most: int, encoding: str = "utf-8") -> str:

@@ -19,8 +19,17 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from nipper_pin import Case, Mechanism, NipperError, Solution, load, load_case, load_solution
+from nipper_pin import (
+    Case,
+    Mechanism,
+    NipperError,
+    Solution,
+    load,
+    load_case,
+    load_solution,
+)
 from nipper_pin.mechanism import find_model
+from nipper_pin.study.verify import verify
 
 if TYPE_CHECKING:
     from nipper_pin.study.sweep import Plan
@@ -31,6 +40,7 @@ _BASES = {"parts": HERE / "bases" / "parts", "e62": find_model("e62")}
 # One of so many models that can be used is simulated as well.
 _SIMULATED = 50
 _COLLISIONS = 8
+_VERIFIED = 5
 
 
 class NotOneLineError(AssertionError):
@@ -144,13 +154,21 @@ def case(data: bytes) -> bool:
     """A saved case; the folder of its model is that of the base."""
     file = home() / "case.json"
     file.write_bytes(data.replace(b"@HOME@", str(home()).encode()))
+    _verified(file, data)
     return judged(lambda: _used(load_case(file)[0], data))
+
+
+def _verified(file: Path, data: bytes) -> None:
+    """Verify one of some, since that reads a file once more."""
+    if zlib.crc32(data) % _VERIFIED == 0:
+        judged(lambda: verify(file))
 
 
 def npz(data: bytes) -> bool:
     """A saved run, and all that is computed of it when it is asked for."""
     file = home() / "run.npz"
     file.write_bytes(data)
+    _verified(file, data)
     read: list[Solution] = []
     if not judged(lambda: read.append(load_solution(file))):
         return False
@@ -193,6 +211,7 @@ def parquet(data: bytes) -> bool:
         Tally().add(table)
 
     judged(use)
+    judged(lambda: verify(folder))
     return judged(lambda: read_sweep(folder).to_frame("pandas"))
 
 
@@ -212,6 +231,7 @@ def plan(data: bytes) -> bool:
         .replace(b'"@VERSIONS@"', json.dumps(planned.job.versions).encode())
     )
     judged(lambda: repr(read_sweep(folder, most=2)))
+    judged(lambda: verify(folder))
 
     def use() -> None:
         with Store(folder, planned):

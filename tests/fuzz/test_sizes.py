@@ -258,7 +258,23 @@ def test_messages_are_short_lines_whatever_they_quote() -> None:
     assert str(error) == error.message
 
 
-@pytest.mark.parametrize("name", ["x" * 300, "a\0b"])
+LONG = ["x" * 300, "x/" * 1200, "a\0b"]
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_files_of_a_model_have_paths(name: str) -> None:
+    text = (PARTS / "parts.urdf").read_text(encoding="utf-8")
+    for mesh in ("meshes/tetrahedron.stl", "package://parts/meshes/tetrahedron.obj"):
+        if "\0" not in name:
+            with pytest.raises(ModelError, match="stays inside it"):
+                parts(text.replace(mesh, name))
+    with pytest.raises(ModelError, match="a CSV file in the model folder"):
+        parts(springs={"rows": {"joint": "s2", "file": name}})
+    with pytest.raises(InputError, match="no path of a file"):
+        measured.read_measured(name)
+
+
+@pytest.mark.parametrize("name", LONG)
 def test_names_that_no_file_can_have_are_unknown_models(name: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no model"):
         load(name)

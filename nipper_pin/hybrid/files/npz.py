@@ -164,12 +164,10 @@ def made_by(path: str | Path) -> str:
         InputError: The file cannot be read.
     """
     try:
+        if Path(path).suffix != ".npz":
+            return npz_schema.version_of(read_text(Path(path), MOST_JSON))
         with Path(path).open("rb") as stream:
-            if Path(path).suffix == ".npz":
-                check_archive(stream)
-                with np.load(stream, allow_pickle=False) as stored:
-                    return str(json.loads(str(stored["document"]))["version"])
-            return str(json.loads(stream.read())["version"])
+            return npz_schema.version_of(str(read_archive(stream, "document")["document"]))
     except OSError as error:
         message = f"{path}: cannot be read ({error.strerror or error})"
         raise InputError(message, file=str(path)) from error

@@ -149,7 +149,8 @@ class Run(Setting, frozen=True):
 class _Anything(msgspec.Struct, frozen=True):
     """A document of any format."""
 
-    format: Any
+    format: Any = None
+    version: str = ""
 
 
 def format_of(text: str) -> object:
@@ -162,6 +163,11 @@ def format_of(text: str) -> object:
         msgspec.MsgspecError: It is no JSON, or says nothing of it; a ``ValueError``.
     """
     return msgspec.json.decode(text, type=_Anything).format
+
+
+def version_of(text: str) -> str:
+    """The version that wrote a document, empty if it does not say; as :func:`format_of`."""
+    return msgspec.json.decode(text, type=_Anything).version
 
 
 def setting(text: str) -> Setting:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError
-from ...texts import MOST_TABLE, read_text
+from ...texts import MOST_TABLE, is_path, read_text
 from ..drives import Table
 from ..elements import Characteristic
 
@@ -74,8 +74,13 @@ def _read_csv(
 ) -> dict[str, list[float]]:
     """Read the two columns of a CSV file."""
     key = f"{where}.file"
-    path = folder / str(name)
-    if not isinstance(name, str) or not path.resolve().is_relative_to(folder.resolve()):
+    named = isinstance(name, str) and is_path(name)
+    path = folder / (str(name) if named else "")
+    if (
+        not isinstance(name, str)
+        or not named
+        or not path.resolve().is_relative_to(folder.resolve())
+    ):
         raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
     if not path.is_file():
         known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"

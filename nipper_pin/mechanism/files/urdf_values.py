@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError
+from ...texts import is_path
 from ...tolerances.mechanics import URDF_TOLERANCE
 from .toml_types import LARGEST
 
@@ -237,7 +238,7 @@ def path_inside(filename: str, key: str, file: str) -> str:
         inner = filename.removeprefix(_PACKAGE).partition("/")[2]
     path = PurePosixPath(inner)
     outside = path.is_absolute() or ".." in path.parts or ":" in inner or "\\" in inner
-    if not inner or outside:
+    if not inner or outside or not is_path(inner):
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     return inner
 

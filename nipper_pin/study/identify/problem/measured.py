@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ....errors import InputError, UnknownNameError
 from ....hybrid.result.quantities import refuse_unknown
-from ....texts import MOST_TABLE, read_text
+from ....texts import MOST_TABLE, is_path, read_text
 from .targets import QUANTITIES, Condition, Target
 
 _STIFFNESS = ("stiffness_N_per_m", "stiffness_N_m_per_rad")
@@ -60,6 +60,9 @@ def read_measured(path: str | Path, stiffness: str = _STIFFNESS[0]) -> tuple[Tar
         InputError: The file cannot be read, or a number cannot be used; line and column are named.
     """
     file = Path(path)
+    if not is_path(str(path)):
+        message = f"measured: {str(path)!r} is no path of a file"
+        raise InputError(message, file=str(path))
     try:
         text = read_text(file, MOST_TABLE, "utf-8-sig")
         heading = next((line for line in text.splitlines() if line.strip()), "")
