@@ -7,6 +7,7 @@ clock depends on what else the machine does.
 from __future__ import annotations
 
 import json
+import struct
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,6 +21,8 @@ from nipper_pin import Case, load, save, simulate
 from nipper_pin.hybrid.files import archive
 from nipper_pin.mechanism import find_model
 from nipper_pin.mechanism.elements import MOST_ROWS
+from nipper_pin.mechanism.files.meshes import MOST_MESH
+from nipper_pin.study.sweep.results import chunk_file
 from nipper_pin.texts import MOST_JSON, MOST_TABLE, MOST_TEXT
 
 HERE = Path(__file__).parent
@@ -57,12 +60,15 @@ sys.path.insert(0, sys.argv[1])
 import targets
 from nipper_pin import NipperError, load, load_case, load_solution
 from nipper_pin.study.identify.problem.measured import read_measured
+from nipper_pin.study.sweep.results.chunk_file import read_file
+from nipper_pin.view.scene.meshes import read_mesh
 import scipy.interpolate
 load("e62")
 def used():
     found = resource.getrusage(resource.RUSAGE_SELF)
     return found.ru_utime + found.ru_stime
-readers = {"model": load, "case": load_case, "run": load_solution, "measured": read_measured}
+readers = {"model": load, "case": load_case, "run": load_solution, "measured": read_measured,
+           "chunk": read_file, "mesh": read_mesh}
 before, said = used(), ""
 try:
     found = readers[sys.argv[2]](Path(sys.argv[3]))
@@ -216,6 +222,42 @@ def measurements(folder: Path) -> Path:
     return path
 
 
+def triangles(path: Path) -> Path:
+    """A mesh of as many bytes as are read, no two of its corners equal."""
+    count = (MOST_MESH - 84) // 50
+    rows = np.zeros(count, dtype=[("corners", "<f4", 12), ("unused", "<u2")])
+    rows["corners"] = np.random.default_rng(1).random((count, 12))
+    path.write_bytes(bytes(80) + struct.pack("<I", count) + rows.tobytes())
+    return path
+
+
+def mesh_that_touches(folder: Path) -> Path:
+    """The E62 with a mesh in place of a lip, which it does not fit."""
+    home = folder / "e62"
+    home.mkdir()
+    for file in find_model("e62").glob("*.*"):
+        (home / file.name).write_bytes(file.read_bytes())
+    triangles(home / "lip.stl")
+    text = (home / "e62.urdf").read_text(encoding="utf-8")
+    lip = '<box size="0.012 0.2 0.0003"/>'
+    assert lip in text
+    (home / "e62.urdf").write_text(text.replace(lip, '<mesh filename="lip.stl"/>', 1))
+    return home
+
+
+def chunk(folder: Path) -> Path:
+    """A chunk of as many numbers as are read."""
+    pytest.importorskip("pyarrow")
+    rows = 65_536
+    columns: dict[str, Any] = {"scenario": np.arange(rows)}
+    noise = np.random.default_rng(1)
+    for place in range(chunk_file.MOST_BYTES // (8 * rows) - 4):
+        columns[f"x{place}"] = noise.random(rows)
+    path = folder / "0000000.parquet"
+    path.write_bytes(chunk_file.encode(columns, words=(), units={}, about={}))
+    return path
+
+
 Made = Callable[[Path], Path]
 LARGEST: dict[str, tuple[str, Made, str]] = {
     "parts": ("model", many_parts, ""),
@@ -233,6 +275,9 @@ LARGEST: dict[str, tuple[str, Made, str]] = {
     "run": ("run", long_run, ""),
     "numbers": ("run", numbers, "not a saved solution"),
     "measurements": ("measured", measurements, ""),
+    "mesh": ("mesh", lambda folder: triangles(folder / "a.stl"), ""),
+    "mesh that touches": ("model", mesh_that_touches, "apart at jaw"),
+    "chunk": ("chunk", chunk, ""),
 }
 
 

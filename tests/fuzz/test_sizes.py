@@ -16,6 +16,7 @@ from nipper_pin import InputError, ModelError, load, load_case, load_solution, t
 from nipper_pin.errors import NipperError
 from nipper_pin.hybrid.files import archive
 from nipper_pin.mechanism import elements, find_model, from_sources
+from nipper_pin.mechanism.build import contact, stops
 from nipper_pin.mechanism.drives import Table
 from nipper_pin.mechanism.elements import Characteristic
 from nipper_pin.mechanism.files import describe, urdf
@@ -97,6 +98,18 @@ def test_sections_have_a_most_of_entries(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(describe, "_MOST_ENTRIES", 7)
     monkeypatch.setattr(describe, "_MOST_PHASES", 1)
     with pytest.raises(ModelError, match="phases = '2 entries' cannot be used: at most 1"):
+        parts()
+
+
+def test_contacts_have_a_most_of_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stops, "_MOST_CONTACTS", 1)
+    monkeypatch.setattr(contact, "_MOST_PAIRS", 1)
+    parts()
+    monkeypatch.setattr(contact, "_MOST_PAIRS", 0)
+    with pytest.raises(ModelError, match="'1 and 1 shapes' cannot be used: at most 0 pairs"):
+        parts()
+    monkeypatch.setattr(stops, "_MOST_CONTACTS", 0)
+    with pytest.raises(ModelError, match="'1 contacts' cannot be used: at most 0 stops"):
         parts()
 
 
