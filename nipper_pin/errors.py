@@ -5,6 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+# Letters of the begin and of the end of a message that is longer: a file may hold any word.
+_BEGIN, _END = 3000, 1000
+
+
+def one_line(text: str) -> str:
+    """A text as one line that a terminal shows as it is.
+
+    Args:
+        text: The text; what it quotes of a file may hold anything.
+    """
+    if len(text) > _BEGIN + _END:
+        text = f"{text[:_BEGIN]} ... {text[-_END:]}"
+    if text.isprintable():
+        return text
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
+
 
 class NipperError(Exception):
     """Root of every error this package raises on purpose.
@@ -21,6 +37,7 @@ class NipperError(Exception):
             message: One sentence for the user.
             **evidence: Values that the sentence is based on.
         """
+        message = one_line(message)
         super().__init__(message)
         self.message = message
         self.evidence = evidence

@@ -115,9 +115,7 @@ def _note(message: Warning | str, *_: object, **__: object) -> None:
 
 
 def _complain(error: NipperError, status: int) -> int:
-    # Names and paths are the user's, and may hold line breaks or bytes that are no text.
-    text = "".join(part if part.isprintable() else repr(part)[1:-1] for part in error.message)
-    sys.stderr.write(f"nipper-pin: {text}\n")
+    sys.stderr.write(f"nipper-pin: {error.message}\n")
     return status
 
 

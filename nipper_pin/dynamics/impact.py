@@ -233,13 +233,17 @@ def impact_condition(
         stops: Coordinates of the closed stops.
 
     Returns:
-        The condition number in the 2-norm; infinite if rows depend on one another.
+        The condition number in the 2-norm; infinite if rows depend on one another, or the mass
+        matrix is singular.
     """
     moving, mass = _moving_mass(system, q)
     rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
     if not len(rows):
         return 1.0
-    matrix = rows @ np.linalg.solve(mass, rows.T)
+    try:
+        matrix = rows @ np.linalg.solve(mass, rows.T)
+    except np.linalg.LinAlgError:
+        return np.inf
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
         # Round-off of a mass matrix that is singular in double precision has either sign.
@@ -258,10 +262,17 @@ def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatA
         system: The system; held drives do not yield.
         q: Configuration, shape (nv,).
         stops: Coordinates of the stops.
+
+    Raises:
+        ImpactError: The mass matrix is singular.
     """
     moving, mass = _moving_mass(system, q)
     rows = np.eye(system.body.nv)[list(stops)][:, moving]
-    diagonal = np.einsum("ij,ji->i", rows, np.linalg.solve(mass, rows.T))
+    try:
+        diagonal = np.einsum("ij,ji->i", rows, np.linalg.solve(mass, rows.T))
+    except np.linalg.LinAlgError as error:
+        message = "the mass matrix is singular: masses or inertias of the links are too different"
+        raise ImpactError(message, condition=np.inf) from error
     return np.asarray(np.sqrt(np.maximum(diagonal, 0.0)))
 
 

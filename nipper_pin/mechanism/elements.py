@@ -12,6 +12,8 @@ from ..arrays import FloatArray
 from ..errors import InputError
 from ..tolerances.mechanics import LEAST_TABLE_STEP
 
+MOST_ROWS = 100_000
+"""Most rows of a table. A motion is divided at each of them, so that long tables make slow runs."""
 # Largest number of a table, in its units.
 _LARGEST = 1e15
 
@@ -105,6 +107,8 @@ def _check_rows(coordinate: tuple[float, ...], force: tuple[float, ...]) -> None
             "a spring table needs at least 2 rows with a coordinate and a force each; found "
             f"{x.size} coordinates and {y.size} forces"
         )
+    elif x.size > MOST_ROWS:
+        message = f"a spring table has at most {MOST_ROWS} rows; found {x.size}"
     elif not (usable := (np.abs(x) <= _LARGEST) & (np.abs(y) <= _LARGEST)).all():
         row = int(np.argmin(usable)) + 1
         message = (

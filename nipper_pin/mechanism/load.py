@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import AssemblyError, InputError, ModelError, UnknownNameError
+from ..texts import MOST_TEXT, read_text
 from .mechanism import Mechanism
 
 
@@ -198,22 +199,23 @@ def find_model(model: str | Path) -> Path:
         return known[model]
     try:
         folder = Path(model).resolve()
-    except (OSError, RuntimeError) as error:
-        # Links in a circle.
+        found = folder.is_dir()
+    except (OSError, RuntimeError, ValueError) as error:
+        # Links in a circle, or a name that no file can have.
         raise UnknownNameError(
             kind="model or model folder", name=str(model), known=known, where=str(error)
         ) from error
-    if not folder.is_dir():
+    if not found:
         raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
     for suffix in (".urdf", ".toml"):
         if not (folder / f"{folder.name}{suffix}").is_file():
-            found = ", ".join(sorted(item.name for item in folder.iterdir())) or "nothing"
+            inside = ", ".join(sorted(item.name for item in folder.iterdir())) or "nothing"
             raise ModelError(
                 file=str(folder),
                 key=f"{folder.name}{suffix}",
                 value=None,
                 allowed=f"a model folder holds <name>.urdf and <name>.toml, <name> being the name "
-                f"of the folder; found {found}",
+                f"of the folder; found {inside}",
             )
     return folder
 
@@ -221,7 +223,7 @@ def find_model(model: str | Path) -> Path:
 def _read(path: Path) -> str:
     """Read a text file."""
     try:
-        return path.read_text(encoding="utf-8")
+        return read_text(path, MOST_TEXT)
     except (OSError, UnicodeDecodeError) as error:
         raise ModelError(
             file=path.name, key="text", value=str(error), allowed="a readable UTF-8 file"

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..outputs import complete_file
+from ..texts import MOST_JSON, read_text
 
 
 def make_folder(folder: str | Path) -> None:
@@ -74,9 +75,9 @@ def claim(
             partial.write_text(json.dumps(here, indent=1) + "\n", encoding="utf-8")
         return
     try:
-        stored = json.loads(file.read_text(encoding="utf-8"))
+        stored = json.loads(read_text(file, MOST_JSON))
         other = [key for key in here if stored.get(key) != here[key]]
-    except (OSError, ValueError, AttributeError) as error:
+    except (OSError, ValueError, AttributeError, RecursionError) as error:
         message = f"{file}: says of no {work} what it is, or is damaged ({error})"
         raise InputError(message, file=str(file)) from error
     if other:

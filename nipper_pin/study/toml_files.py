@@ -13,6 +13,7 @@ from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
 from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
 from ..mechanism.files.toml_text import need_plain_text, read_toml
+from ..texts import MOST_TEXT, read_text
 
 TableT = TypeVar("TableT", bound=msgspec.Struct)
 
@@ -57,7 +58,7 @@ def read_table(file: Path, kind: type[TableT]) -> TableT:
         InputError: A key or value in it cannot be used.
     """
     try:
-        text = file.read_text(encoding="utf-8")
+        text = read_text(file, MOST_TEXT)
     except (OSError, UnicodeDecodeError) as error:
         allowed = "a readable TOML file"
         raise ModelError(file=file.name, key="file", value=str(error), allowed=allowed) from error
@@ -113,7 +114,11 @@ def base_mechanism(
 def model_beside(model: str, folder: Path) -> str | Path:
     """A model's folder beside a file, or its name if there is none."""
     beside = folder / model
-    return find_model(beside) if beside.is_dir() else model
+    try:
+        return find_model(beside) if beside.is_dir() else model
+    except OSError:
+        # No file can have this name; what loads the model says so.
+        return model
 
 
 @contextmanager

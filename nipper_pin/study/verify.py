@@ -18,7 +18,8 @@ from ..hybrid.files.npz import load_case, load_solution, made_by
 from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..outputs.seal import is_as_written
-from .sweep.results.chunk_file import DamageError, about, read_file
+from .sweep.results.chunk_file import about, read_file
+from .sweep.results.chunk_table import DamageError
 from .sweep.results.record import read_document
 from .sweep.results.store import CHUNKS, PLAN, need_pyarrow
 
@@ -158,12 +159,13 @@ def _chunks(folder: Path, identity: str) -> Iterator[tuple[str, int | str]]:
     for file in sorted((folder / CHUNKS).glob("*.parquet")):
         try:
             table = read_file(file, ["scenario"])
+            plan = about(table).get("plan")
         except DamageError as error:
             yield file.name, error.message.removeprefix(f"{file}: ")
             continue
         numbers = table["scenario"].to_pylist()
         rows = range(numbers[0], numbers[-1] + 1) if numbers else range(0)
-        if about(table)["plan"] != identity or list(rows) != numbers:
+        if plan != identity or list(rows) != numbers:
             yield file.name, "holds scenarios of another plan"
         elif rows.start < last:
             yield file.name, "holds scenarios of another chunk"

@@ -724,8 +724,16 @@ def test_locks_without_a_file_or_a_system_that_has_them(
 
 def test_records_of_another_format(tmp_path: Path) -> None:
     file = tmp_path / "plan.json"
-    file.write_text(json.dumps({"format": record._FORMAT, "a": 1}), encoding="utf-8")
-    assert record.read_document(file) == {"format": record._FORMAT, "a": 1}
+    whole = {
+        "format": record._FORMAT, "hash": "", "identity": "", "title": "", "model": "",
+        "scenarios": 1, "axes": [], "samples": None, "quantities": [], "description": {}, "a": 1,
+    }  # fmt: skip
+    file.write_text(json.dumps(whole), encoding="utf-8")
+    assert record.read_document(file) == whole
+    for key in whole.keys() - {"format", "a"}:
+        file.write_text(json.dumps({**whole, key: 1.5}), encoding="utf-8")
+        with pytest.raises(InputError, match="not the plan of a sweep, or a damaged one"):
+            record.read_document(file)
     file.write_text(json.dumps({"format": record._FORMAT + 1}), encoding="utf-8")
     with pytest.raises(InputError, match=f"and this version reads {record._FORMAT};") as caught:
         record.read_document(file)

@@ -4,27 +4,34 @@ from __future__ import annotations
 
 import math
 import zipfile
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.lib import format as npy
+from numpy.typing import NDArray
 
-MOST_BYTES = 2**30
-"""Most that an archive may hold after decompression [byte]: four thousand turns of a comber, no two
-of them equal, at 0.22 MB each."""
+MOST_BYTES = 3 * 2**27
+"""Most that an archive may hold after decompression [byte]; a turn of a comber has 0.11 MB."""
+MOST_TEXT = 2**27
+"""Most of that which may be text [byte], four for a letter: objects of JSON are larger than it."""
+MOST_ARRAYS = 50_000
+"""Most arrays of an archive: 1,800 turns of a comber, which take some seconds to read."""
 _SUFFIX = ".npy"
 # Of an array: numbers, or one text.
 _KINDS = "fU"
 
 
-def check_archive(stream: IO[bytes]) -> None:
-    """Refuse an archive whose arrays are too large, or larger than their content.
+def read_archive(stream: IO[bytes], only: str = "") -> dict[str, NDArray[Any]]:
+    """Read the arrays of an archive, or refuse it before they take more than they may.
 
-    Sizes stand in the archive's directory and at the begin of each array; nothing is decompressed
-    but these begins.
+    Sizes stand in the archive's directory and at the begin of each array.
 
     Args:
-        stream: The archive; its position is at its begin afterwards.
+        stream: The archive.
+        only: Name of the only array that is wanted; empty for all.
+
+    Returns:
+        The arrays by name.
 
     Raises:
         ValueError: An array is too large, incomplete or of another kind.
@@ -36,21 +43,29 @@ def check_archive(stream: IO[bytes]) -> None:
         if total > MOST_BYTES:
             message = f"it would take {total:.3g} bytes; at most {MOST_BYTES:.3g} are read"
             raise ValueError(message)
-        for item in members:
-            with archive.open(item) as member:
-                shape, kind, size = _begin(member)
-                if kind.kind not in _KINDS or not item.filename.endswith(_SUFFIX):
-                    message = f"{item.filename} holds {kind}, which is no number and no text"
-                    raise ValueError(message)
-                if math.prod(shape) * kind.itemsize + size != item.file_size:
-                    message = f"{item.filename} is not as long as it says"
-                    raise ValueError(message)
-    stream.seek(0)
+        if len(members) > MOST_ARRAYS:
+            message = f"it holds {len(members)} arrays; at most {MOST_ARRAYS} are read"
+            raise ValueError(message)
+        named = {item.filename.removesuffix(_SUFFIX): item for item in members}
+        return {
+            name: _array(archive, item) for name, item in named.items() if name == (only or name)
+        }
 
 
-def _begin(member: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[np.generic], int]:
-    """Shape and kind of an array, and where its numbers begin."""
-    major = npy.read_magic(member)
-    read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
-    shape, _, kind = read(member)
-    return shape, kind, member.tell()
+def _array(archive: zipfile.ZipFile, item: zipfile.ZipInfo) -> NDArray[Any]:
+    """One array, decompressed after its begin has been found to be right."""
+    with archive.open(item) as member:
+        major = npy.read_magic(member)
+        read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
+        shape, by_columns, kind = read(member)
+        if kind.kind not in _KINDS or not item.filename.endswith(_SUFFIX):
+            message = f"{item.filename} holds {kind}, which is no number and no text"
+            raise ValueError(message)
+        if kind.kind == "U" and item.file_size > MOST_TEXT:
+            message = f"{item.filename} is longer than {MOST_TEXT:.3g} bytes"
+            raise ValueError(message)
+        if math.prod(shape) * kind.itemsize + member.tell() != item.file_size:
+            message = f"{item.filename} is not as long as it says"
+            raise ValueError(message)
+        content = member.read()
+    return np.frombuffer(content, kind).reshape(shape, order="F" if by_columns else "C")

@@ -25,6 +25,7 @@ from ...errors import InputError
 from ...mechanism import Mechanism, from_sources, model_folder
 from ...outputs import complete_file
 from ...outputs.seal import sealed
+from ...texts import MOST_JSON, read_text
 from ..case import Case, Resolution
 from ..event import Event, EventKind
 from ..motion.panel import Panel
@@ -32,7 +33,7 @@ from ..result.solution import Solution
 from ..run.outcome import Outcome
 from ..segment import Segment
 from . import npz_schema
-from .archive import check_archive
+from .archive import read_archive
 from .own_files import mesh_digests, need_own_files
 
 FORMAT = 3
@@ -120,11 +121,10 @@ def load_solution(path: str | Path) -> Solution:
     try:
         # A file of our own is closed whatever is wrong with its content.
         with Path(path).open("rb") as stream:
-            check_archive(stream)
-            with np.load(stream, allow_pickle=False) as stored:
-                document = json.loads(str(stored["document"]), parse_constant=_refuse_constant)
-                _check_format(document, path)
-                return _solution(npz_schema.run(document), stored)
+            stored = read_archive(stream)
+        text = str(stored.pop("document"))
+        _check_format(text, path)
+        return _solution(npz_schema.run(text), stored)
     except _DAMAGE as error:
         message = f"{path}: not a saved solution, or a damaged one ({error}); simulate again"
         raise InputError(message, file=str(path)) from error
@@ -145,10 +145,9 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-        document = json.loads(text, parse_constant=_refuse_constant)
-        _check_format(document, path)
-        setting = npz_schema.setting(document)
+        text = read_text(Path(path), MOST_JSON)
+        _check_format(text, path)
+        setting = npz_schema.setting(text)
         return _mechanism(setting), _case(setting)
     except _DAMAGE as error:
         message = f"{path}: not a saved case, or a damaged one ({error})"
@@ -165,12 +164,10 @@ def made_by(path: str | Path) -> str:
         InputError: The file cannot be read.
     """
     try:
+        if Path(path).suffix != ".npz":
+            return npz_schema.version_of(read_text(Path(path), MOST_JSON))
         with Path(path).open("rb") as stream:
-            if Path(path).suffix == ".npz":
-                check_archive(stream)
-                with np.load(stream, allow_pickle=False) as stored:
-                    return str(json.loads(str(stored["document"]))["version"])
-            return str(json.loads(stream.read())["version"])
+            return npz_schema.version_of(str(read_archive(stream, "document")["document"]))
     except OSError as error:
         message = f"{path}: cannot be read ({error.strerror or error})"
         raise InputError(message, file=str(path)) from error
@@ -193,19 +190,15 @@ def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
     }
 
 
-def _check_format(document: dict[str, Any], path: str | Path) -> None:
-    if document["format"] not in READ:
+def _check_format(text: str, path: str | Path) -> None:
+    found = npz_schema.format_of(text)
+    # A list is no member of a set, and no format either.
+    if not isinstance(found, int) or found not in READ:
         message = (
-            f"{path}: this is format {document['format']!r}, and this version reads "
-            f"{formats_read()}; simulate the case again"
+            f"{path}: this is format {found!r}, and this version reads {formats_read()}; simulate "
+            "the case again"
         )
-        raise InputError(message, file=str(path), format=document["format"])
-
-
-def _refuse_constant(name: str) -> None:
-    """Python's JSON writes what is not finite, but no run that was saved holds it."""
-    message = f"{name} is no number of a run"
-    raise ValueError(message)
+        raise InputError(message, file=str(path), format=found)
 
 
 def _mechanism(setting: npz_schema.Setting) -> Mechanism:
@@ -271,6 +264,7 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
     if {event.state for event in run.events} != set(range(len(states))):
         message = "the events do not belong to the stored states"
         raise ValueError(message)
+    _check_order(run)
     rows = 2 * len(mechanism.closures)
     return Solution(
         mechanism=mechanism,
@@ -287,6 +281,17 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
     )
 
 
+def _check_order(run: npz_schema.Run) -> None:
+    """Refuse events and segments that do not follow one another in time."""
+    times = [event.t for event in run.events]
+    edges = [time for item in run.segments for time in (item.t_start, item.t_end)]
+    numbers = [event.number for event in run.events]
+    counted = numbers == list(range(1, len(numbers) + 1))
+    if times != sorted(times) or edges != sorted(edges) or not counted:
+        message = "its events or segments are not in order"
+        raise ValueError(message)
+
+
 def _source(source: int | None, own: int) -> int:
     """Number of the original of a segment or an event: an earlier one, or its own."""
     if source is not None and source > own:
@@ -301,7 +306,7 @@ def _numbers(array: Any, *shape: int | None) -> FloatArray:
         length > 0 if wanted is None else length == wanted
         for length, wanted in zip(array.shape, shape, strict=True)
     )
-    if array.dtype != np.float64 or not fits or not np.isfinite(array).all():
+    if array.dtype != np.float64 or not fits or not (np.abs(array) <= npz_schema.LARGEST).all():
         message = f"an array of {array.dtype} {array.shape} where numbers {shape} should be"
         raise ValueError(message)
     return np.asarray(array)

@@ -8,6 +8,9 @@ import msgspec
 from msgspec import Meta
 
 _Count = Annotated[int, Meta(ge=0, le=2**53)]
+LARGEST = 1e30
+"""Largest number of a run, in SI units: products of a few larger ones overflow."""
+_Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 _Stops = tuple[str, ...]
 
 
@@ -89,15 +92,15 @@ class SavedCase(Setting, frozen=True, kw_only=True):
 class ShaftRecord(_Record, frozen=True):
     """Fields of ``ShaftMotion``: [rad/s] and [rad]."""
 
-    speed_rad_s: Annotated[float, Meta(gt=0.0)]
-    start_angle_rad: float
+    speed_rad_s: Annotated[float, Meta(gt=0.0, le=LARGEST)]
+    start_angle_rad: _Number
 
 
 class PanelRecord(_Record, frozen=True, array_like=True):
     """A panel: start and length [s], its coordinates, and the place of its arrays."""
 
-    t: float
-    h: Annotated[float, Meta(gt=0.0)]
+    t: _Number
+    h: Annotated[float, Meta(gt=0.0, le=LARGEST)]
     dependent: tuple[_Count, ...]
     integrated: bool
     place: _Count
@@ -106,8 +109,8 @@ class PanelRecord(_Record, frozen=True, array_like=True):
 class SegmentRecord(_Record, frozen=True):
     """Fields of ``Segment``; times in [s]. Files from before ``source`` was kept have no copies."""
 
-    t_start: float
-    t_end: float
+    t_start: _Number
+    t_end: _Number
     closed: _Stops
     kinematic: bool
     panels: Annotated[tuple[PanelRecord, ...], Meta(min_length=1)]
@@ -118,15 +121,15 @@ class EventRecord(_Record, frozen=True):
     """Fields of ``Event``, with the place of its state among the stored ones."""
 
     number: _Count
-    t: float
+    t: _Number
     kind: str
     stops: Annotated[_Stops, Meta(min_length=1)]
-    P_N: dict[str, float]
-    P_g: tuple[float, ...]
-    energy_lost: float
+    P_N: dict[str, _Number]
+    P_g: tuple[_Number, ...]
+    energy_lost: _Number
     closed_before: _Stops
     closed_after: _Stops
-    series_error: float
+    series_error: _Number
     state: _Count
     source: _Count | None = None
 
@@ -139,22 +142,48 @@ class Run(Setting, frozen=True):
     events: tuple[EventRecord, ...]
     outcome: str
     evaluations: _Count
-    wall_s: float
+    wall_s: _Number
     repeated_from: int | None
 
 
-def setting(document: object) -> Setting:
-    """Check the document of a case.
+class _Anything(msgspec.Struct, frozen=True):
+    """A document of any format."""
+
+    format: Any = None
+    version: str = ""
+
+
+def format_of(text: str) -> object:
+    """The format of a document.
 
     Args:
-        document: What JSON gives.
+        text: Its JSON.
 
     Raises:
-        msgspec.ValidationError: A key is unknown or missing, or has another type; a ``ValueError``.
+        msgspec.MsgspecError: It is no JSON, or says nothing of it; a ``ValueError``.
     """
-    return msgspec.convert(document, SavedCase)
+    return msgspec.json.decode(text, type=_Anything).format
 
 
-def run(document: object) -> Run:
-    """Check the document of a run; as :func:`setting`."""
-    return msgspec.convert(document, Run)
+def version_of(text: str) -> str:
+    """The version that wrote a document, empty if it does not say; as :func:`format_of`."""
+    return msgspec.json.decode(text, type=_Anything).version
+
+
+def setting(text: str) -> Setting:
+    """Read the document of a case.
+
+    Values are checked while they are read, so that no more of others is kept in memory.
+
+    Args:
+        text: Its JSON, without NaN and infinity, which Python's JSON would read.
+
+    Raises:
+        msgspec.MsgspecError: A key is unknown or missing, or has another type; a ``ValueError``.
+    """
+    return msgspec.json.decode(text, type=SavedCase)
+
+
+def run(text: str) -> Run:
+    """Read the document of a run; as :func:`setting`."""
+    return msgspec.json.decode(text, type=Run)

@@ -21,6 +21,8 @@ from ..mechanism import Contact
 from .tree import Tree, supports
 
 _ITERATIONS = 12
+# Each pair of shapes of two bodies is looked at in every step of the search.
+_MOST_PAIRS = 100
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,10 @@ def find_contact(
     joint = tree.urdf.joints[joint_name]
     lower = _body(contact.lower, joint, tree, f"{key}.lower", moved=False)
     upper = _body(contact.upper, joint, tree, f"{key}.upper", moved=True)
+    if len(lower) * len(upper) > _MOST_PAIRS:
+        value = f"{len(lower)} and {len(upper)} shapes"
+        allowed = f"at most {_MOST_PAIRS} pairs; name the collision elements that touch"
+        raise ModelError(file=tree.file, key=key, value=value, allowed=allowed)
     frame = tree.placements[tree.model.getJointId(joint.name)]
     axis = frame.rotation @ np.array(joint.axis)
     start = _nearest(lower, upper, _motion(at, joint, frame, axis))

@@ -15,6 +15,7 @@ from .tree import Tree
 if TYPE_CHECKING:
     from ..restitution.law import RestitutionLaw
 
+_MOST_CONTACTS = 100
 _STOP_PLACES = {"prismatic": ("at_mm", M_PER_MM), "revolute": ("at_deg", RAD_PER_DEG)}
 
 
@@ -32,6 +33,10 @@ def build_stops(
         UnknownNameError: A joint, a body or the transition stop does not exist.
         ModelError: A stop cannot be where it is, or its bodies do not touch there.
     """
+    touching = sum(stop.contact is not None for stop in description.stops.values())
+    if touching > _MOST_CONTACTS:
+        allowed = f"at most {_MOST_CONTACTS} stops with a contact; leave it out where none is shown"
+        raise ModelError(file=tree.file, key="stops", value=f"{touching} contacts", allowed=allowed)
     stops: list[Stop] = []
     driven = {drive.joint for drive in description.drives.values()}
     for name, stop in description.stops.items():

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
 from ...tolerances.mechanics import URDF_TOLERANCE
+from ..files.meshes import check_corners, check_size
 from ..files.urdf import Urdf
 from ..files.urdf_values import mesh_path
 from ..mechanism import Joint
@@ -167,7 +169,8 @@ def collision_geometry(
     # Pinocchio does not need meshes that are only drawn; their files may be missing.
     solids = (part.partition("</collision>")[0] for part in text.split("<collision")[1:])
     if any("<mesh" in solid for solid in solids):
-        text = _absolute_meshes(text, mesh_folder, file)
+        text, paths = _absolute_meshes(text, mesh_folder, file)
+        check_size(paths, "collision meshes", file)
     try:
         geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
     except (ValueError, RuntimeError) as error:
@@ -187,13 +190,18 @@ def collision_geometry(
                 raise ModelError(
                     file=file, key=f"link {link} collision", value=name, allowed=allowed
                 )
-            geometry.geometryObjects[identity].name = name
+            found = geometry.geometryObjects[identity]
+            found.name = name
+            if isinstance(found.geometry, coal.BVHModelBase):
+                check_corners(found.geometry.vertices(), f"link {link} collision {name}", file)
     return geometry
 
 
-def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> str:
+def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> tuple[str, list[Path]]:
     """Write absolute paths of collision meshes: Pinocchio resolves no others without a package."""
     root = ElementTree.fromstring(text)
+    paths = []
     for mesh in root.iterfind(".//collision//mesh"):
-        mesh.set("filename", str(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file)))
-    return ElementTree.tostring(root, encoding="unicode")
+        paths.append(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file))
+        mesh.set("filename", str(paths[-1]))
+    return ElementTree.tostring(root, encoding="unicode"), paths

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...tolerances.mechanics import DRIVE_REPEATS
+from ...tolerances.mechanics import DRIVE_REPEATS, LEAST_TABLE_STEP
 from ...units import M_PER_MM
-from ..files.toml_types import Name
+from ..elements import MOST_ROWS
+from ..files.toml_types import LARGEST, Name
 from .law import Evaluation
 from .tables import AnyTable
 
@@ -46,7 +47,12 @@ class Table:
         # The ends agree only to the accuracy of the check; the periodic spline needs them equal.
         angles[-1] = angles[0] + math.tau
         values[-1] = values[0]
-        spline = make_interp_spline(angles, values, k=5, bc_type="periodic")
+        # Rows that lie very unevenly have no such spline: its equations are singular.
+        with np.errstate(all="ignore"):
+            spline = make_interp_spline(angles, values, k=5, bc_type="periodic")
+        if not np.isfinite(spline.c).all():
+            message = "no smooth curve passes through the drive table: its rows are too uneven"
+            raise InputError(message, rows=len(angles))
         object.__setattr__(self, "_splines", (spline, spline.derivative(1), spline.derivative(2)))
 
     @property
@@ -80,15 +86,23 @@ def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]
             f"a drive table needs at least 7 rows with an angle and a coordinate each; found "
             f"{angles.size} angles and {values.size} coordinates"
         )
-    elif not (np.isfinite(angles) & np.isfinite(values)).all():
-        row = int(np.argmin(np.isfinite(angles) & np.isfinite(values)))
-        message = f"row {row + 1} of the drive table holds a value that is not a finite number"
+    elif angles.size > MOST_ROWS:
+        message = f"a drive table has at most {MOST_ROWS} rows; found {angles.size}"
+    elif not (usable := (np.abs(angles) <= LARGEST) & (np.abs(values) <= LARGEST)).all():
+        row = int(np.argmin(usable)) + 1
+        message = (
+            f"row {row} of the drive table holds a value that is not a finite number of at most "
+            f"{LARGEST:g}"
+        )
     elif (np.diff(angles) <= 0.0).any():
         row = int(np.argmax(np.diff(angles) <= 0.0)) + 1
         message = (
             f"the cylinder angle must rise from row to row; row {row + 1} of the drive table has "
             f"{math.degrees(angles[row]):g} after {math.degrees(angles[row - 1]):g} deg"
         )
+    elif (np.diff(angles) < LEAST_TABLE_STEP).any():
+        row = int(np.argmax(np.diff(angles) < LEAST_TABLE_STEP)) + 1
+        message = f"rows {row} and {row + 1} of the drive table are too near to tell a slope"
     elif abs(angles[-1] - angles[0] - math.tau) > DRIVE_REPEATS:
         message = (
             "a drive table must span exactly one turn, first and last row 360 deg apart; it spans "

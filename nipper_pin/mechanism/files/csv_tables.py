@@ -7,10 +7,15 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError
+from ...texts import MOST_TABLE, is_path, read_text
 from ..drives import Table
 from ..elements import Characteristic
+
+if TYPE_CHECKING:
+    from _csv import Reader
 
 Columns = tuple[str, str]
 _DRIVE: Columns = ("cylinder_angle_deg", "coordinate_rad")
@@ -69,27 +74,30 @@ def _read_csv(
 ) -> dict[str, list[float]]:
     """Read the two columns of a CSV file."""
     key = f"{where}.file"
-    path = folder / str(name)
-    if not isinstance(name, str) or not path.resolve().is_relative_to(folder.resolve()):
+    named = isinstance(name, str) and is_path(name)
+    path = folder / (str(name) if named else "")
+    if (
+        not isinstance(name, str)
+        or not named
+        or not path.resolve().is_relative_to(folder.resolve())
+    ):
         raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
     if not path.is_file():
         known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
         allowed = f"a CSV file in the model folder {folder}; found there: {known}"
         raise ModelError(file=file, key=key, value=name, allowed=allowed)
     try:
-        text = path.read_text(encoding="utf-8")
-        return _columns(csv.DictReader(io.StringIO(text, newline=""), skipinitialspace=True),
-                        choices, name)  # fmt: skip
+        text = read_text(path, MOST_TABLE)
+        reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+        return _columns(reader, choices, name)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         allowed = "a readable CSV file"
         raise ModelError(file=file, key=key, value=str(error), allowed=allowed) from error
 
 
-def _columns(
-    reader: csv.DictReader[str], choices: Sequence[Columns], name: str
-) -> dict[str, list[float]]:
+def _columns(reader: Reader, choices: Sequence[Columns], name: str) -> dict[str, list[float]]:
     """The two columns of a table, checked."""
-    header = tuple(reader.fieldnames or ())
+    header = tuple(next(reader, []))
     if header not in choices:
         raise ModelError(
             file=name,
@@ -98,9 +106,13 @@ def _columns(
             allowed=f"the column names {' or '.join(map(','.join, choices))}",
         )
     columns: dict[str, list[float]] = {column: [] for column in header}
+    places = list(columns.items())
     for row in reader:
-        for column in header:
-            columns[column].append(_number(row[column], name, f"line {reader.line_num} {column}"))
+        if not row:
+            continue
+        for place, (column, values) in enumerate(places):
+            text = row[place] if place < len(row) else None
+            values.append(_number(text, name, f"line {reader.line_num} {column}"))
     first, second = (tuple(columns[column]) for column in header)
     try:
         if header in (_DRIVE, _DRIVE_OF_SLIDE):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import typing
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
@@ -20,7 +19,7 @@ from .description import (
 )
 from .refusal import Refusal, first_refusal, is_table, member_of
 from .register import DRIVES, FORCES, RESTITUTIONS, STOPS, Register
-from .toml_types import PlanePoint
+from .toml_types import LARGEST, PlanePoint
 
 _SECTIONS: dict[str, Any] = {
     "springs": SpringDescription,
@@ -37,6 +36,8 @@ _NOUNS: dict[Any, str] = {
     str: "a text that is not empty",
     PlanePoint: "two numbers, x and z",
 }
+# Every phase is checked with all closures and stops.
+_MOST_ENTRIES, _MOST_PHASES = 300, 64
 _T = TypeVar("_T")
 
 
@@ -50,6 +51,7 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     Raises:
         ModelError: A key is unknown or missing, or a value cannot be used.
     """
+    _check_size(data, file)
     _refuse_unusable(data, "", file)
     # Errors of single elements are reported before errors of the whole.
     extended = {section: _entries(data, section, file) for section in _LAWS}
@@ -60,6 +62,16 @@ def describe(data: Mapping[str, object], file: str) -> Description:
     rest = {key: value for key, value in data.items() if key not in extended}
     whole: Description = _convert(rest, Description, "", file)
     return msgspec.structs.replace(whole, **extended)
+
+
+def _check_size(data: Mapping[str, object], file: str) -> None:
+    """Refuse more entries than can be checked while somebody waits."""
+    limits = {**dict.fromkeys((*_LAWS, *_SECTIONS), _MOST_ENTRIES), "phases": _MOST_PHASES}
+    for section, most in limits.items():
+        entries = data.get(section)
+        if isinstance(entries, Mapping | list) and len(entries) > most:
+            value = f"{len(entries)} entries"
+            raise ModelError(file=file, key=section, value=value, allowed=f"at most {most}")
 
 
 def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
@@ -138,10 +150,14 @@ def _refuse_unusable(value: object, path: str, file: str) -> None:
                 raise ModelError(file=file, key=path or "the file", value=key, allowed=allowed)
             _refuse_unusable(item, f"{path}.{key}" if path else str(key), file)
     elif isinstance(value, list | tuple):
+        # Tables of many rows are usual, and wrong ones seldom.
+        if all(type(item) is float and -LARGEST <= item <= LARGEST for item in value):
+            return
         for place, item in enumerate(value):
             _refuse_unusable(item, f"{path}[{place}]", file)
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise ModelError(file=file, key=path, value=value, allowed="a finite number")
+    elif isinstance(value, int | float) and not abs(value) <= LARGEST:
+        allowed = f"a finite number of at most {LARGEST:g}"
+        raise ModelError(file=file, key=path, value=value, allowed=allowed)
 
 
 def _convert(value: object, kind: type[_T] | Any, prefix: str, file: str) -> _T:

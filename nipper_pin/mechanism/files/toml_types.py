@@ -9,10 +9,11 @@ from msgspec import Meta
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
-# Products and squares of larger numbers overflow.
-Stiffness = Annotated[float, Meta(gt=0.0, le=1e15)]
-Damping = Annotated[float, Meta(ge=0.0, le=1e15)]
-Length = Annotated[float, Meta(ge=0.0, le=1e15)]
+LARGEST = 1e15
+"""Largest number of a model, in its unit: products and squares of larger ones overflow."""
+Stiffness = Annotated[float, Meta(gt=0.0, le=LARGEST)]
+Damping = Annotated[float, Meta(ge=0.0, le=LARGEST)]
+Length = Annotated[float, Meta(ge=0.0, le=LARGEST)]
 Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
 # Round-off of an angle grows with it: after ten turns it is still below 1e-14 of a turn.
 ShaftAngle = Annotated[float, Meta(ge=-3600.0, le=3600.0)]

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
+from ...texts import MOST_TEXT
 from ...tolerances.mechanics import URDF_TOLERANCE
 from .toml_text import NAMES, is_name
 from .urdf_values import (
@@ -26,6 +27,8 @@ from .urdf_values import (
 
 # Parsers of URDF call themselves for each joint in a row.
 _DEEPEST = 500
+# Checks of closures solve dense equations in the coordinates of joints that move.
+_MOST_LINKS, _MOST_MOVING, _MOST_SHAPES = 2000, 500, 2000
 HINGE_AXIS = (0.0, -1.0, 0.0)
 _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
     "revolute": "revolute",
@@ -86,6 +89,9 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
     Raises:
         ModelError: The text is not well-formed XML or not a URDF.
     """
+    if len(text) > MOST_TEXT:
+        allowed = f"at most {MOST_TEXT} characters"
+        raise ModelError(file=file, key="length", value=len(text), allowed=allowed)
     builder = ElementTree.TreeBuilder(insert_comments=True)
     try:
         root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
@@ -117,19 +123,28 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         UnknownNameError: A joint names a link that does not exist.
     """
     links = {_name(item, file): item for item in _unique(root.findall("link"), file)}
+    _check_count(len(links), _MOST_LINKS, "links", file)
     joints = {}
     for item in _unique(root.findall("joint"), file):
         joint = _check_joint(item, links, file)
         joints[joint.name] = joint
     top = _check_tree(links, joints, file)
     moving = {joint.child for joint in joints.values() if joint.kind != "fixed"}
+    _check_count(len(moving), _MOST_MOVING, "joints that move", file)
     shapes, masses = {}, {}
     for name, link in links.items():
         masses[name] = check_inertial(link, name, name in moving, file)
         shapes[name] = check_shapes(link, name, file, mesh_folder)
+    _check_count(sum(map(len, shapes.values())), _MOST_SHAPES, "collision shapes", file)
     _check_shape_names(shapes, file)
     check_colours(root, file)
     return Urdf(root=top, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
+
+
+def _check_count(count: int, most: int, what: str, file: str) -> None:
+    """Refuse more parts than can be checked while somebody waits."""
+    if count > most:
+        raise ModelError(file=file, key=what, value=count, allowed=f"at most {most}")
 
 
 def _name(element: ElementTree.Element, file: str) -> str:
@@ -237,7 +252,7 @@ def flatten(root: ElementTree.Element) -> bool:
         root: The ``robot`` element.
     """
     changed = False
-    for joint in root.iter("joint"):
+    for joint in root.findall("joint"):
         place, axis = joint.find("origin"), joint.find("axis")
         if place is not None:
             roll, pitch, yaw = (float(word) for word in place.get("rpy", "0 0 0").split())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
@@ -11,9 +10,10 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError
+from ...texts import is_path
 from ...tolerances.mechanics import URDF_TOLERANCE
+from .toml_types import LARGEST
 
-_MOST_DAMPING = 1e15
 _PACKAGE = "package://"
 _INSIDE = "a path relative to the model folder that stays inside it"
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -47,9 +47,11 @@ def _finite(
     # Python's float reads more than a number of XML: other digits, 3_0, infinity.
     words = (text or "").split()
     values = [float(word) for word in words if _NUMBER.fullmatch(word)]
-    if len(words) != count or len(values) != count or not all(map(math.isfinite, values)):
+    right = len(words) == count == len(values) and max(map(abs, values)) <= LARGEST
+    if not right:
         noun = "a finite number" if count == 1 else f"{count} finite numbers"
-        raise ModelError(file=file, key=key, value=text, allowed=f"{attribute} is {noun}")
+        allowed = f"{attribute} is {noun} of at most {LARGEST:g}"
+        raise ModelError(file=file, key=key, value=text, allowed=allowed)
     return values
 
 
@@ -110,8 +112,8 @@ def check_dynamics(joint: ElementTree.Element, key: str, file: str) -> float:
     if dynamics is None:
         return 0.0
     (damping,) = _finite(dynamics, "damping", 1, "0", f"{key} dynamics damping", file)
-    if not 0.0 <= damping <= _MOST_DAMPING:
-        allowed = f"a damping from 0 to {_MOST_DAMPING:g} N s/m or N m s/rad"
+    if not 0.0 <= damping <= LARGEST:
+        allowed = f"a damping from 0 to {LARGEST:g} N s/m or N m s/rad"
         raise ModelError(file=file, key=f"{key} dynamics damping", value=damping, allowed=allowed)
     (friction,) = _finite(dynamics, "friction", 1, "0", f"{key} dynamics friction", file)
     if friction:
@@ -236,7 +238,7 @@ def path_inside(filename: str, key: str, file: str) -> str:
         inner = filename.removeprefix(_PACKAGE).partition("/")[2]
     path = PurePosixPath(inner)
     outside = path.is_absolute() or ".." in path.parts or ":" in inner or "\\" in inner
-    if not inner or outside:
+    if not inner or outside or not is_path(inner):
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     return inner
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ...texts import MOST_JSON, read_text
 from .fitting.determine import DETERMINED, Determinability
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
@@ -150,8 +151,8 @@ def read_identification(path: str | Path) -> dict[str, Any]:
         InputError: It cannot be read, or is not such a document.
     """
     try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        document = json.loads(read_text(Path(path), MOST_JSON))
+    except (OSError, ValueError, RecursionError) as error:
         message = (
             f"{path}: cannot be read as JSON ({error}); write it by nipper-pin identify --json"
         )

@@ -20,6 +20,7 @@ from .study_file import read_study
 _LEAST, _MOST = 8192, 65_536
 # Chunks that a sweep is cut into before they grow to their most.
 _CHUNKS = 64
+_MOST_CHUNKS = 1_000_000
 # Where mechanisms change, chunks of about this time [s], and what it is made of: a mechanism, its
 # tables for the reduced engine, a scenario of either engine.
 _SHORTEST_S, _LONGEST_S = 0.25, 2.0
@@ -121,15 +122,25 @@ def _edges(layout: Layout, chunk: int | None) -> list[int]:
         if inner > _LEAST
         else inner * _mechanisms_together(total // inner, inner)
     )
+    step, pieces = max(most // inner, 1) * inner, math.ceil(inner / most)
+    _check_count(math.ceil(total / step) * pieces)
     if inner <= most:
-        step = most // inner * inner
         return [*range(step, total, step), total]
-    pieces = math.ceil(inner / most)
     return [
         first + part * inner // pieces
         for first in range(0, total, inner)
         for part in range(1, pieces + 1)
     ]
+
+
+def _check_count(count: int) -> None:
+    """Refuse more chunks than a folder holds files."""
+    if count > _MOST_CHUNKS:
+        message = (
+            f"chunk: {count} chunks of the scenarios, and at most {_MOST_CHUNKS} are stored; give "
+            "a larger chunk, or fewer scenarios"
+        )
+        raise InputError(message, chunks=count)
 
 
 def _mechanisms_together(mechanisms: int, inner: int) -> int:

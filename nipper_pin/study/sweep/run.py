@@ -16,7 +16,8 @@ from .local import check_workers, on_this_machine
 from .plan import Chunk, Plan, chosen
 from .report import SweepReport
 from .results import Store, Tally
-from .results.chunk_file import DamageError, read
+from .results.chunk_file import read
+from .results.chunk_table import DamageError
 from .results.tally import SUMMARY
 
 Progress = Callable[[int, int, int], None]

@@ -19,6 +19,7 @@ from ...mechanism import Mechanism, from_sources
 from ...mechanism.edit.overrides import apply_overrides
 from ...mechanism.files.toml_types import Positive
 from ...mechanism.files.urdf import parse_xml
+from ...texts import MOST_TEXT, read_text
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths
@@ -28,6 +29,7 @@ from .samples import MOST_SAMPLES, Layout, Method, Samples
 from .units import units_of
 
 _MOST_SCENARIOS = 10**12
+_MOST_POINTS = 2**20
 _Count = Annotated[int, Meta(ge=1)]
 
 
@@ -56,7 +58,7 @@ class _ParameterTable(Table, frozen=True, kw_only=True):
     values: tuple[float, ...] = ()
     low: float | None = None
     high: float | None = None
-    points: Annotated[int, Meta(ge=2)] | None = None
+    points: Annotated[int, Meta(ge=2, le=_MOST_POINTS)] | None = None
     scale: Literal["linear", "log"] = "linear"
 
 
@@ -66,7 +68,7 @@ class _StudyTable(Table, frozen=True, kw_only=True):
     format: Literal[1]
     title: str = ""
     model: str = "e62"
-    chunk: _Count | None = None
+    chunk: Annotated[int, Meta(ge=1, le=_MOST_POINTS)] | None = None
     quantities: tuple[str, ...] | None = None
     case: _CaseTable = _CaseTable()
     set: dict[str, object] = msgspec.field(default_factory=dict)
@@ -125,7 +127,7 @@ def read_study(path: str) -> Study:
         versions=versions(),
         drawn=_words(samples),
         units=units_of(axes, quantities, mechanism),
-        study=file.read_text(encoding="utf-8"),
+        study=read_text(file, MOST_TEXT),
     )
     return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
 

@@ -6,7 +6,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from ...errors import InputError
+from ..scene.meshes import read_mesh
 from ..scene.solids import Solid
 
 _CYLINDER_SECTIONS = 48
@@ -23,11 +23,7 @@ def shape(solid: Solid) -> trimesh.Trimesh:
     """
     mesh: trimesh.Trimesh
     if solid.path is not None:
-        try:
-            mesh = trimesh.load_mesh(solid.path)
-        except (OSError, ValueError, ImportError, NotImplementedError) as error:
-            message = f"{solid.path.name}: the mesh cannot be read ({error}); use STL or OBJ"
-            raise InputError(message, file=str(solid.path)) from error
+        mesh = trimesh.Trimesh(*read_mesh(solid.path))
     elif solid.kind == "box":
         mesh = trimesh.creation.box(extents=solid.sizes)
     elif solid.kind == "sphere":

@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import coal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from ...arrays import FloatArray
-from ...errors import InputError
 from .film import Film
+from .meshes import read_mesh
 from .solids import CYLINDER, Colour, Solid, cylinder_axis
 
 _CORNERS = 32  # of a circle
@@ -173,16 +172,7 @@ def _border(faces: NDArray[np.intp]) -> NDArray[np.intp]:
 def _mesh(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
     """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside."""
     if solid.path is not None:
-        try:
-            model = coal.MeshLoader().load(str(solid.path), np.ones(3))
-        except (ValueError, RuntimeError) as error:
-            message = f"{solid.path.name}: the mesh cannot be read; write it again, as STL or OBJ"
-            raise InputError(message, file=str(solid.path)) from error
-        triangles = [model.tri_indices(place) for place in range(model.num_tris)]
-        # Files like STL hold a corner once for each face that has it.
-        corners, same = np.unique(model.vertices().round(9), axis=0, return_inverse=True)
-        faces = np.array([[item[0], item[1], item[2]] for item in triangles])
-        return corners, same.reshape(-1)[faces]
+        return read_mesh(solid.path)
     corners = _surface(solid)
     hull = ConvexHull(corners)
     faces = hull.simplices.astype(np.intp)

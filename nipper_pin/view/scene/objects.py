@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,15 +15,12 @@ from ...errors import InputError
 from ...mechanism import Mechanism, Stop, Strut
 from .arrows import arrow_body, arrow_place, arrow_sizes
 from .colours import ARROW, LINE, channels
+from .meshes import as_stl, read_mesh
 from .solids import CYLINDER, FIXED, Colour, Solid, cylinder_axis
 
 ROOT = "nipper"
 LINE_WIDTH = 0.003  # of the reach of the mechanism
-_READERS = {
-    ".stl": geometry.StlMeshGeometry,
-    ".obj": geometry.ObjMeshGeometry,
-    ".dae": geometry.DaeMeshGeometry,
-}
+_SUFFIXES = (".stl", ".obj", ".dae")
 # meshcat's cylinders stand along y, those of a URDF along z.
 _UPRIGHT = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
 
@@ -97,13 +95,17 @@ def _shape(solid: Solid) -> geometry.Geometry:
         if solid.kind == "sphere":
             return geometry.Sphere(solid.sizes[0])
         return geometry.Cylinder(solid.sizes[1], solid.sizes[0])
-    reader = _READERS.get(solid.path.suffix.lower())
-    if reader is None:
+    if solid.path.suffix.lower() not in _SUFFIXES:
         message = (
-            f"{solid.path.name}: the viewer reads meshes in {', '.join(_READERS)}; convert this one"
+            f"{solid.path.name}: the viewer reads meshes in {', '.join(_SUFFIXES)}; convert this "
+            "one"
         )
         raise InputError(message, file=str(solid.path))
-    return reader.from_file(str(solid.path))
+    corners, faces = read_mesh(solid.path)
+    if solid.path.suffix.lower() == ".stl":
+        return geometry.StlMeshGeometry.from_file(str(solid.path))
+    # Corners and faces alone: other files may name textures at any address.
+    return geometry.StlMeshGeometry.from_stream(io.BytesIO(as_stl(corners, faces)))
 
 
 def _object(

@@ -8,10 +8,12 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from ....errors import InputError, UnknownNameError
 from ....hybrid.result.quantities import refuse_unknown
+from ....texts import MOST_TABLE, is_path, read_text
 from .targets import QUANTITIES, Condition, Target
 
 _STIFFNESS = ("stiffness_N_per_m", "stiffness_N_m_per_rad")
@@ -25,6 +27,8 @@ _RANGES: dict[str, tuple[Callable[[float], bool], str]] = {
     "restitution": (lambda x: 0.0 <= x <= 1.0, "between 0 and 1"),
     "value": (math.isfinite, "finite"),
 }
+# Each of them is simulated in every step of a fit.
+_MOST_LINES = 10_000
 _NUMBER = re.compile(r"[-+]?([0-9]+[.,]?[0-9]*|[.,][0-9]+)([eE][-+]?[0-9]+)?")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 _FRACTION = re.compile(r"[0-9]+([eE][-+]?[0-9]+)?")
@@ -56,16 +60,22 @@ def read_measured(path: str | Path, stiffness: str = _STIFFNESS[0]) -> tuple[Tar
         InputError: The file cannot be read, or a number cannot be used; line and column are named.
     """
     file = Path(path)
+    if not is_path(str(path)):
+        message = f"measured: {str(path)!r} is no path of a file"
+        raise InputError(message, file=str(path))
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = read_text(file, MOST_TABLE, "utf-8-sig")
         heading = next((line for line in text.splitlines() if line.strip()), "")
         separator = ";" if ";" in heading and "," not in heading else ","
-        lines = list(_lines(text, separator, file.name))
+        lines = list(islice(_lines(text, separator, file.name), _MOST_LINES + 1))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         message = f"{file.name}: {error}; a readable CSV file is wanted"
         raise InputError(message, file=str(file)) from error
     if not lines:
         message = f"{file.name}: no measurement below the heading"
+        raise InputError(message, file=str(file))
+    if len(lines) > _MOST_LINES:
+        message = f"{file.name}: more measurements than the {_MOST_LINES} that are read"
         raise InputError(message, file=str(file))
     if separator == ";":
         _check_marks(lines)

@@ -11,26 +11,36 @@ import json
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 import numpy as np
+from msgspec import Meta
 
-from ....errors import InputError
+from .chunk_table import DamageError, plain_table
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-MOST_BYTES = 2**29
-"""Most that a chunk may hold after decompression [byte]: 65,536 rows, the most that a plan puts
-into one, of a thousand columns."""
+MOST_BYTES = 2**28
+"""Most that a chunk may have, or hold after decompression [byte]: 65,536 rows, the most that a plan
+puts into one by itself, of five hundred columns."""
 _ABOUT, _CRC = "nipper_pin", "nipper_pin.crc32"
 # A word before it, so that no other eight zeros of a file are taken for its place.
 _MARK = b"crc32:"
 _BLANK = _MARK + b"0" * 8
 
 
-class DamageError(InputError):
-    """A chunk on disk that is not what was written. Evidence: ``file`` where it is known."""
+class _About(msgspec.Struct, frozen=True):
+    """What a chunk says of its rows, as far as it is read again.
+
+    Attributes:
+        plan: Identity of their plan.
+        direct: Rows of the direct engine by the reason why it served.
+    """
+
+    plan: str = ""
+    direct: dict[str, Annotated[int, Meta(ge=0, le=2**53)]] = msgspec.field(default_factory=dict)
 
 
 def encode(
@@ -95,14 +105,28 @@ def check(table: pa.Table, name: str, start: int, stop: int, plan: str) -> None:
     if not np.array_equal(table["scenario"].to_numpy(), np.arange(start, stop)):
         message = f"{name}: holds other scenarios than {start} to {stop - 1}"
         raise DamageError(message, file=name)
-    if about(table)["plan"] != plan:
+    try:
+        found = about(table).get("plan")
+    except DamageError as error:
+        message = f"{name}: {error.message}"
+        raise DamageError(message, file=name) from error
+    if found != plan:
         message = f"{name}: holds scenarios of another plan"
         raise DamageError(message, file=name)
 
 
 def about(table: pa.Table) -> dict[str, Any]:
-    """Metadata of a chunk: its rows and their plan."""
-    found: dict[str, Any] = json.loads(table.schema.metadata[_ABOUT.encode()])
+    """Metadata of a chunk: its rows and their plan.
+
+    Raises:
+        DamageError: It has none.
+    """
+    try:
+        found: dict[str, Any] = json.loads((table.schema.metadata or {})[_ABOUT.encode()])
+        msgspec.convert(found, _About)
+    except (LookupError, ValueError, RecursionError) as error:
+        message = f"it does not say which sweep it is of ({error})"
+        raise DamageError(message) from error
     return found
 
 
@@ -116,26 +140,28 @@ def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
     Raises:
         DamageError: A bit is not as it was written.
     """
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
     place = _place(content)
-    blank = content[:place] + b"0" * 8 + content[place + 8 :]
-    if content[place : place + 8] != b"%08x" % zlib.crc32(blank):
+    # Without a copy of what may be large.
+    whole = memoryview(content)
+    found = zlib.crc32(whole[place + 8 :], zlib.crc32(b"0" * 8, zlib.crc32(whole[:place])))
+    if content[place : place + 8] != b"%08x" % found:
         message = "damaged: its checksum is not that of its bytes"
         raise DamageError(message)
-    file = pq.ParquetFile(pa.BufferReader(content), page_checksum_verification=True)
-    groups = (file.metadata.row_group(place) for place in range(file.metadata.num_row_groups))
-    size = sum(group.total_byte_size for group in groups)
-    if size > MOST_BYTES:
-        message = f"it would take {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
-        raise DamageError(message)
-    return file.read(None if columns is None else list(columns))
+    return plain_table(content, columns, MOST_BYTES)
 
 
 def _place(content: bytes) -> int:
     """Position of the checksum: after the last mark, since all other metadata precede it."""
     return content.rfind(_MARK) + len(_MARK)
+
+
+def _content(file: Path) -> bytes:
+    """Bytes of a file that is not too large."""
+    size = file.stat().st_size
+    if size > MOST_BYTES:
+        message = f"it has {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
+        raise DamageError(message)
+    return file.read_bytes()
 
 
 def read_file(file: Path, columns: Sequence[str] | None = None) -> pa.Table:
@@ -149,7 +175,7 @@ def read_file(file: Path, columns: Sequence[str] | None = None) -> pa.Table:
         DamageError: It cannot be read, or a bit is not as it was written.
     """
     try:
-        return read(file.read_bytes(), columns)
+        return read(_content(file), columns)
     except OSError as error:
         message = f"{file}: cannot be read ({error.strerror or error})"
         raise DamageError(message, file=str(file)) from error

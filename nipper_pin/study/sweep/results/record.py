@@ -5,15 +5,54 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
 
 from ....errors import InputError
+from ....texts import MOST_JSON, read_text
 from ..plan import Plan
 from ..samples import Samples
 
 _FORMAT = 2
+_Count = Annotated[int, Meta(ge=0, le=2**53)]
 # What follows from other keys, or changes no result.
 _NOT_COMPARED = ("format", "hash", "identity", "title", "study", "scenarios", "mechanisms")
+
+
+class _Axis(msgspec.Struct, frozen=True):
+    """A parameter, as far as it is read again."""
+
+    name: str
+    path: str
+    low: float
+    high: float
+    scale: Literal["linear", "log"]
+    values: tuple[float, ...]
+
+
+class _Samples(msgspec.Struct, frozen=True):
+    """How parameters are drawn."""
+
+    method: str
+    seed: _Count
+    count: _Count
+    earlier: tuple[_Count, ...]
+
+
+class _Record(msgspec.Struct, frozen=True):
+    """What is read again of a record; the rest is compared alone."""
+
+    hash: str
+    identity: str
+    title: str
+    model: str
+    scenarios: Annotated[int, Meta(ge=1, le=2**53)]
+    axes: tuple[_Axis, ...]
+    samples: _Samples | None
+    quantities: tuple[str, ...]
+    description: dict[str, Any]
 
 
 def plan_record(plan: Plan) -> dict[str, Any]:
@@ -67,10 +106,11 @@ def read_document(file: Path) -> dict[str, Any]:
         InputError: It is none, or of another format.
     """
     try:
-        document: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        document: dict[str, Any] = json.loads(read_text(file, MOST_JSON))
         if document["format"] == _FORMAT:
+            msgspec.convert(document, _Record)
             return document
-    except (OSError, ValueError, LookupError, TypeError) as error:
+    except (OSError, ValueError, LookupError, TypeError, RecursionError) as error:
         message = f"{file}: not the plan of a sweep, or a damaged one ({error})"
         raise InputError(message, file=str(file)) from error
     message = (

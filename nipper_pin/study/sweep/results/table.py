@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
-from .chunk_file import DamageError, read_file
+from ..job import COLUMNS
+from .chunk_file import read_file
+from .chunk_table import DamageError
 from .record import read_document
 from .store import CHUNKS, PLAN, need_pyarrow
 
@@ -88,13 +90,20 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     sizes = 2 * math.prod(len(axis["values"]) or 1 for axis in document["axes"])
     while math.gcd(step, sizes) > 1:
         step += 1
-    parts, stored = [], 0
+    named = (axis["name"] for axis in document["axes"])
+    wanted = {*COLUMNS, *named, *document["quantities"]}
+    parts: list[pa.Table] = []
+    stored = 0
     for file in files:
         try:
             part = read_file(file)
         except DamageError as error:
             message = f"{error.message}; run the sweep again: it computes this chunk anew"
             raise InputError(message, file=str(file)) from error
+        other = parts and not part.schema.equals(parts[0].schema)
+        if other or not wanted <= {*part.column_names}:
+            message = f"{file}: has other columns than its sweep; run it with another --out"
+            raise InputError(message, file=str(file))
         stored += len(part)
         if step > 1:
             first = -part["scenario"][0].as_py() % step

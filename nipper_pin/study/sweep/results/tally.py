@@ -49,7 +49,7 @@ class Tally:
             table: Its rows, at least the columns :data:`SUMMARY`, with their metadata.
         """
         self.rows += len(table)
-        self.direct.update(about(table)["direct"])
+        self.direct.update(about(table).get("direct", {}))
         held = table["premise_holds"].value_counts().to_pylist()
         self.premise.update({json.dumps(item["values"]): item["counts"] for item in held})
         counted = table.group_by(["engine", "outcome", "message"]).aggregate([([], "count_all")])

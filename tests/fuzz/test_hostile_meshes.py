@@ -1,0 +1,187 @@
+"""Meshes of other people: corners that are no points, files that are too large, and addresses."""
+
+from __future__ import annotations
+
+import base64
+import re
+import shutil
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, InputError, Mechanism, ModelError, load, simulate, view
+from nipper_pin.cli import main
+from nipper_pin.mechanism import find_model
+from nipper_pin.mechanism.files import meshes
+from nipper_pin.view.scene.meshes import as_stl, read_mesh
+from nipper_pin.view.scene.solids import solids
+
+PARTS = Path(__file__).parent / "bases" / "parts"
+ADDRESS = "http://tracker.example:81/skin.png"
+DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><created>2026-01-01T00:00:00</created><modified>2026-01-01T00:00:00</modified>
+<up_axis>Z_UP</up_axis></asset>
+<library_images><image id="i"><init_from>ADDRESS</init_from></image></library_images>
+<library_effects><effect id="e"><profile_COMMON>
+<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam>
+<technique sid="t"><lambert><diffuse><texture texture="p" texcoord="u"/></diffuse></lambert>
+</technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh>
+<source id="v"><float_array id="a" count="12">CORNERS</float_array>
+<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="w"><input semantic="POSITION" source="#v"/></vertices>
+<triangles count="4" material="m"><input semantic="VERTEX" source="#w" offset="0"/>
+<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="x"><node id="n"><instance_geometry url="#g">
+<bind_material><technique_common><instance_material symbol="m" target="#m"/></technique_common>
+</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#x"/></scene></COLLADA>
+"""
+CORNERS = "0 0 0 1 0 0 0 1 0 0 0 1"
+OBJ = "mtllib http://tracker.example:81/skin.mtl\nv 0 0 0\nv X 0 0\nv 0 1 0\nv 0 0 1\n"
+OBJ += "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def stl(value: float) -> bytes:
+    """A tetrahedron with one number of a corner."""
+    corners = np.array([[0, 0, 0], [value, 0, 0], [0, 1, 0], [0, 0, 1]], dtype="<f4")
+    rows = b"".join(
+        struct.pack("<3f", 0, 0, 0) + corners[list(face)].tobytes() + b"\0\0"
+        for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    )
+    return bytes(80) + struct.pack("<I", 4) + rows
+
+
+def dae(value: str) -> bytes:
+    return (
+        DAE.replace("ADDRESS", ADDRESS).replace("CORNERS", CORNERS.replace("1", value, 1)).encode()
+    )
+
+
+BAD = {
+    "nan.stl": stl(float("nan")), "inf.stl": stl(float("inf")), "far.stl": stl(1e30),
+    "nan.obj": OBJ.replace("X", "nan").encode(), "far.obj": OBJ.replace("X", "1e39").encode(),
+    "nan.dae": dae("nan"), "far.dae": dae("1e12"),
+}  # fmt: skip
+
+
+def model(folder: Path, geometry: str, tag: str, base: Path = PARTS, link: str = "ls3") -> Path:
+    """A model with one more shape on a link."""
+    home = folder / base.name
+    shutil.copytree(base, home)
+    file = home / f"{base.name}.urdf"
+    text = file.read_text(encoding="utf-8")
+    place = text.index("</link>", text.index(f'<link name="{link}">'))
+    shape = f"<{tag}><geometry>{geometry}</geometry></{tag}>"
+    file.write_text(text[:place] + shape + text[place:], encoding="utf-8")
+    return home
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_corners_that_are_no_points_are_named(
+    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """In a shape that touches, and in one that is only drawn."""
+    home = model(tmp_path, f'<mesh filename="{name}"/>', "collision")
+    (home / name).write_bytes(BAD[name])
+    with pytest.raises(ModelError, match=r"link ls3 collision .*corner \d at .*finite"):
+        load(home)
+    assert main(["check", str(home)]) == 2
+    assert capfd.readouterr().out == ""
+    with pytest.raises(ModelError, match=rf"{re.escape(name)}: mesh = 'corner \d at"):
+        read_mesh(home / name)
+
+
+@pytest.mark.parametrize("scale", ["nan 1 1", "1e30 1 1", "1 1", "x"])
+def test_scales_that_make_no_points_are_refused(scale: str, tmp_path: Path) -> None:
+    mesh = f'<mesh filename="meshes/tetrahedron.stl" scale="{scale}"/>'
+    with pytest.raises(ModelError, match="ls3 collision"):
+        load(model(tmp_path, mesh, "collision"))
+
+
+def test_right_meshes_are_read_alike(tmp_path: Path) -> None:
+    found = []
+    for name, content in (("a.stl", stl(1.0)), ("a.obj", OBJ.replace("X", "1").encode()),
+                          ("a.dae", dae("1"))):  # fmt: skip
+        (tmp_path / name).write_bytes(content)
+        found.append(read_mesh(tmp_path / name))
+    for corners, faces in found:
+        np.testing.assert_array_equal(corners, found[0][0])
+        volume = np.linalg.det(corners[faces]).sum() / 6.0
+        assert volume == pytest.approx(1.0 / 6.0)
+        (tmp_path / "b.stl").write_bytes(as_stl(corners, faces))
+        np.testing.assert_array_equal(read_mesh(tmp_path / "b.stl")[0], corners)
+
+
+@pytest.mark.parametrize("tag", ["collision", "visual"])
+def test_large_meshes_are_refused(
+    tag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those that touch are counted together."""
+    home = model(tmp_path, '<mesh filename="meshes/tetrahedron.obj"/>', tag)
+    size = (home / "meshes" / "tetrahedron.obj").stat().st_size
+    both = size + (home / "meshes" / "tetrahedron.stl").stat().st_size
+    if tag == "collision":
+        monkeypatch.setattr(meshes, "MOST_MESH", both)
+        load(home)
+        monkeypatch.setattr(meshes, "MOST_MESH", both - 1)
+        with pytest.raises(ModelError, match=r"collision meshes = .* MiB"):
+            load(home)
+    else:
+        monkeypatch.setattr(meshes, "MOST_MESH", size - 1)
+        with pytest.raises(InputError, match=r"tetrahedron.obj: mesh = .* MiB"):
+            read_mesh(home / "meshes" / "tetrahedron.obj")
+
+
+def sent(page: str) -> bytes:
+    """The page, and all that stands in it in base64."""
+    found = re.findall(r'"([A-Za-z0-9+/=]{40,})"', page)
+    assert found
+    return page.encode() + b"".join(base64.b64decode(item) for item in found)
+
+
+def skinned(folder: Path, name: str, content: bytes) -> Mechanism:
+    """The E62 with a mesh and a material that name an address."""
+    home = model(folder, f'<mesh filename="{name}"/>', "visual", find_model("e62"), "top_nipper")
+    (home / name).write_bytes(content)
+    file = home / "e62.urdf"
+    skin = f'<material name="skin"><texture filename="{ADDRESS}"/></material></robot>'
+    text = file.read_text(encoding="utf-8").replace("</robot>", skin)
+    file.write_text(text, encoding="utf-8")
+    return load(home)
+
+
+@pytest.mark.parametrize("name", ["a.dae", "a.obj"])
+def test_no_address_of_a_file_is_sent_to_a_browser(name: str, tmp_path: Path) -> None:
+    """Textures may stand at any address, and whoever looks at a model must not be told there."""
+    content = dae("1") if name == "a.dae" else OBJ.replace("X", "1").encode()
+    assert b"tracker.example" in content
+    mechanism = skinned(tmp_path, name, content)
+    assert name in {item.path.name for item in solids(mechanism) if item.path is not None}
+    run = simulate(mechanism, Case(speed_rpm=650.0))
+    page = tmp_path / "page.html"
+    view(run, str(page))
+    everything = sent(page.read_text(encoding="utf-8"))
+    assert everything.count(b"_meshfile_geometry") >= 2
+    assert b"tracker.example" not in everything
+    scene = everything[page.stat().st_size :]
+    assert b"http" not in scene
+
+
+def test_no_address_of_a_file_is_sent_to_the_live_page(tmp_path: Path) -> None:
+    """It is sent corners and faces alone."""
+    pytest.importorskip("trimesh")
+    from nipper_pin.view.live.shapes import shape
+
+    mechanism = skinned(tmp_path, "a.dae", dae("1"))
+    (solid,) = (item for item in solids(mechanism) if item.path and item.path.suffix == ".dae")
+    mesh = shape(solid)
+    assert len(mesh.faces) == 4
+    assert ADDRESS not in repr((mesh.metadata, mesh.visual, mesh.source))
+    assert mesh.visual.kind is None
