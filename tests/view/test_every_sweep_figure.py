@@ -299,6 +299,6 @@ def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     with pytest.raises(InputError, match="no scenario has a value of y; see the column message"):
         plot_sweep("sweep", target=tmp_path / "here")
     (tmp_path / "file").touch()
-    with pytest.raises(InputError, match="cannot be made a folder"):
+    with pytest.raises(InputError, match="is not a folder"):
         plot_sweep("sweep", target=tmp_path / "file")
     assert len(list((tmp_path / "here").iterdir())) == 9
