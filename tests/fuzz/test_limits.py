@@ -191,17 +191,27 @@ def long_run(folder: Path) -> Path:
     with np.load(path) as stored:
         arrays = {name: stored[name] for name in stored.files}
     document = json.loads(str(arrays.pop("document")))
-    panels = [panel for item in document["segments"] for panel in item["panels"]]
+    whole, count = document["segments"], len(arrays) - 1
+    # A little more than a copy lasts: round-off must not make them overlap.
+    span = 1.001 * (whole[-1]["t_end"] - whole[0]["t_start"])
     copies = archive.MOST_ARRAYS // len(arrays) - 1
-    segments = document["segments"] * copies
     document["segments"] = [
-        {**item, "source": None, "panels": [[*panel[:4], panel[4] + len(panels) * (
-            place // len(document["segments"]))] for panel in item["panels"]]}
-        for place, item in enumerate(segments)
-    ]  # fmt: skip
+        {
+            **item,
+            "source": None,
+            "t_start": item["t_start"] + copy * span,
+            "t_end": item["t_end"] + copy * span,
+            "panels": [
+                [t + copy * span, *rest, place + copy * count] for t, *rest, place in item["panels"]
+            ],
+        }
+        for copy in range(copies)
+        for item in whole
+    ]
+    panels = {name: rows for name, rows in arrays.items() if name != "events"}
     for copy in range(1, copies):
-        for place in range(len(panels)):
-            arrays[f"panel{place + copy * len(panels)}"] = arrays[f"panel{place}"]
+        for name, rows in panels.items():
+            arrays[f"panel{int(name.removeprefix('panel')) + copy * count}"] = rows
     np.savez(path, document=np.array(json.dumps(document)), **arrays)
     return path
 

@@ -12,7 +12,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import InputError, ModelError, load, load_case, load_solution, texts
+from nipper_pin import (
+    Case,
+    InputError,
+    ModelError,
+    load,
+    load_case,
+    load_solution,
+    save,
+    simulate,
+    texts,
+)
 from nipper_pin.errors import NipperError
 from nipper_pin.hybrid.files import archive
 from nipper_pin.mechanism import elements, find_model, from_sources
@@ -214,6 +224,15 @@ def test_runs_out_of_order_are_refused(change: str, tmp_path: Path) -> None:
     file.write_bytes(run(document))
     with pytest.raises(InputError, match=r"not in order|<= 1e\+30"):
         load_solution(file)
+
+
+def test_copies_of_a_turn_may_overlap_by_round_off(tmp_path: Path) -> None:
+    """Turns that are copies begin at a multiple of the turn, which is rounded."""
+    solution = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle", cycles=60))
+    edges = [t for item in solution.segments for t in (item.t_start, item.t_end)]
+    assert edges != sorted(edges)
+    found = load_solution(save(solution, tmp_path / "run.npz"))
+    assert [item.t_start for item in found.segments] == edges[::2]
 
 
 def bomb(column: Any) -> bytes:

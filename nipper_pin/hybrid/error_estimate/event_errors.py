@@ -203,7 +203,7 @@ def _struck(
         return before.deviations, replace(before.error, impulses=impulses)
     impact = maps.impact(event)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
-    most = before.error.time + flown
+    most = max(before.error.time + flown, 0.0)
     late = -before.deviations.states[index] / rate
     total = float(np.abs(late).sum())
     if total > most:
