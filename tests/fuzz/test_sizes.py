@@ -227,12 +227,22 @@ def test_runs_out_of_order_are_refused(change: str, tmp_path: Path) -> None:
 
 
 def test_copies_of_a_turn_may_overlap_by_round_off(tmp_path: Path) -> None:
-    """Turns that are copies begin at a multiple of the turn, which is rounded."""
-    solution = simulate(load("e62"), Case(speed_rpm=650.0, window="cycle", cycles=60))
-    edges = [t for item in solution.segments for t in (item.t_start, item.t_end)]
-    assert edges != sorted(edges)
-    found = load_solution(save(solution, tmp_path / "run.npz"))
-    assert [item.t_start for item in found.segments] == edges[::2]
+    """Turns that are copies begin at a sum of turns, which is rounded."""
+    file = tmp_path / "run.npz"
+    with np.load(CORPUS / "npz" / "bouncing_ball.npz") as stored:
+        document = json.loads(str(stored["document"]))
+    first, second = document["segments"][:2]
+    assert first["t_end"] == second["t_start"] > 0.0
+    first["t_end"] *= 1.0 + 4e-16
+    assert first["t_end"] > second["t_start"]
+    file.write_bytes(run(document))
+    assert load_solution(file).segments[0].t_end == first["t_end"]
+    first["t_end"] *= 1.0 + 1e-12
+    file.write_bytes(run(document))
+    with pytest.raises(InputError, match="not in order"):
+        load_solution(file)
+    copies = Case(speed_rpm=650.0, window="cycle", cycles=60)
+    assert load_solution(save(simulate(load("e62"), copies), file)).segments
 
 
 def bomb(column: Any) -> bytes:
