@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import tomllib
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -39,8 +40,6 @@ SWEEP = (HERE / "bases" / "sweep.toml").read_text(encoding="utf-8")
 
 
 def parts(text: str | None = None, **changed: object) -> None:
-    import tomllib
-
     document = tomllib.loads((PARTS / "parts.toml").read_text(encoding="utf-8"))
     tree = (PARTS / "parts.urdf").read_text(encoding="utf-8") if text is None else text
     from_sources("parts", tree, {**document, **changed}, PARTS)
@@ -158,6 +157,15 @@ def test_rows_that_make_no_curve_are_refused() -> None:
         Table(cylinder_angle_rad=tuple(near.tolist()), coordinate=(0.0,) * 8)
     with pytest.raises(InputError, match=r"row 4 .* of at most 1e\+15"):
         Table(cylinder_angle_rad=tuple(turn.tolist()), coordinate=(0.0,) * 3 + (1e16,) + (0.0,) * 4)
+
+
+@pytest.mark.parametrize("key", ["rise_deg", "return_deg"])
+def test_cams_that_rise_in_no_time_are_refused(key: str) -> None:
+    text = (PARTS / "parts.toml").read_text(encoding="utf-8")
+    lift = tomllib.loads(text)["drives"]["lift"]
+    parts(drives={"lift": {**lift, key: 1.0}}, degrees_of_freedom=15)
+    with pytest.raises(ModelError, match=r"rise and return take at least 5\.7e-08 deg each"):
+        parts(drives={"lift": {**lift, key: 5e-324}})
 
 
 def test_measurements_have_a_largest_number(

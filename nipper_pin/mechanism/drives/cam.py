@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...tolerances.mechanics import TURN_ROUND_OFF
+from ...tolerances.mechanics import KNOT_ANGLE, TURN_ROUND_OFF
 from ...units import M_PER_MM
 from ..files.toml_types import NotNegative, Positive
 from .law import Evaluation
@@ -77,7 +77,8 @@ class Cam:
         return_rad: Cylinder angle of the return [rad].
 
     Raises:
-        InputError: Rise, dwell and return are longer than a turn.
+        InputError: Rise, dwell and return are longer than a turn,
+            or rise or return have no length.
     """
 
     motion: CamMotion
@@ -88,7 +89,13 @@ class Cam:
     return_rad: float
 
     def __post_init__(self) -> None:
-        """Refuse more than a turn."""
+        """Refuse more than a turn, and a rise or return in no time."""
+        if min(self.rise_rad, self.return_rad) < KNOT_ANGLE:
+            message = (
+                f"rise and return take at least {math.degrees(KNOT_ANGLE):.2g} deg each; they take "
+                f"{math.degrees(self.rise_rad):g} and {math.degrees(self.return_rad):g} deg"
+            )
+            raise InputError(message, rise_rad=self.rise_rad, return_rad=self.return_rad)
         total = self.rise_rad + self.dwell_rad + self.return_rad
         if total > math.tau * (1.0 + TURN_ROUND_OFF):
             message = (
