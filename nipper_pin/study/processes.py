@@ -152,7 +152,9 @@ class Workers:
     ) -> None:
         """End the processes; after a failure or an interrupt without the tasks that wait."""
         if self._pool is not None and kind is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
+            # Waits for those that run: otherwise the interpreter may end in the midst of it, and
+            # complains. It would wait for them itself.
+            self._pool.shutdown(cancel_futures=True)
         self._stack.close()
 
     def in_order(

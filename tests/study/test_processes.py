@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from concurrent.futures import wait
 from functools import partial
@@ -122,3 +123,18 @@ def test_an_interrupt_ends_what_waits(monkeypatch: pytest.MonkeyPatch) -> None:
     # Of what is cancelled in a pool that ends, `wait` may never hear.
     wait([future for future in futures if not future.cancelled()], 30.0)
     assert all(future.done() for future in futures)
+
+
+def test_nothing_runs_after_a_failure() -> None:
+    """Otherwise a process that ends at once complains of what still runs."""
+    before = set(active_children())
+    tasks = [(pause, partial(time.sleep, pause)) for pause in (0.0, 1.0, 1.1)]
+
+    def failing() -> None:
+        with Workers(2, nothing, apart=True) as pool:
+            for _ in pool.as_completed(tasks):
+                raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        failing()
+    assert set(active_children()) <= before

@@ -11,7 +11,6 @@ import ctypes
 import gc
 import itertools
 import json
-import multiprocessing.util
 import os
 import shutil
 import signal
@@ -22,6 +21,7 @@ import traceback
 import uuid
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from multiprocessing import resource_tracker
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -184,9 +184,11 @@ def _child(shim: Any, main: Any, words: list[str], home: str, fault: Fault, said
     except BaseException:
         traceback.print_exc()
         status = 1
+    tracker: Any = resource_tracker
+    if tracker._resource_tracker._fd is not None:
+        # Only the interpreter's own end waits for workers, and frees what they shared.
+        sys.exit(status)
     # What is forgotten half written would complain here. All else would be freed for nothing.
-    ending: Any = multiprocessing.util
-    ending._exit_function()
     gc.collect()
     sys.stderr.flush()
     os._exit(status)

@@ -121,7 +121,7 @@ COMMANDS = (
     ),
     Command(
         name="stress --out", words=[*_STRESS, "--cases", "3"], before=([*_STRESS, "--cases", "1"],),
-        parts=r"campaign\.json|verdicts\.jsonl",
+        parts=r"campaign\.json|verdicts\.jsonl/.*",
     ),
 )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 from collections.abc import Iterable
@@ -25,12 +26,27 @@ def content(path: Path) -> Content:
         path: A file, or a folder.
     """
     if path.is_file():
-        return {"": _lasting(path)}
-    return {
-        file.relative_to(path).as_posix(): _lasting(file)
-        for file in sorted(path.rglob("*"))
-        if file.is_file() and file.name not in _LOCKS and not _hidden(file.relative_to(path))
-    }
+        return _entries("", path)
+    found: Content = {}
+    for file in sorted(path.rglob("*")):
+        name = file.relative_to(path)
+        if file.is_file() and file.name not in _LOCKS and not _hidden(name):
+            found |= _entries(name.as_posix(), file)
+    return found
+
+
+def _entries(name: str, file: Path) -> Content:
+    """One entry a file; of a log one a line, since each is finished by itself.
+
+    A line that is cut counts as none, as it does where the log is read.
+    """
+    if file.suffix != ".jsonl":
+        return {name: _lasting(file)}
+    found: Content = {}
+    for line in file.read_bytes().splitlines():
+        with contextlib.suppress(ValueError):
+            found[f"{name}/{json.dumps(_untimed(json.loads(line)), sort_keys=True)}"] = b""
+    return found
 
 
 def leftovers(home: Path) -> list[str]:
@@ -84,10 +100,6 @@ def _lasting(file: Path) -> bytes:
     """Bytes of a file without the times that a run took."""
     if file.suffix == ".json":
         return json.dumps(_untimed(json.loads(file.read_bytes())), sort_keys=True).encode()
-    if file.suffix == ".jsonl":
-        lines = [_untimed(json.loads(line)) for line in file.read_bytes().splitlines() if line]
-        # Two processes may both have done the same piece of work.
-        return "\n".join(sorted({json.dumps(item, sort_keys=True) for item in lines})).encode()
     if file.suffix == ".npz":
         with np.load(file, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in sorted(stored)}
