@@ -28,6 +28,7 @@ from nipper_pin import (
     save_case,
     simulate,
 )
+from nipper_pin.hybrid.files import archive as packed
 from nipper_pin.hybrid.files import npz as storage
 
 RUNS = {
@@ -380,3 +381,18 @@ def test_files_say_which_version_wrote_them(tmp_path: Path) -> None:
     assert document.pop("version") == nipper_pin.__version__
     np.savez(run, **{**arrays, "document": np.array(json.dumps(document))})
     assert load_solution(run).case == case
+
+
+@pytest.mark.parametrize("limit", ["MOST_BYTES", "MOST_TEXT", "MOST_ARRAYS"])
+def test_what_could_not_be_read_is_not_written(
+    limit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With each limit of a reader lowered below what a short run has."""
+    run = simulate(load("e62"), Case(speed_rpm=650.0))
+    old = save(run, tmp_path / "run.npz").read_bytes()
+    monkeypatch.setattr(packed, limit, 3)
+    with pytest.raises(InputError, match="simulate fewer turns"):
+        save(run, tmp_path / "run.npz")
+    assert (tmp_path / "run.npz").read_bytes() == old
+    with pytest.raises(InputError):
+        load_solution(tmp_path / "run.npz")

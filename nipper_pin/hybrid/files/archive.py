@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import zipfile
+from collections.abc import Mapping
 from typing import IO, Any
 
 import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
+
+from ...errors import InputError
 
 MOST_BYTES = 3 * 2**27
 """Most that an archive may hold after decompression [byte]; a turn of a comber has 0.11 MB."""
@@ -19,6 +22,27 @@ MOST_ARRAYS = 50_000
 _SUFFIX = ".npy"
 # Of an array: numbers, or one text.
 _KINDS = "fU"
+
+
+def need_readable(arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Refuse to write what could not be read again.
+
+    Args:
+        arrays: All arrays of an archive by name.
+
+    Raises:
+        InputError: They are too many, or too large.
+    """
+    total = sum(array.nbytes for array in arrays.values())
+    text = sum(array.nbytes for array in arrays.values() if array.dtype.kind == "U")
+    if total <= 0.99 * MOST_BYTES and text <= 0.99 * MOST_TEXT and len(arrays) <= MOST_ARRAYS:
+        return
+    message = (
+        f"this run has {len(arrays)} arrays of {total:.3g} bytes, and a saved one may have "
+        f"{MOST_ARRAYS} of {MOST_BYTES:.3g} bytes, {MOST_TEXT:.3g} of them text; simulate fewer "
+        "turns, or write tables"
+    )
+    raise InputError(message, arrays=len(arrays), bytes=total)
 
 
 def read_archive(stream: IO[bytes], only: str = "") -> dict[str, NDArray[Any]]:

@@ -35,7 +35,7 @@ from ..result.solution import Solution
 from ..run.outcome import Outcome
 from ..segment import Segment
 from . import npz_schema
-from .archive import read_archive
+from .archive import need_readable, read_archive
 from .own_files import mesh_digests, need_own_files
 
 FORMAT = 3
@@ -72,6 +72,9 @@ def save(solution: Solution, path: str | Path) -> Path:
 
     Returns:
         The path written.
+
+    Raises:
+        InputError: It cannot be written, or is too large to be read again.
     """
     target = Path(path)
     if target.suffix != ".npz":
@@ -103,8 +106,10 @@ def save(solution: Solution, path: str | Path) -> Path:
         "wall_s": solution.wall_s,
         "repeated_from": solution.repeated_from,
     }
+    stored = {"document": np.array(json.dumps(document)), **arrays}
+    need_readable(stored)
     with complete_file(target) as partial, partial.open("wb") as stream:
-        np.savez_compressed(stream, document=np.array(json.dumps(document)), **arrays)  # type: ignore[arg-type]
+        np.savez_compressed(stream, **stored)  # type: ignore[arg-type]
     return target
 
 

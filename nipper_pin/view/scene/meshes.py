@@ -30,10 +30,10 @@ def read_mesh(path: Path) -> tuple[FloatArray, NDArray[np.intp]]:
     Raises:
         InputError: It cannot be read, or holds no points of a machine.
     """
-    check_size([path], "mesh", path.name)
     try:
+        check_size([path], "mesh", path.name)
         model = coal.MeshLoader().load(str(path), np.ones(3))
-    except (ValueError, RuntimeError) as error:
+    except (OSError, ValueError, RuntimeError) as error:
         message = f"{path.name}: the mesh cannot be read; write it again, as STL or OBJ"
         raise InputError(message, file=str(path)) from error
     corners = np.asarray(model.vertices())
