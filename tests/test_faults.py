@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts/maintain/c
 from arena import Arena, NoCompilerError, build
 from commands import COMMANDS, write_inputs
 from field import Field
-from judge import NEW, NONE, OLD, PART, SAME, WRONG, content, leftovers, state
 from pairs import racing_pairs
+from verdicts import NEW, NONE, OLD, PART, SAME, WRONG, content, leftovers, state
 from writes import KINDS, every_write
 
 from nipper_pin import InputError

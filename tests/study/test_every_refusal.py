@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -565,7 +566,7 @@ def test_parts_of_a_search_in_processes(work: Any) -> None:
     message = "stop"
     with pytest.raises(RuntimeError, match=message), doing:
         raise RuntimeError(message)
-    assert pool.ends == [{"wait": False, "cancel_futures": True}]
+    assert pool.ends == [{"cancel_futures": True}]
 
 
 def test_a_search_whose_process_dies(work: Any) -> None:
@@ -760,7 +761,8 @@ def test_chunks_without_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     (chunks / "0000001.parquet").unlink()
     assert taken_up(store, plan) == "mine"
     written = json.loads((tmp_path / store_module.PLAN).read_text(encoding="utf-8"))
-    assert written == {"plan": "mine"}
+    digest = sha256(b'{"plan":"mine"}').hexdigest()
+    assert written == {"plan": "mine", "sha256": digest}
 
 
 def test_a_table_of_a_sweep() -> None:

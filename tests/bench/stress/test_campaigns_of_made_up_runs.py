@@ -177,7 +177,7 @@ def test_work_of_the_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     listening = campaign._judged(jobs, 3)
     next(listening)
     listening.close()  # type: ignore[attr-defined]
-    assert ends == [{"wait": False, "cancel_futures": True}]
+    assert ends == [{"cancel_futures": True}]
     assert len(cancelled) == 2
     assert set(cancelled) < {3, 4, 5}
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from arena import Arena, Ended, Fault
 from commands import Command
-from judge import NEW, NONE, SAME, WRONG, Content, content, leftovers, state
+from verdicts import NEW, NONE, SAME, WRONG, Content, content, leftovers, state
 
 
 @dataclass(frozen=True, kw_only=True)

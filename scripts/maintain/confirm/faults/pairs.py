@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from arena import Arena, Fault
 from field import Field, Seen
-from judge import NEW, WRONG, Content, content, leftovers, split
+from verdicts import NEW, WRONG, Content, content, leftovers, split
 
 OTHER = "other"
 
