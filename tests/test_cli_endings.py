@@ -137,11 +137,13 @@ def test_a_document_in_a_file_leaves_the_terminal_its_tables(
 def test_files_that_were_written_are_named(
     files: dict[str, str],
     probe: Probe,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """One line each, the figure of a front last; a front of one point has no figure."""
     assert probe is not None
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("nipper_pin.study.optimise.write", lambda *_: (Path("a"), Path("b")))
     monkeypatch.setattr(
         "nipper_pin.view.studies.front_plot.plot_front", lambda _optimum, file: file
