@@ -152,7 +152,8 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
     values = scale * (grid.sample_twice[power] @ a)
     if power < 2:
         values += gap + h * rate * grid.samples if power == 0 else h * rate
-    closing = bool((values < 0.0).all())
+    # At the start it may be zero: without a pull there, the first samples decide.
+    closing = bool(values[0] <= 0.0 and (values[1:] < 0.0).all())
     if power == 2 and (closing or values[0] < -CLOSING_SHARE * float(np.abs(values).max())):
         # It was opened where its force only just touched zero, and is pressed shut again.
         return panel.t
