@@ -173,7 +173,7 @@ def _touching(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> tup
     shaft = ShaftMotion(mechanism, 1.0, mechanism.cylinder.angle_at_touch_rad)
     system = System(mechanism, shaft)
     split = _split(system, stop.index, stop.name)
-    return system, Sampler(system, split, stop.index, tuple(item.index for item in others))
+    return system, Sampler(system, split, stop, others)
 
 
 def _check_opening(mechanism: Mechanism, others: tuple[Stop, ...], sampler: Sampler) -> None:
@@ -212,12 +212,12 @@ def _arrival(
         return unknown(f"stop {name!r} does not come back to its place within a turn")
     # The transition stop stays open as long as this one does not close beyond its place.
     between = (name, transition.name)
-    others = tuple(item.index for item in mechanism.stops if item.name not in between)
+    others = tuple(item for item in mechanism.stops if item.name not in between)
     n, _ = sampler.rates(np.zeros(1), np.zeros((1, sampler.size)))
     throw = float(n[0, stop.index])
     tolerance = max(tolerance, ARRIVAL_TABLES)
     try:
-        of_stop = Sampler(system, _split(system, stop.index, name), stop.index, others)
+        of_stop = Sampler(system, _split(system, stop.index, name), stop, others)
         closed = frozenset({name})
         rate, _ = _approach_rate(system, closed, transition.index, transition.name)
         weights, _ = _nominal(mechanism, of_stop, throw * rate)

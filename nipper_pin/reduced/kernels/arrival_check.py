@@ -35,6 +35,7 @@ from .layout import (
     LOW,
     RESIDUAL,
     SCALE,
+    SPAN,
     SPEED,
     TRAVEL_MOST,
     UNKNOWN,
@@ -154,7 +155,7 @@ def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: Floa
             preload: FloatArray) -> None:  # fmt: skip
     """Combine the tables of a turn for a case."""
     case = work.case
-    case[SPEED], case[TRAVEL_MOST] = speed, y.travel
+    case[SPEED], case[TRAVEL_MOST], case[SPAN] = speed, y.travel, y.travel
     case[LOW], case[HIGH] = y.low, y.high
     case[SCALE] = 2.0 / (y.high - y.low)
     mix(y, work.mixed, speed, gravity, stiffness, preload)
@@ -209,7 +210,7 @@ def arrives(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float,
                 return HOLDS, 0.0, 0.0
             w = 0.0
             u_free, w_free = u, w
-        ended, T, v, _, _, _, _, _, _ = flight(
+        ended, T, v, _, _, _, _, _, _, _, _ = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, PHASE_TOLERANCE, at_opening
         )
         at_opening = False
@@ -239,13 +240,13 @@ def in_flight(grids: FloatArray, y: Tables, turn: Turn, work: Work, speed: float
     at_opening = u == 0.0
     dt, dw = 0.0, turn.restitution * y.approach_residual * speed if at_opening else 0.0
     for _ in range(_MOST_FLIGHTS):
-        ended, T, v, top, peak, a, fastest, changed, left = flight(
+        ended, T, v, _, peak, a, fastest, changed, left, x, _ = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance, at_opening
         )
         at_opening = False
         status = int(ended)
         if status == LEFT_TRAVEL:
-            found, rate = top, v
+            found, rate = x, v
             steady = changed + _steady(sizes, speed, fastest, dt) + left
             K = exp(_felt(sizes, fastest, T))
             dy = K * (dw * T + 0.5 * steady * T * T) + fastest * dt + 4.0 * EPS * abs(found)

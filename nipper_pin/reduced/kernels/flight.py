@@ -23,6 +23,7 @@ from .layout import (
     SCALE,
     SERIES,
     SIGMA,
+    SPAN,
     SPEED,
     TRAVEL_MOST,
     UNRESOLVED,
@@ -40,6 +41,8 @@ from .panel import (
 
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
+# Halvings of a bracket from a panel to round-off.
+_SEARCH_STEPS = 60
 
 
 @compiled
@@ -131,22 +134,85 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
 
 
 @compiled
-def _others_open(grids: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray,
-                 degree: int, level: int, end: float, first: int) -> bool:  # fmt: skip
-    """True if the other stops stay open at the nodes up to ``end`` and in dips between them."""
+def _gap_at(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
+            column: int, count: int, u: float, h: float, x0: float, v0: float,
+            sigma: float) -> float:  # fmt: skip
+    """Gap of another stop at a place sigma of a panel."""
+    row = poly.shape[0] - 1
+    contract(mixed, poly, row, case[SPAN], u + h * case[SPEED] * sigma)
+    x = position(nodes, count, h, x0, v0, sigma)
+    return chebyshev(poly, row, column, degree, case[SCALE] * (x - case[LOW]) - 1.0)
+
+
+@compiled
+def _hit(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
+         nodes: FloatArray, degree: int, level: int, u: float, h: float, x0: float, v0: float,
+         end: float, first: int) -> tuple[float, int]:  # fmt: skip
+    """First place before ``end`` where another stop closes, and its number; -1 without one."""
+    count = LEVELS[level]
+    place, hit = end, -1
     for column in range(3 * degree, poly.shape[1], degree):
-        older = old = -np.inf
-        for j in range(first, LEVELS[level]):
-            place = case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0
-            gap = chebyshev(poly, j, column, degree, place)
+        older = old = np.inf
+        for j in range(first, count):
+            sigma = grids[SIGMA, level, 0, j]
+            gap = chebyshev(poly, j, column, degree,
+                            case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0)  # fmt: skip
+            low = grids[SIGMA, level, 0, max(j - 1, 0)]
+            high = sigma if gap <= 0.0 else -1.0
             # Between nodes a minimum is lower by less than half the difference of its neighbours.
-            dip = old < older and old <= gap and old <= 0.5 * max(older - old, gap - old)
-            if gap <= 0.0 or dip:
-                return False
-            older, old = old, gap
-            if grids[SIGMA, level, 0, j] >= end:
+            drop = 0.5 * max(older - old, gap - old)
+            if gap > 0.0 and old < older and old <= gap and old <= drop:
+                low = grids[SIGMA, level, 0, max(j - 2, 0)]
+                high = _dip(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, low,
+                            sigma)  # fmt: skip
+            if high >= 0.0:
+                root = _closing(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, low,
+                                high)  # fmt: skip
+                if root < place:
+                    place, hit = root, column // degree - 3
                 break
-    return True
+            older, old = old, gap
+            if sigma >= end:
+                break
+    return place, hit
+
+
+@compiled
+def _dip(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
+         column: int, count: int, u: float, h: float, x0: float, v0: float, low: float,
+         high: float) -> float:  # fmt: skip
+    """A place between two others where a gap with one minimum is zero or below; -1 without one."""
+    for _ in range(_SEARCH_STEPS):
+        third = (high - low) / 3.0
+        left, right = low + third, high - third
+        before = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, left)
+        after = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, right)
+        if before <= 0.0:
+            return left
+        if after <= 0.0:
+            return right
+        if before < after:
+            high = right
+        else:
+            low = left
+    return -1.0
+
+
+@compiled
+def _closing(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
+             column: int, count: int, u: float, h: float, x0: float, v0: float, low: float,
+             high: float) -> float:  # fmt: skip
+    """Zero of a gap that is positive at ``low`` and not at ``high``."""
+    for _ in range(_SEARCH_STEPS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        gap = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, middle)
+        if gap > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 @compiled
@@ -156,7 +222,7 @@ def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: in
     h = (v + sqrt(max(v * v - 2.0 * a0 * x, 0.0))) / -a0
     if x > 0.0 or u + h * case[SPEED] > case[TRAVEL_MOST]:
         return h
-    contract(mixed, poly, poly.shape[0] - 1, case[TRAVEL_MOST], u + h * case[SPEED])
+    contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u + h * case[SPEED])
     mean = (2.0 * a0 + acceleration(case, poly, degree, 0.0, -v)) / 3.0
     return 2.0 * v / -mean if mean < 0.5 * a0 else h
 
@@ -168,22 +234,22 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
     """Flight from x0 with rate w to the next zero of x; from x0 = 0 with w > 0, or at a release.
 
     Returns:
-        Status (AT_REST: the flight ended at the stop), time, rate at the end, amplitude,
-        time of the peak, acceleration at the end, fastest rate, and of all panels the largest
-        last change and steady error of x''. Of a flight that leaves the travel, too, with x at its
-        end in the place of the amplitude.
+        Status (AT_REST: the flight ended at the stop; LEFT_TRAVEL: at the end of the tables;
+        OTHER_STOP: where another stop closes), time, rate at the end, amplitude, time of the peak,
+        acceleration at the end, fastest rate, of all panels the largest last change and steady
+        error of x'', x at the end, and the number of the other stop.
     """
     speed, travel = case[SPEED], case[TRAVEL_MOST]
     t, x, v = 0.0, x0, w
     a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
-    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
         if longest <= TRAVEL_END * travel / speed:
-            return LEFT_TRAVEL, t, v, x, peak_time, a, fastest, changed, left
-        contract(mixed, poly, poly.shape[0] - 1, travel, u)
+            return LEFT_TRAVEL, t, v, amplitude, peak_time, a, fastest, changed, left, x, -1.0
+        contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u)
         a0 = acceleration(case, poly, degree, x, v)
         h = longest
         # At a release a0 is round-off.
@@ -215,14 +281,26 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         if top > amplitude:
             amplitude, peak_time = top, t + h * place
         first = 1 if panel == 0 and touching else 0
-        if not _others_open(grids, case, poly, nodes, degree, level, until, first):
-            return OTHER_STOP, *failed
         for j in range(count):
             fastest = max(fastest, abs(nodes[NODE_V, j]))
+        place, hit = _hit(
+            grids, case, mixed, poly, nodes, degree, level, u, h, x, v, until, first
+        )
+        if hit >= 0:
+            rate = rate_at(nodes, count, h, v, place)
+            a = chebyshev(nodes, SERIES, 0, count, 2.0 * place - 1.0)
+            gap = position(nodes, count, h, x, v, place)
+            return (
+                OTHER_STOP, t + h * place, rate, amplitude, peak_time, a, fastest, changed, left,
+                gap, hit,
+            )  # fmt: skip
         if end >= 0.0:
             rate = rate_at(nodes, count, h, v, end)
             a = chebyshev(nodes, SERIES, 0, count, 2.0 * end - 1.0)
-            return AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left
+            return (
+                AT_REST, t + h * end, rate, amplitude, peak_time, a, fastest, changed, left, 0.0,
+                -1.0,
+            )  # fmt: skip
         t += h
         x, v = nodes[NODE_X, count - 1], nodes[NODE_V, count - 1]
         a = nodes[NODE_A, count - 1]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +11,7 @@ from ...tolerances.reduced import ARRIVAL_SHARE, FINEST_TOLERANCE, LIMIT_ERROR_S
 from .arrival_check import arrives, in_flight, landed, line, prepare, released
 from .compiled import compiled
 from .flight import flight
-from .flight_errors import drift, flight_errors
+from .flight_errors import flight_errors
 from .layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -45,35 +43,7 @@ from .layout import (
     Work,
 )
 from .panel import acceleration, chebyshev, contract
-
-_POINTS = 8
-
-
-@compiled
-def _limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
-    """Extrapolate times to zero rate by Neville's scheme."""
-    first = max(0, count - _POINTS)
-    size = count - first
-    for i in range(first, count - 1):
-        if series[1, i + 1] >= series[1, i]:
-            return np.inf, np.inf
-    for i in range(size):
-        series[2, i] = series[0, first + i] - series[0, count - 1]
-    best, best_error, previous, gained = np.inf, np.inf, 0.0, 0.0
-    for order in range(1, size):
-        for i in range(size - order):
-            far, near = series[1, first + i], series[1, first + i + order]
-            series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
-        last = series[2, size - order - 1]
-        # Extrapolations may agree by chance. Each should gain about the ratio of its rates, but
-        # no more than the remaining change of x'': far bounces do not depend on it.
-        ratio = max(series[1, count - 1] / series[1, count - order], changes)
-        error = max(abs(last - previous), ratio * gained)
-        if error < best_error:
-            best, best_error = last, error
-        gained = abs(last - previous)
-        previous = last
-    return best, best_error
+from .series import settles
 
 
 @compiled
@@ -132,30 +102,15 @@ def _transition(grids: FloatArray, tables: Tables, work: Work, speed: float, res
         fastest_rebound = max(fastest_rebound, w)
         series[0, n] = t
         series[1, n] = w
-        if rest_rate > 0.0:
-            found = w < rest_rate and still < 0.0
-            ahead, uncertain = 0.0, 0.0
-        else:
-            a = acceleration(case, poly, degree, 0.0, w)
-            ahead, uncertain = np.inf, np.inf
-            if a < 0.0 and restitution < 1.0:
-                ahead = -2.0 * w / (a * (1.0 - restitution))
-            whole = t + ahead
-            found = ahead <= tolerance * 2.0 * pi / speed
-            if found or w <= smallest * fastest_rebound:
-                changes = drift(sizes, speed, w, a, ahead)
-                if found:
-                    uncertain = ahead * changes
-                else:
-                    limit, uncertain = _limit(series, n + 1, changes)
-                    found = uncertain <= tolerance * whole
-                    ahead = limit if found else ahead
-            found = found and still < 0.0
+        found, ahead, uncertain = settles(
+            case, poly, degree, sizes, series, n + 1, w <= smallest * fastest_rebound, w, speed,
+            restitution, rest_rate, tolerance, still,
+        )  # fmt: skip
         if found:
             rest = t + ahead
             # What is ahead is proportional to the rate that it starts with.
             rest_error = dt + LIMIT_ERROR_SAFETY * uncertain + abs(ahead) * (dw / w)
-        ended, T, v, top, peak, a, fastest, changed, left = flight(
+        ended, T, v, top, peak, a, fastest, changed, left, _, _ = flight(
             grids, case, mixed, poly, nodes, degree, u, 0.0, w, tolerance,
             n == 0 and start.travel == 0.0,
         )  # fmt: skip
@@ -227,7 +182,7 @@ def _flown(grids: FloatArray, tables: Tables, y: Tables, turn: Turn, work: Work,
     known, x, rate, dx, dv = in_flight(grids, y, turn, waiting, speed, u, w, rest_rate, finer)
     if not known or not 0.0 < x < tables.high:
         return False, none
-    ended, T, v, _, _, a, fastest, changed, left = flight(
+    ended, T, v, _, _, a, fastest, changed, left, _, _ = flight(
         grids, work.case, work.mixed, work.poly, work.nodes, tables.equation.shape[3], 0.0, x, rate,
         tolerance, False,
     )  # fmt: skip

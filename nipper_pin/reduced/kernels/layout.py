@@ -25,9 +25,10 @@ PROBES = 3
 # Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE = range(7)
 SCRATCH_ROWS = 7
-# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2].
-SPEED, TRAVEL_MOST, LOW, HIGH, SCALE = range(5)
-CASE_NUMBERS = 5
+# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2], and `SPAN` is the length of all
+# cells, of which some may lie beyond the end of the travel.
+SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN = range(6)
+CASE_NUMBERS = 6
 # Whether the machine arrives in its initial phase at the touch.
 UNKNOWN, FAILS, HOLDS = -1, 0, 1
 # Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns

@@ -33,6 +33,7 @@ from .layout import (
     SERIES_ONCE,
     SERIES_TWICE,
     SIGMA,
+    SPAN,
     SPEED,
     TRAVEL_MOST,
     TWICE,
@@ -68,10 +69,10 @@ def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffne
 
 
 @compiled
-def contract(mixed: FloatArray, poly: FloatArray, j: int, travel: float, u: float) -> None:
+def contract(mixed: FloatArray, poly: FloatArray, j: int, span: float, u: float) -> None:
     """Polynomials in x at one travel, into row j of ``poly``."""
     cells, count_u, size = mixed.shape
-    width = travel / cells
+    width = span / cells
     cell = min(max(int(u / width), 0), cells - 1)
     place = 2.0 * (u - cell * width) / width - 1.0
     for m in range(size):
@@ -184,7 +185,7 @@ def _defect(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatA
             once += grids[PROBE_ONCE, level, j, probe] * a
             twice += grids[PROBE_TWICE, level, j, probe] * a
         sigma = grids[SIGMA, level, 1, probe]
-        contract(mixed, poly, poly.shape[0] - 1, case[TRAVEL_MOST], u + h * case[SPEED] * sigma)
+        contract(mixed, poly, poly.shape[0] - 1, case[SPAN], u + h * case[SPEED] * sigma)
         x, v = x0 + h * (sigma * v0 + h * twice), v0 + h * once
         most = max(most, abs(acceleration(case, poly, degree, x, v) - value))
     return most
@@ -201,14 +202,14 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
         Level of the grid (-1: not resolved), length, the last change of x'', and the steady error
         of x'' that does what the coefficients missing from the series and round-off do.
     """
-    speed, travel = case[SPEED], case[TRAVEL_MOST]
-    longest = (travel - u) / speed
+    speed, span = case[SPEED], case[SPAN]
+    longest = (case[TRAVEL_MOST] - u) / speed
     for j in range(LEVELS[0]):
         nodes[NODE_A, j] = a0
     for _ in range(4 if estimate else 1):
         h = min(h, longest)
         for j in range(LEVELS[0]):
-            contract(mixed, poly, j, travel, u + h * speed * grids[SIGMA, 0, 0, j])
+            contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, 0, 0, j])
         if not estimate:
             break
         for _ in range(3):
@@ -226,13 +227,13 @@ def solve_panel(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: Fl
     else:
         for j in range(LEVELS[0]):
             h = min(h, longest)
-            contract(mixed, poly, j, travel, u + h * speed * grids[SIGMA, 0, 0, j])
+            contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, 0, 0, j])
     for level in range(len(LEVELS)):
         count = LEVELS[level]
         if level > 0:
             _spread(grids, poly, nodes, level)
             for j in range(1, count, 2):
-                contract(mixed, poly, j, travel, u + h * speed * grids[SIGMA, level, 0, j])
+                contract(mixed, poly, j, span, u + h * speed * grids[SIGMA, level, 0, j])
         converged = False
         scale = 1.0
         change = np.inf

@@ -25,6 +25,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_positions, close_velocities
 from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.system import System
+from ...mechanism import Stop
 from ...mechanism.cylinder import rad_s_from_rpm
 
 
@@ -36,35 +37,46 @@ class Samples:
         q: Configurations, shape (N, nv).
         equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N).
         gaps: Gaps of the other stops, shape (other stops, N) [m or rad].
+        slopes: Their derivatives by x, then by u, shape (2 other stops, N).
         inertia: C, shape (N,) [kg m^2 or kg].
     """
 
     q: FloatArray
     equation: FloatArray
     gaps: FloatArray
+    slopes: FloatArray
     inertia: FloatArray
 
 
 class Sampler:
-    """Evaluates a held system whose shaft turns at 1 rad/s from the touch configuration.
+    """Evaluates a held system whose shaft turns at 1 rad/s from a configuration.
 
     Args:
         system: The system; its time is the travel u.
-        split: Dependent coordinates; the transition stop and the drives are independent.
-        column: Place of the transition stop's coordinate.
-        others: Places of the other stops.
+        split: Dependent coordinates; that of the stop and the drives are independent.
+        stop: The stop whose gap is x.
+        others: The other stops.
+        path: Travels and configurations in which x is zero, shapes (W,) and (W, nv), not far from
+            one another; of one sampler without it, the configuration zero at travel zero.
     """
 
     def __init__(
-        self, system: System, split: Partition, column: int, others: tuple[int, ...]
+        self,
+        system: System,
+        split: Partition,
+        stop: Stop,
+        others: tuple[Stop, ...],
+        path: tuple[FloatArray, FloatArray] | None = None,
     ) -> None:
         """Store the system."""
         self._system = system
         self._split = split
-        self._column = column
+        self._stop = stop
+        self._column = stop.index
         self._others = others
+        self._path = path
         self._armature = np.zeros(system.body.nv)
-        self._armature[[*system.driven, column]] = INFINITE_INERTIA
+        self._armature[[*system.driven, stop.index]] = INFINITE_INERTIA
 
     @property
     def size(self) -> int:
@@ -84,11 +96,17 @@ class Sampler:
         Raises:
             SimulationError: The mechanism cannot reach a point of the grid.
         """
-        rows = self._across(x)
-        found = np.empty((len(u), len(x), self._system.body.nv))
-        for number, configurations in enumerate(self.along(u, x, rows)):
-            found[number] = configurations
-        return found
+        found = np.empty((len(u), len(x), self.size))
+        if self._path is None:
+            rows = self._across(x, np.zeros(1), np.zeros((1, self.size)))[0]
+            for number, configurations in enumerate(self.along(u, x, rows)):
+                found[number] = configurations
+            return found
+        travels, path = self._path
+        near = np.abs(u[:, None] - travels).argmin(axis=1)
+        jacobian = self._system.body.closures(path[near])[1]
+        q, _ = self._moved(path[near], jacobian, u, np.zeros_like(u))
+        return self._across(x, u, q)
 
     def along(self, u: FloatArray, x: FloatArray, rows: FloatArray) -> Iterator[FloatArray]:
         """Follow points from travel to travel, in small steps.
@@ -121,19 +139,17 @@ class Sampler:
         """
         return self._rates(self._system.shaft.driven(u)[1], q, self._system.body.closures(q)[1])
 
-    def _across(self, x: FloatArray) -> FloatArray:
-        """Configurations at travel zero, shape (X, nv)."""
-        body = self._system.body
-        q = np.zeros((1, body.nv))
-        jacobian = body.closures(q)[1]
-        first = np.empty((len(x), body.nv))
+    def _across(self, x: FloatArray, u: FloatArray, q: FloatArray) -> FloatArray:
+        """Configurations at all x from those at x = 0, shape (U, X, nv)."""
+        jacobian = self._system.body.closures(q)[1]
+        found = np.empty((len(u), len(x), self.size))
         # Outwards from x = 0, first to one side and then to the other.
         for side in (np.flatnonzero(x >= 0.0), np.flatnonzero(x < 0.0)):
-            row, slope = q, jacobian
+            rows, slopes = q, jacobian
             for place in side[np.argsort(np.abs(x[side]))]:
-                row, slope = self._moved(row, slope, np.zeros(1), x[place : place + 1])
-                first[place] = row[0]
-        return first
+                rows, slopes = self._moved(rows, slopes, u, np.full(len(u), x[place]))
+                found[:, place] = rows
+        return found
 
     def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
         """Evaluate all functions.
@@ -147,7 +163,7 @@ class Sampler:
         driven, rates, accelerations = system.shaft.driven(u)
         q = guess.copy()
         q[:, system.driven] = driven
-        q[:, self._column] = x
+        q[:, self._column] = self._coordinate(x)
         q, jacobian = close_positions(body, q, self._split)
         zero = np.zeros_like(q)
         n, m = self._rates(rates, q, jacobian)
@@ -176,18 +192,26 @@ class Sampler:
         for spring in system.mechanism.springs:
             terms += [n[:, spring.index], n[:, spring.index] * q[:, spring.index]]
         equation = -np.array(terms) / inertia
-        return Samples(q, equation, q[:, list(self._others)].T.copy(), inertia)
+        size = (len(self._others), len(q))
+        gaps = np.reshape([stop.gaps(q) for stop in self._others], size)
+        slopes = np.reshape([stop.rates(by) for by in (n, m) for stop in self._others],
+                            (2 * size[0], size[1]))  # fmt: skip
+        return Samples(q, equation, gaps, slopes, inertia)
 
     def opening_rates(self) -> FloatArray:
         """Rates of the other stops by that of x in the touch configuration, shape (others,)."""
         n, _ = self.rates(np.zeros(1), np.zeros((1, self._system.body.nv)))
-        return np.asarray(n[0, list(self._others)])
+        return np.array([stop.rate(n[0]) for stop in self._others])
+
+    def _coordinate(self, x: FloatArray) -> FloatArray:
+        """Coordinate of the stop's joint at a gap x."""
+        return np.asarray(self._stop.at + self._stop.sense * x)
 
     def _rates(
         self, driven: FloatArray, q: FloatArray, jacobian: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         n, m = np.zeros_like(q), np.zeros_like(q)
-        n[:, self._column] = 1.0
+        n[:, self._column] = self._stop.sense
         m[:, self._system.driven] = driven
         return (
             close_velocities(n, jacobian, self._split),
@@ -202,8 +226,9 @@ class Sampler:
         driven = system.shaft.driven(u)[0]
         step = np.zeros_like(q)
         step[:, system.driven] = driven - q[:, system.driven]
-        step[:, self._column] = x - q[:, self._column]
+        coordinate = self._coordinate(x)
+        step[:, self._column] = coordinate - q[:, self._column]
         guess = q + close_velocities(step, jacobian, self._split)
         guess[:, system.driven] = driven
-        guess[:, self._column] = x
+        guess[:, self._column] = coordinate
         return close_positions(system.body, guess, self._split)

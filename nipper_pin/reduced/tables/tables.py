@@ -12,7 +12,7 @@ from ...errors import ConvergenceError
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY
 from . import series2d
-from .functions import Sampler
+from .functions import Sampler, Samples
 
 CELL_RAD = 0.5
 _COUNT_U = 16
@@ -59,6 +59,7 @@ class Tables:
         q: Configurations on the grid, shape (U, X, nv).
         equation: Coefficients, shape (functions, cells, Nu, Nx).
         gaps: Coefficients, shape (other stops, cells, Nu, Nx).
+        slopes: Those of their derivatives by x, then by u, shape (2 other stops, cells, Nu, Nx).
         inertia: Coefficients at x = 0, shape (cells, Nu).
     """
 
@@ -67,6 +68,7 @@ class Tables:
     q: FloatArray
     equation: FloatArray
     gaps: FloatArray
+    slopes: FloatArray
     inertia: FloatArray
 
 
@@ -116,29 +118,33 @@ def resolved(
     )
 
 
-def residuals(
-    sampler: Sampler,
-    domain: Domain,
-    tables: Tables,
-    equation: FloatArray,
-    inertia: FloatArray,
-) -> tuple[FloatArray, float]:
-    """Bound the errors of the series from random points off the grid.
+@dataclass(frozen=True)
+class Checks:
+    """Functions at random points off the grid.
+
+    Attributes:
+        u: Travels, shape (N,).
+        x: Coordinates, shape (N,).
+        true: The functions there.
+        inertia: Inertia at x = 0 for these travels, shape (N,).
+    """
+
+    u: FloatArray
+    x: FloatArray
+    true: Samples
+    inertia: FloatArray
+
+
+def checks(sampler: Sampler, domain: Domain, tables: Tables) -> Checks:
+    """Evaluate the functions at random points off the grid.
 
     Args:
         sampler: Evaluates the functions.
         domain: The domain.
         tables: The tables, for guesses of the configurations.
-        equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
-        inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
-
-    Returns:
-        Bounds on the error of every function, shape (functions,), and the relative one of the
-        inertia.
     """
     # The points do not depend on the run: a model is built the same way every time.
     random = np.random.default_rng(20)
-    cells = equation.shape[1]
     u = random.uniform(0.0, domain.travel, _CHECKS)
     x = random.uniform(domain.low, domain.high, _CHECKS)
     # The edges of the domain are where series are worst, and x = 0 is where collisions are.
@@ -148,24 +154,35 @@ def residuals(
     past = domain.begin + u
     true = sampler.at(past, x, tables.q[row, column])
     at_rest = sampler.at(past, np.zeros_like(u), tables.q[row, np.argmin(np.abs(tables.x))])
+    return Checks(u, x, true, at_rest.inertia)
+
+
+def residuals(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
+    """Bound the errors of series from points off the grid.
+
+    Args:
+        points: The points.
+        domain: The domain.
+        series: Coefficients, shape (functions, cells, Nu, Nx); of functions of the travel alone
+            Nx is 1.
+        true: Values at the points, shape (functions, N).
+
+    Returns:
+        Bounds on the error of every function, shape (functions,).
+    """
+    cells = series.shape[1]
     width = domain.travel / cells
-    cell = np.minimum((u / width).astype(int), cells - 1)
-    place = 2.0 * (u - cell * width) / width - 1.0
-    error = np.zeros(len(equation))
-    inertia_error = 0.0
+    cell = np.minimum((points.u / width).astype(int), cells - 1)
+    place = 2.0 * (points.u - cell * width) / width - 1.0
+    error = np.zeros(len(series))
     for number in range(cells):
         chosen = cell == number
-        if not chosen.any():
-            continue
-        found = series2d.evaluate(equation[:, number], place[chosen], domain.places(x[chosen]))
-        difference = np.abs(found - true.equation[:, chosen]).max(axis=1)
-        error = np.maximum(error, difference)
-        found = series2d.evaluate(inertia[None, number, :, None], place[chosen], place[chosen])
-        relative = np.abs(found[0] / at_rest.inertia[chosen] - 1.0).max()
-        inertia_error = max(inertia_error, float(relative))
-    floor = 4.0 * EPS
-    scale = np.abs(true.equation).max(axis=1)
-    return TABLE_ERROR_SAFETY * error + floor * scale, TABLE_ERROR_SAFETY * inertia_error + floor
+        if chosen.any():
+            x = domain.places(points.x[chosen])
+            found = series2d.evaluate(series[:, number], place[chosen], x)
+            error = np.maximum(error, np.abs(found - true[:, chosen]).max(axis=1))
+    scale = np.abs(true).max(axis=1, initial=0.0)
+    return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
 
 
 def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tables:
@@ -186,9 +203,9 @@ def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tabl
         u,
         x,
         q,
-        series2d.fit(found.equation.reshape(shape)),
-        series2d.fit(found.gaps.reshape(shape))
-        if found.gaps.size
-        else np.zeros((0, cells, _COUNT_U, count_x)),
+        *(
+            series2d.fit(values.reshape(len(values), *shape[1:]))
+            for values in (found.equation, found.gaps, found.slopes)
+        ),
         np.asarray(inertia @ zero),
     )

@@ -1,0 +1,80 @@
+"""Limits of series of bounces, compiled."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .compiled import compiled
+from .flight_errors import drift
+from .panel import acceleration
+
+_POINTS = 8
+
+
+@compiled
+def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]:
+    """Extrapolate times to zero rate by Neville's scheme."""
+    first = max(0, count - _POINTS)
+    size = count - first
+    for i in range(first, count - 1):
+        if series[1, i + 1] >= series[1, i]:
+            return np.inf, np.inf
+    for i in range(size):
+        series[2, i] = series[0, first + i] - series[0, count - 1]
+    best, best_error, previous, gained = np.inf, np.inf, 0.0, 0.0
+    for order in range(1, size):
+        for i in range(size - order):
+            far, near = series[1, first + i], series[1, first + i + order]
+            series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
+        last = series[2, size - order - 1]
+        # Extrapolations may agree by chance. Each should gain about the ratio of its rates, but
+        # no more than the remaining change of x'': far bounces do not depend on it.
+        ratio = max(series[1, count - 1] / series[1, count - order], changes)
+        error = max(abs(last - previous), ratio * gained)
+        if error < best_error:
+            best, best_error = last, error
+        gained = abs(last - previous)
+        previous = last
+    return best, best_error
+
+
+@compiled
+def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, series: FloatArray,
+            count: int, late: bool, w: float, speed: float, restitution: float, rest_rate: float,
+            tolerance: float, still: float) -> tuple[bool, float, float]:  # fmt: skip
+    """Whether the rest of a series of bounces is known, how far it is ahead, and the error of that.
+
+    Args:
+        case: Numbers of the case.
+        poly: Polynomials of the place of the last collision, in their last row.
+        degree: Coefficients of each.
+        sizes: Bounds of the case.
+        series: Times and rates of the bounces, and scratch, shape (3, collisions).
+        count: Number of bounces.
+        late: Whether the rebounds are slow enough for an extrapolation.
+        w: Rate after the last collision, above zero.
+        speed: Cylinder speed [rad/s].
+        restitution: e_N of the stop.
+        rest_rate: Threshold of rest, or 0.
+        tolerance: Relative accuracy.
+        still: x'' at x = 0 at rest.
+    """
+    if rest_rate > 0.0:
+        return w < rest_rate and still < 0.0, 0.0, 0.0
+    a = acceleration(case, poly, degree, 0.0, w)
+    ahead, uncertain = np.inf, np.inf
+    if a < 0.0 and restitution < 1.0:
+        ahead = -2.0 * w / (a * (1.0 - restitution))
+    found = ahead <= tolerance * 2.0 * pi / speed
+    if found or late:
+        changes = drift(sizes, speed, w, a, ahead)
+        if found:
+            uncertain = ahead * changes
+        else:
+            further, uncertain = limit(series, count, changes)
+            found = uncertain <= tolerance * (series[0, count - 1] + ahead)
+            ahead = further if found else ahead
+    return found and still < 0.0, ahead, uncertain

@@ -1,0 +1,421 @@
+"""Whole turns of the reduced model, compiled: phases, flights, collisions, rests and releases."""
+
+from __future__ import annotations
+
+from math import exp, pi
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import LIMIT_ERROR_SAFETY
+from .arrival_check import along, landed, prepare, released
+from .compiled import compiled
+from .flight import flight
+from .flight_errors import flight_errors, size
+from .layout import (
+    AT_REST,
+    BY_U,
+    BY_V,
+    BY_X,
+    LEFT_TRAVEL,
+    LOW,
+    OTHER_STOP,
+    RESIDUAL,
+    SCALE,
+    SPAN,
+    TOO_MANY,
+    UNRESOLVED,
+    UNTOLD,
+    Tables,
+    Work,
+)
+from .panel import acceleration, chebyshev, contract
+from .series import settles
+from .turn_layout import (
+    AMPLITUDE,
+    AMPLITUDE_ERROR,
+    APPROACH,
+    COLLISION,
+    ENERGY,
+    IMPULSE,
+    IMPULSE_ERROR,
+    KIND,
+    RATE_ERROR,
+    RELEASE,
+    REST,
+    SEPARATION,
+    STOP,
+    TIME,
+    TIME_ERROR,
+    TRAVEL,
+    Charts,
+    TurnWork,
+)
+
+JAM = UNTOLD + 1
+_TURN = 2.0 * pi
+# Longest period that is looked for [turns], and the relative difference of turns that are the same.
+_MOST_PERIOD, _SAME = 64, 1e-10
+
+
+@compiled
+def tables_of(charts: Charts, c: int) -> Tables:
+    """One chart as a reduced model."""
+    return Tables(
+        charts.equation[c], charts.gaps[c], charts.inertia[c], charts.residual[c],
+        charts.largest[c], charts.steepest_x[c], charts.steepest_u[c], charts.travel[c],
+        charts.low[c], charts.high[c], 0.0, 0.0, charts.inertia_residual[c], 0.0, 1.0,
+        charts.lever[charts.stop[c]],
+    )  # fmt: skip
+
+
+@compiled
+def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
+          stiffness: FloatArray, preload: FloatArray) -> None:  # fmt: skip
+    """Combine a chart for the case when it is first visited."""
+    if work.ready[c]:
+        return
+    mixed = work.mixed[c]
+    one = Work(work.case[c], mixed, work.poly, work.nodes, work.series, work.sizes[c], work.line[c])
+    prepare(tables_of(charts, c), one, speed, gravity, stiffness, preload)
+    work.case[c, SPAN] = charts.span[c]
+    cells, count_u, count_x = charts.equation.shape[2:]
+    zero = work.case[c, SCALE] * -charts.low[c] - 1.0
+    for cell in range(cells):
+        for i in range(count_u):
+            older, old = 1.0, zero
+            value = mixed[cell, i, 0] + zero * mixed[cell, i, 1]
+            for m in range(2, count_x):
+                older, old = old, 2.0 * zero * old - older
+                value += old * mixed[cell, i, m]
+            work.line[c, cell, i] = value
+    work.ready[c] = True
+
+
+@compiled
+def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float,
+            x: float) -> float:  # fmt: skip
+    """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
+    _, cells, count_u, count_x = table.shape
+    width = span / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    place_u = 2.0 * (u - cell * width) / width - 1.0
+    place_x = case[SCALE] * (x - case[LOW]) - 1.0
+    total = 0.0
+    older, old = 0.0, 1.0
+    for i in range(count_u):
+        high = low = 0.0
+        for m in range(count_x - 1, 0, -1):
+            high, low = table[row, cell, i, m] + 2.0 * place_x * high - low, high
+        total += old * (table[row, cell, i, 0] + place_x * high - low)
+        older, old = old, (place_u if i == 0 else 2.0 * place_u * old - older)
+    return total
+
+
+@compiled
+def _errors_at(sizes: FloatArray, speed: float, T: float, a: float, fastest: float,
+               changed: float, left: float, dt: float, dx: float, dw: float,
+               ) -> tuple[float, float]:  # fmt: skip
+    """Errors of x and x' at a travel that is known, after a flight that began with these errors."""
+    felt = min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
+    K = exp(felt)
+    late = speed * size(sizes, BY_U, fastest) * dt
+    e = felt * changed + size(sizes, RESIDUAL, fastest) + late + left
+    x = K * (dx + dw * T + 0.5 * e * T * T) + fastest * dt
+    v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
+    return x, v + 4.0 * EPS * fastest
+
+
+@compiled
+def _seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: float, x: float,
+             v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
+    """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""
+    others = charts.others.shape[1]
+    case, span = work.case[c], charts.span[c]
+    gap = surface(charts.gaps[c], s, span, case, u, x)
+    by_x = surface(charts.slopes[c], s, span, case, u, x)
+    by_u = surface(charts.slopes[c], others + s, span, case, u, x)
+    wrong_x, wrong_u = charts.slope_residual[c, s], charts.slope_residual[c, others + s]
+    # The slopes change by less than themselves over the whole domain.
+    bent = dx / (charts.high[c] - charts.low[c])
+    d_gap = abs(by_x) * dx + charts.gap_residual[c, s]
+    d_rate = (
+        abs(by_x) * dw
+        + abs(v) * (wrong_x + abs(by_x) * bent)
+        + speed * (wrong_u + abs(by_u) * bent)
+    )
+    return gap, by_x * v + by_u * speed, d_gap, d_rate
+
+
+@compiled
+def _other(charts: Charts, c: int, stop: int) -> int:
+    """Place of a stop among the others of a chart."""
+    for s in range(charts.others.shape[1]):
+        if charts.others[c, s] == stop:
+            return s
+    return -1
+
+
+@compiled
+def _chart_at(charts: Charts, stop: int, travel: float) -> int:
+    """The chart of a stop that holds a travel from the start of the turn, or -1."""
+    for c in range(len(charts.stop)):
+        past = travel - charts.begin[c]
+        if charts.stop[c] == stop and 0.0 <= past <= charts.travel[c]:
+            return c
+    return -1
+
+
+@compiled
+def _collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
+             turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
+    """Write a collision of a chart's stop at travel u with rate v before it."""
+    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
+    width = charts.span[c] / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
+    lever = charts.lever[charts.stop[c]]
+    row = events[n]
+    row[KIND], row[STOP], row[TIME] = COLLISION, charts.stop[c], t
+    row[TRAVEL] = _TURN * turn + charts.begin[c] + u
+    row[APPROACH], row[SEPARATION] = v, -e_N * v
+    row[IMPULSE] = C * (1.0 + e_N) * -v / lever
+    row[ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
+    row[AMPLITUDE] = row[AMPLITUDE_ERROR] = np.nan
+    row[TIME_ERROR], row[RATE_ERROR] = dt + 4.0 * EPS * t, dv
+    # The inertia changes by less than itself over a chart.
+    relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
+    row[IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
+
+
+@compiled
+def _note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: float,
+          dt: float) -> None:  # fmt: skip
+    """Write a rest or a release."""
+    row = events[n]
+    row[:] = np.nan
+    row[KIND], row[STOP], row[TIME], row[TRAVEL] = kind, stop, t, travel
+    row[TIME_ERROR] = dt + 4.0 * EPS * t
+
+
+@compiled
+def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
+           restitution: FloatArray, stiffness: FloatArray, preload: FloatArray, gravity: float,
+           rest_rate: float, tolerance: float, turns: int, begin: tuple[int, float, float, bool],
+           events: FloatArray, ends: FloatArray) -> tuple[int, int, int, int]:  # fmt: skip
+    """Follow whole turns from event to event.
+
+    Args:
+        grids: Collocation grids.
+        charts: The functions of the machine.
+        work: Scratch arrays.
+        speed: Cylinder speed [rad/s].
+        restitution: e_N of the stops, shape (K,).
+        stiffness: Spring rates, shape (springs,).
+        preload: Deflections in the springs at zero, likewise.
+        gravity: By the gravity of the model.
+        rest_rate: Threshold of rest, or 0 for the limit of series.
+        tolerance: Relative accuracy.
+        turns: Number of turns.
+        begin: Chart, gap, its rate and whether its stop is closed, at the start.
+        events: Written, shape (most, EVENT_COLUMNS).
+        ends: Written, shape (turns, 5): chart and travel of the last rest's end in a turn (-1
+            without one), then chart, gap and rate at its end.
+
+    Returns:
+        Status, number of events, number of turns, and the number of turns after which the last one
+        repeats an earlier one; 0 if it does not.
+    """
+    work.ready[:] = False
+    row = work.poly.shape[0] - 1
+    degree = charts.equation.shape[4]
+    cells, count_u = charts.equation.shape[2], charts.equation.shape[3]
+    smallest = tolerance ** (1.0 / 3.0)
+    most = work.series.shape[1]
+    c, x, v, resting = begin
+    u = t = dt = dx = dw = origin = fastest_rebound = 0.0
+    n = turn = bounces = 0
+    last = -1
+    touching = free = False
+    rest_chart, rest_end = -1.0, 0.0
+    while True:
+        visit(charts, work, c, speed, gravity, stiffness, preload)
+        case, sizes = work.case[c], work.sizes[c]
+        travel, span, stop = charts.travel[c], charts.span[c], charts.stop[c]
+        at_end = False
+        if n >= len(events):
+            return TOO_MANY, n, turn, 0
+        if resting:
+            place = released(work.line[c], cells, count_u, span, u, travel)
+            if place < 0.0:
+                return UNTOLD, n, turn, 0
+            at_end = place > travel
+            u = travel if at_end else place
+            t = (_TURN * turn + charts.begin[c] + u) / speed
+            x = v = dx = dw = 0.0
+            dt = 4.0 * EPS * t
+            if not at_end:
+                dt += _release_error(work.line[c], sizes, cells, count_u, span, u) / speed
+                _note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
+                n += 1
+                rest_chart, rest_end = float(c), u
+                resting, free, touching, bounces, last = False, True, False, 0, -1
+        elif x == 0.0 and not free:
+            contract(work.mixed[c], work.poly, row, span, u)
+            still = acceleration(case, work.poly, degree, 0.0, 0.0)
+            found, ahead, uncertain = v <= 0.0 and still < 0.0, 0.0, 0.0
+            if v > 0.0:
+                if bounces == 0:
+                    origin, fastest_rebound = t, 0.0
+                if bounces >= most:
+                    return TOO_MANY, n, turn, 0
+                fastest_rebound = max(fastest_rebound, v)
+                work.series[0, bounces], work.series[1, bounces] = t - origin, v
+                bounces += 1
+                found, ahead, uncertain = settles(
+                    case, work.poly, degree, sizes, work.series, bounces,
+                    v <= smallest * fastest_rebound, v, speed, restitution[stop], rest_rate,
+                    tolerance, still,
+                )  # fmt: skip
+            if found and u + speed * ahead < travel:
+                late = dt + LIMIT_ERROR_SAFETY * uncertain
+                late += abs(ahead) * (dw / v) if v > 0.0 else 0.0
+                if u + speed * (ahead + late) >= travel:
+                    return UNTOLD, n, turn, 0
+                t += ahead
+                u += speed * ahead
+                _note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
+                n += 1
+                resting = True
+                continue
+        if not resting:
+            begins_at_stop = x == 0.0
+            ended, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
+                grids, case, work.mixed[c], work.poly, work.nodes, degree, u, x, v, tolerance,
+                touching,
+            )  # fmt: skip
+            status = int(ended)
+            touching = free = False
+            if status == AT_REST:
+                if begins_at_stop and dx == 0.0:
+                    duration, dv, height = flight_errors(
+                        sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
+                    )
+                    dt += duration
+                    if last >= 0:
+                        events[last, AMPLITUDE] = top
+                        events[last, AMPLITUDE_ERROR] = height + 4.0 * EPS * top
+                else:
+                    dt, dv = landed(sizes, speed, T, rate, a, fastest, changed, left, dx, dw)
+                t += T
+                u += speed * T
+                e_N = restitution[stop]
+                _collide(charts, events, n, c, speed, e_N, turn, t, u, rate, dt, dv)
+                last = n
+                n += 1
+                x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
+                continue
+            if status == OTHER_STOP:
+                dx, dv = _errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+                u += speed * T
+                t += T
+                s = int(hit)
+                _, closing, d_gap, d_rate = _seen_by(
+                    charts, work, c, s, speed, u, gap, rate, dx, dv
+                )
+                stop = charts.others[c, s]
+                to = _chart_at(charts, stop, charts.begin[c] + u)
+                if to < 0 or closing >= 0.0:
+                    return OTHER_STOP, n, turn, 0
+                by_x = surface(charts.slopes[c], s, span, case, u, gap)
+                dt = d_gap / -closing
+                dv = d_rate + 2.0 * (abs(by_x * a) + speed * fastest) * dt
+                u += charts.begin[c] - charts.begin[to]
+                c = to
+                visit(charts, work, c, speed, gravity, stiffness, preload)
+                e_N = restitution[stop]
+                _collide(charts, events, n, c, speed, e_N, turn, t, u, closing, dt, dv)
+                last = n
+                n += 1
+                x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
+                continue
+            if status != LEFT_TRAVEL:
+                return status, n, turn, 0
+            dx, dw = _errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+            x, v, u, dt = gap, rate, travel, 0.0
+        # The end of the arc.
+        to = charts.after[c]
+        ahead_of = charts.stop[to]
+        throw, approach, wrong = charts.throw[c], charts.arrive[c], charts.arrive_residual[c]
+        if not resting and ahead_of != stop:
+            s = _other(charts, c, ahead_of)
+            x, v, dx, dw = _seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
+            bounces, last = 0, -1
+            if x <= 0.0:
+                return UNRESOLVED, n, turn, 0
+        if resting and ahead_of != stop:
+            rest_chart, rest_end = float(c), u
+        if charts.begin[to] == 0.0:
+            ends[turn, 0], ends[turn, 1] = rest_chart, rest_end
+            ends[turn, 2], ends[turn, 3], ends[turn, 4] = float(to), x, v
+            if resting and ahead_of == stop:
+                ends[turn, 0], ends[turn, 1] = float(to), np.inf
+            rest_chart = -1.0
+            turn += 1
+            again = repeats(charts, ends, turn)
+            if turn == turns or again > 0:
+                return AT_REST, n, turn, again
+        if resting and ahead_of != stop:
+            if throw <= 0.0:
+                return JAM, n, turn, 0
+            e_N = restitution[ahead_of]
+            t = (_TURN * turn + charts.begin[to]) / speed
+            v = approach * speed
+            visit(charts, work, to, speed, gravity, stiffness, preload)
+            _collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, 4.0 * EPS * t,
+                     wrong * speed)  # fmt: skip
+            last = n
+            n += 1
+            x, v, dt, dx, dw = 0.0, -e_N * v, 4.0 * EPS * t, 0.0, e_N * wrong * speed
+            resting, touching, bounces = False, True, 0
+        if not resting:
+            t = (_TURN * turn + charts.begin[to]) / speed
+        c, u = to, 0.0
+
+
+@compiled
+def _release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, span: float,
+                   u: float) -> float:  # fmt: skip
+    """Bound on the error of the travel at which the force of a stop has fallen to zero."""
+    width = span / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    step = 1e-3 * width
+    slope = (
+        along(line, cell, count, width, u + step) - along(line, cell, count, width, u - step)
+    ) / (2.0 * step)
+    return size(sizes, RESIDUAL, 0.0) / max(abs(slope), 1e-300)
+
+
+@compiled
+def repeats(charts: Charts, ends: FloatArray, turns: int) -> int:
+    """After how many turns the last one repeats an earlier one; 0 if it is not known to.
+
+    What follows a rest does not depend on what was before it, so two turns whose last rests end at
+    the same travel end alike. Without a rest their states at the end have to be the same.
+    """
+    now = ends[turns - 1]
+    for back in range(1, min(turns, _MOST_PERIOD + 1)):
+        then = ends[turns - 1 - back]
+        if now[0] != then[0] or now[2] != then[2]:
+            continue
+        if now[0] >= 0.0:
+            if now[1] == then[1] or abs(now[1] - then[1]) <= _SAME * _TURN:
+                return back
+            continue
+        c = int(now[2])
+        wide = charts.high[c] - charts.low[c]
+        fast = max(abs(now[4]), abs(then[4]))
+        if abs(now[3] - then[3]) <= _SAME * wide and abs(now[4] - then[4]) <= _SAME * fast:
+            return back
+    return 0

@@ -1,0 +1,100 @@
+"""Layout of the arrays of whole turns that compiled code reads and writes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+
+# Kinds of events.
+COLLISION, REST, RELEASE = range(3)
+# Columns of the table of events.
+(
+    KIND, STOP, TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE,
+    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR,
+) = range(13)  # fmt: skip
+EVENT_COLUMNS = 13
+
+
+class Charts(NamedTuple):
+    """Functions around every stretch of a turn along which a stop can be closed.
+
+    A chart has the gap x of its stop as coordinate, and travels u from its begin; all charts have
+    the same numbers of cells and coefficients, padded by zeros. C charts, K stops, S = K - 1.
+
+    Attributes:
+        equation: Functions in x'', shape (C, 4 + 2 springs, cells, Nu, Nx).
+        gaps: Gaps of the other stops, shape (C, S, cells, Nu, Nx).
+        slopes: Their derivatives by x, then by u, shape (C, 2 S, cells, Nu, Nx).
+        inertia: Effective inertia at x = 0, shape (C, cells, Nu).
+        residual: Bounds on the errors of the functions, shape (C, functions).
+        largest: Their largest values, likewise.
+        steepest_x: Their largest derivatives by x.
+        steepest_u: Their largest derivatives by u.
+        inertia_residual: Bound on the relative error of the inertia, shape (C,).
+        gap_residual: Bounds on the errors of the gaps, shape (C, S).
+        slope_residual: Those of the slopes, shape (C, 2 S).
+        travel: Length [rad], shape (C,).
+        span: Length of all cells, those of the padding included [rad].
+        low: Least x.
+        high: Largest x.
+        begin: Travel from the start of the turn to u = 0 [rad].
+        stop: Place of the stop among the stops, shape (C,).
+        others: Those of the others, shape (C, S).
+        after: The chart that follows where this one ends, shape (C,).
+        arrive: Derivative by u of the gap of its stop there, negative; zero for the same stop.
+        arrive_residual: Bound on its error.
+        throw: Rate of x by that of the other gap there.
+        lever: Rate of the normal gap by that of the coordinate, shape (K,) [m/rad or 1].
+    """
+
+    equation: FloatArray
+    gaps: FloatArray
+    slopes: FloatArray
+    inertia: FloatArray
+    residual: FloatArray
+    largest: FloatArray
+    steepest_x: FloatArray
+    steepest_u: FloatArray
+    inertia_residual: FloatArray
+    gap_residual: FloatArray
+    slope_residual: FloatArray
+    travel: FloatArray
+    span: FloatArray
+    low: FloatArray
+    high: FloatArray
+    begin: FloatArray
+    stop: NDArray[np.int64]
+    others: NDArray[np.int64]
+    after: NDArray[np.int64]
+    arrive: FloatArray
+    arrive_residual: FloatArray
+    throw: FloatArray
+    lever: FloatArray
+
+
+class TurnWork(NamedTuple):
+    """Scratch arrays of a case, combined for it when a chart is first visited.
+
+    Attributes:
+        case: Numbers of the case, shape (C, CASE_NUMBERS).
+        mixed: Functions combined for the case, shape (C, cells, Nu, (3 + S) Nx).
+        sizes: Bounds of the case as polynomials of the rate, shape (C, SIZES, 3).
+        line: x'' along x = 0 at rest, shape (C, cells, Nu).
+        ready: Whether a chart was visited, shape (C,).
+        poly: As :class:`~.layout.Work`.
+        nodes: Likewise.
+        series: Times and rates of bounces, and scratch, shape (3, collisions).
+    """
+
+    case: FloatArray
+    mixed: FloatArray
+    sizes: FloatArray
+    line: FloatArray
+    ready: NDArray[np.bool_]
+    poly: FloatArray
+    nodes: FloatArray
+    series: FloatArray

@@ -1,0 +1,190 @@
+"""Stretches of a turn along which a stop can be closed while no other is passed.
+
+From the configuration in which turns start, the closed stop is followed along the cylinder until
+the gap of another falls through zero: there that one takes over. Stops on the far side of a flight
+are found by opening the near one until they close, and followed in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.assembly import partition
+from ...dynamics.shaft import ShaftMotion
+from ...dynamics.system import System
+from ...errors import InputError, SimulationError
+from ...mechanism import Mechanism, Stop
+from ...tolerances.mechanics import EPS, KNOT_ANGLE
+from ..tables.functions import Sampler
+
+TURN = 2.0 * math.pi
+# Step along the cylinder [rad], and steps across a flight by the reach of its coordinate.
+_STEP, _ACROSS = math.radians(3.0), 64
+_WIDEST = {"revolute": 0.5 * math.pi, "prismatic": 0.25}
+_ROOT_STEPS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A stretch of a turn along which one stop can be closed.
+
+    Attributes:
+        stop: The stop.
+        begin: Travel from the start of the turn [rad].
+        end: Likewise, at most a turn.
+        after: The stop that is closed beyond ``end``.
+        travels: Travels from ``begin`` to ``end``, counted from ``begin``, shape (W,).
+        path: Configurations there with the stop closed, shape (W, nv).
+    """
+
+    stop: Stop
+    begin: float
+    end: float
+    after: Stop
+    travels: FloatArray
+    path: FloatArray
+
+
+def system_at(mechanism: Mechanism, travel: float, start_angle: float) -> System:
+    """The held system whose shaft turns at 1 rad/s, after a travel from an angle."""
+    angle = start_angle + mechanism.cylinder.sense * travel
+    return System(mechanism, ShaftMotion(mechanism, 1.0, angle))
+
+
+def sampler_at(
+    system: System, stop: Stop, home: FloatArray, path: tuple[FloatArray, FloatArray] | None = None
+) -> Sampler:
+    """Functions of the travel and the gap of a stop.
+
+    Args:
+        system: The system.
+        stop: The stop.
+        home: A configuration in which the stop is closed, shape (nv,).
+        path: Others, as of :class:`Sampler`.
+
+    Raises:
+        InputError: The stop's coordinate follows from the drives there.
+    """
+    driven = [int(index) for index in system.driven]
+    _, jacobian = system.body.closures(home[None])
+    split = partition(jacobian[0], driven, [stop.index])
+    if stop.index in split.dependent:
+        message = f"stop {stop.name!r} cannot move freely: a dead centre is near"
+        raise InputError(message, stop=stop.name)
+    others = tuple(item for item in system.mechanism.stops if item.name != stop.name)
+    return Sampler(system, split, stop, others, path)
+
+
+class Walk:
+    """Follows stops along a turn.
+
+    Args:
+        mechanism: The mechanism.
+        start_angle: Cylinder angle at which turns start [rad].
+    """
+
+    def __init__(self, mechanism: Mechanism, start_angle: float) -> None:
+        """Begin without arcs."""
+        self._mechanism = mechanism
+        self._start = start_angle
+        self._shaft = ShaftMotion(mechanism, 1.0, start_angle)
+
+    def around(self, stop: Stop, home: FloatArray) -> list[Arc]:
+        """Follow a stop, and those that take over from it, through one turn.
+
+        Args:
+            stop: A stop.
+            home: Configuration at the start of the turn with it closed, shape (nv,).
+
+        Raises:
+            SimulationError: The stops jam the mechanism, or it cannot be followed.
+        """
+        arcs: list[Arc] = []
+        begin = 0.0
+        while begin < TURN * (1.0 - KNOT_ANGLE):
+            arc = self._arc(stop, begin, home)
+            arcs.append(arc)
+            stop, begin, home = arc.after, arc.end, arc.path[-1]
+        return arcs
+
+    def opposite(self, stop: Stop, home: FloatArray) -> tuple[Stop, FloatArray] | None:
+        """The stop that ends a flight from another one at the start of a turn, closed."""
+        system = system_at(self._mechanism, 0.0, self._start)
+        sampler = sampler_at(system, stop, home)
+        kind = next(item.kind for item in self._mechanism.joints if item.index == stop.index)
+        x = np.linspace(0.0, _WIDEST[kind], _ACROSS + 1)[1:]
+        q = home[None]
+        for place in x:
+            before = q
+            try:
+                (q,) = sampler.along(np.zeros(1), np.array([place]), before)
+            except SimulationError:
+                return None
+            for other in self._mechanism.stops:
+                if other.name != stop.name and other.gap(q[0]) <= 0.0:
+                    return other, _closed(system, other, q[0])
+        return None
+
+    def _arc(self, stop: Stop, begin: float, home: FloatArray) -> Arc:
+        system = system_at(self._mechanism, begin, self._start)
+        sampler = sampler_at(system, stop, home)
+        end = min(begin + self._shaft.smooth_for(begin), TURN)
+        others = [item for item in self._mechanism.stops if item.name != stop.name]
+        count = max(1, math.ceil((end - begin) / _STEP))
+        u = np.linspace(0.0, end - begin, count + 1)[1:]
+        before, low = home[None], 0.0
+        opened: set[str] = set()
+        travels, path = [0.0], [home]
+        for travel in u:
+            ((row,),) = sampler.along(np.array([travel]), np.zeros(1), before)
+            opened |= {other.name for other in others if other.gap(row) > 0.0}
+            passed = [other for other in others if other.gap(row) < 0.0]
+            if any(other.name not in opened and low == 0.0 for other in passed):
+                names = ", ".join(repr(other.name) for other in passed)
+                message = f"stop {stop.name!r} cannot stay closed beside {names}: they jam"
+                raise SimulationError(message, stop=stop.name)
+            if passed:
+                corners = [self._corner(sampler, other, low, float(travel), before)
+                           for other in passed]  # fmt: skip
+                first = int(np.argmin([corner for corner, _ in corners]))
+                (corner, q), after = corners[first], passed[first]
+                q[after.index] = after.at
+                travels, path = [*travels, corner], [*path, q]
+                return Arc(stop, begin, begin + corner, after, np.array(travels), np.array(path))
+            before, low = row[None], float(travel)
+            travels.append(low)
+            path.append(row)
+        return Arc(stop, begin, end, stop, np.array(travels), np.array(path))
+
+    @staticmethod
+    def _corner(
+        sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
+    ) -> tuple[float, FloatArray]:
+        """Where the gap of another stop falls through zero, and the configuration there."""
+        travel = high
+        for _ in range(_ROOT_STEPS):
+            ((row,),) = sampler.along(np.array([travel]), np.zeros(1), before)
+            gap = other.gap(row)
+            rate = other.rate(sampler.rates(np.array([travel]), row[None])[1][0])
+            if gap > 0.0:
+                low = travel
+            else:
+                high = travel
+            new = travel - gap / rate if rate < 0.0 else math.nan
+            if not low <= new <= high:
+                new = 0.5 * (low + high)
+            if abs(new - travel) <= 4.0 * EPS * travel or gap == 0.0:
+                break
+            travel = new
+        return travel, row
+
+
+def _closed(system: System, stop: Stop, near: FloatArray) -> FloatArray:
+    """The configuration near another one in which a stop is closed, shape (nv,)."""
+    sampler = sampler_at(system, stop, near)
+    (rows,) = sampler.along(np.zeros(1), np.zeros(1), near[None])
+    return np.asarray(rows[0])

@@ -1,0 +1,192 @@
+"""Charts of a turn: the functions around each stretch along which a stop can be closed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.error_estimate.linear_maps import of_rates
+from ...mechanism import Mechanism
+from ...mechanism.cylinder import rad_s_from_rpm
+from ..kernels.turn_layout import Charts
+from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
+from ..tables.tables import Domain, checks, residuals, resolved
+from ..tables.trimmed import Trimmed, trimmed
+from .arcs import Arc, sampler_at, system_at
+
+# Part of the range of x below zero; flights are solved a little beyond their end.
+_MARGIN = 1.0 / 16.0
+# Gap of a chart: multiple of the rated speed, restitution, and a factor for flights higher than
+# ballistic ones.
+_FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
+_PLACES = 9
+_NODES_X = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Tables around one arc.
+
+    Attributes:
+        arc: The arc.
+        domain: Travels and gaps of the tables.
+        kept: The series of the equation of motion, trimmed.
+        slopes: Series of the derivatives of the other gaps, trimmed likewise.
+        gap_residual: Bounds on the errors of the gaps, shape (S,).
+        slope_residual: Bounds on the errors of the slopes, shape (2 S,).
+        samples: Points that were sampled.
+        meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
+            error, and rate of x by that of its gap; zeros if it is the same stop.
+    """
+
+    arc: Arc
+    domain: Domain
+    kept: Trimmed
+    slopes: FloatArray
+    gap_residual: FloatArray
+    slope_residual: FloatArray
+    samples: int
+    meets: tuple[float, float, float]
+
+
+class Surroundings:
+    """What is known of an arc before its tables: its functions along the closed stop.
+
+    Args:
+        mechanism: The mechanism.
+        arc: The arc.
+        start_angle: Cylinder angle at which turns start [rad].
+    """
+
+    def __init__(self, mechanism: Mechanism, arc: Arc, start_angle: float) -> None:
+        """Sample a few places along the stop."""
+        self.mechanism, self.arc = mechanism, arc
+        self.system = system_at(mechanism, arc.begin, start_angle)
+        self.sampler = sampler_at(self.system, arc.stop, arc.path[0], (arc.travels, arc.path))
+        places = np.unique(np.linspace(0, len(arc.travels) - 1, _PLACES).astype(int))
+        u = arc.travels[places]
+        self.along = self.sampler.at(u, np.zeros_like(u), arc.path[places])
+
+    def meets(self) -> tuple[float, float, float]:
+        """As of :class:`Chart`."""
+        arc = self.arc
+        if arc.after.name == arc.stop.name:
+            return 0.0, 0.0, 0.0
+        end = arc.travels[-1:]
+        n, m = self.sampler.rates(end, arc.path[-1:])
+        rounded = of_rates(
+            self.system, frozenset({arc.stop.name}), float(end[0]), arc.path[-1], m[0]
+        )
+        size = rounded.size(self.sampler.size + arc.after.index)
+        return arc.after.rate(m[0]), size, 1.0 / arc.after.rate(n[0])
+
+    def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
+        """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""
+        terms = self._weights(w) * self.along.equation[:, place]
+        return float(terms.sum()), terms
+
+    def weights(self, w: float) -> FloatArray:
+        """Weights of the functions in x'' by the size of x'', at rates up to w."""
+        weights = self._weights(w)
+        size = float((np.abs(weights[:, None] * self.along.equation)).sum(axis=0).mean())
+        return np.abs(weights) / (size if size > 0.0 else 1.0)
+
+    def _weights(self, w: float) -> FloatArray:
+        mechanism = self.mechanism
+        speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
+        weights = np.zeros(len(self.along.equation))
+        weights[BY_SPEED], weights[BY_SPEED_AND_RATE] = speed**2, speed * w
+        weights[BY_RATE], weights[BY_GRAVITY] = w**2, 1.0
+        for number, spring in enumerate(mechanism.springs):
+            place = BY_SPRINGS + 2 * number
+            weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
+        return weights
+
+
+def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
+    """Sample the tables of one arc.
+
+    Args:
+        around: The arc.
+        gap: Largest x.
+        w: Rates of x up to this are usual.
+        tolerance: Relative accuracy of the tables.
+
+    Raises:
+        ConvergenceError: The functions are not smooth enough around it.
+        SimulationError: A point cannot be reached.
+    """
+    arc, sampler = around.arc, around.sampler
+    domain = Domain(float(arc.travels[-1]), -_MARGIN * gap, gap, count_x=_NODES_X)
+    weights = around.weights(w)
+    tables, samples = resolved(sampler, domain, weights, tolerance)
+    kept = trimmed(sampler, domain, tables, weights, tolerance)
+    count_u, count_x = kept.equation.shape[2:]
+    slopes = np.ascontiguousarray(tables.slopes[:, :, :count_u, :count_x])
+    points = checks(sampler, domain, tables)
+    return Chart(
+        arc,
+        domain,
+        kept,
+        slopes,
+        residuals(points, domain, kept.gaps, points.true.gaps),
+        residuals(points, domain, slopes, points.true.slopes),
+        samples,
+        around.meets(),
+    )
+
+
+def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Charts:
+    """All charts as arrays of one shape, padded by zeros.
+
+    Args:
+        mechanism: The mechanism.
+        charts: The charts.
+        after: Number of the chart that follows each.
+    """
+    names = [stop.name for stop in mechanism.stops]
+    shapes = np.array([chart.kept.equation.shape[1:] for chart in charts])
+    cells, count_u, count_x = (int(size) for size in shapes.max(axis=0))
+
+    def padded(arrays: list[FloatArray]) -> FloatArray:
+        found = np.zeros((len(arrays), len(arrays[0]), cells, count_u, count_x))
+        for number, array in enumerate(arrays):
+            f, c, i, j = array.shape
+            found[number, :f, :c, :i, :j] = array
+        return found
+
+    inertia = np.zeros((len(charts), cells, count_u))
+    for number, chart in enumerate(charts):
+        c, i = chart.kept.inertia.shape
+        inertia[number, :c, :i] = chart.kept.inertia
+    travel = np.array([chart.domain.travel for chart in charts])
+    stops = [names.index(chart.arc.stop.name) for chart in charts]
+    meets = np.array([chart.meets for chart in charts])
+    return Charts(
+        equation=padded([chart.kept.equation for chart in charts]),
+        gaps=padded([chart.kept.gaps for chart in charts]),
+        slopes=padded([chart.slopes for chart in charts]),
+        inertia=inertia,
+        residual=np.array([chart.kept.residual for chart in charts]),
+        largest=np.array([chart.kept.largest for chart in charts]),
+        steepest_x=np.array([chart.kept.steepest_x for chart in charts]),
+        steepest_u=np.array([chart.kept.steepest_u for chart in charts]),
+        inertia_residual=np.array([chart.kept.inertia_residual for chart in charts]),
+        gap_residual=np.array([chart.gap_residual for chart in charts]),
+        slope_residual=np.array([chart.slope_residual for chart in charts]),
+        travel=travel,
+        span=travel / shapes[:, 0] * cells,
+        low=np.array([chart.domain.low for chart in charts]),
+        high=np.array([chart.domain.high for chart in charts]),
+        begin=np.array([chart.arc.begin for chart in charts]),
+        stop=np.array(stops, dtype=np.int64),
+        others=np.array([[k for k in range(len(names)) if k != stop] for stop in stops],
+                        dtype=np.int64),
+        after=np.array(after, dtype=np.int64),
+        arrive=meets[:, 0].copy(),
+        arrive_residual=meets[:, 1].copy(),
+        throw=meets[:, 2].copy(),
+        lever=np.array([stop.lever for stop in mechanism.stops]),
+    )  # fmt: skip

@@ -1,0 +1,155 @@
+"""From a mechanism to the model of its whole turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.system import DriveMode
+from ...errors import InputError
+from ...hybrid.run.periodicity import comes_back
+from ...hybrid.run.start import initial_state
+from ...mechanism import Mechanism
+from ...mechanism.cylinder import rad_s_from_rpm
+from ..kernels.turn_layout import Charts
+from .arcs import Arc, Walk, sampler_at, system_at
+from .charts import _FAST, _LIVELY, _ROOM, Chart, Surroundings, chart_of, stacked
+
+START_INDEX = 24.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnModel:
+    """Functions of one mechanism around the stretches of a turn on which a stop can be closed.
+
+    Attributes:
+        name: Model name of the mechanism.
+        stops: Names of the stops.
+        springs: Names of the springs.
+        transition_stop: Name of the transition stop.
+        start_index: Index at which turns start.
+        start_angle_rad: Cylinder angle there [rad].
+        sense: Sign of the rate of the cylinder angle.
+        charts: The functions.
+        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+        restitution: e_N of the stops, shape (K,).
+        stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        gravity_m_s2: Gravity along -z.
+        samples: Points that were sampled.
+    """
+
+    name: str
+    stops: tuple[str, ...]
+    springs: tuple[str, ...]
+    transition_stop: str
+    start_index: float
+    start_angle_rad: float
+    sense: int
+    charts: Charts = field(repr=False, compare=False)
+    begin: tuple[int, float, float, float, bool]
+    restitution: FloatArray = field(repr=False, compare=False)
+    stiffness: FloatArray = field(repr=False, compare=False)
+    preload: FloatArray = field(repr=False, compare=False)
+    gravity_m_s2: float
+    samples: int
+
+
+def build_turns(
+    mechanism: Mechanism, *, start_index: float = START_INDEX, tolerance: float = 1e-11,
+    room: float = 1.0,
+) -> TurnModel:  # fmt: skip
+    """Sample the model of whole turns.
+
+    Args:
+        mechanism: The mechanism.
+        start_index: Index at which turns start.
+        tolerance: Relative accuracy of the tables.
+        room: Factor on the gaps that the tables cover.
+
+    Returns:
+        The model.
+
+    Raises:
+        InputError: The mechanism cannot be reduced.
+        SimulationError: A point cannot be reached or is singular.
+    """
+    angle = mechanism.cylinder.angle_from_index(start_index)
+    system = system_at(mechanism, 0.0, angle)
+    if not comes_back(system):
+        message = f"{mechanism.name}: the drives do not come back with the cylinder"
+        raise InputError(message)
+    state = initial_state(system, start_index, mechanism.starts)
+    chains = _chains(mechanism, angle, state.q)
+    arcs = [arc for chain in chains for arc in chain]
+    after = [number for chain, first in zip(chains, np.cumsum([0, *map(len, chains)]))
+             for number in [*range(first + 1, first + len(chain)), first]]  # fmt: skip
+    around = [Surroundings(mechanism, arc, angle) for arc in arcs]
+    reach = _reach(mechanism, around, after)
+    charts = [chart_of(item, room * gap, w, tolerance)
+              for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
+    names = [stop.name for stop in mechanism.stops]
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    first = arcs[0].stop
+    return TurnModel(
+        name=mechanism.name,
+        stops=tuple(names),
+        springs=tuple(spring.name for spring in mechanism.springs),
+        transition_stop=mechanism.transition_stop,
+        start_index=start_index,
+        start_angle_rad=angle,
+        sense=mechanism.cylinder.sense,
+        charts=stacked(mechanism, charts, after),
+        begin=(0, first.gap(state.q), 0.0, 0.0, first.name in closed),
+        restitution=np.array([stop.restitution for stop in mechanism.stops]),
+        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
+        preload=np.array([spring.preload for spring in mechanism.springs]),
+        gravity_m_s2=mechanism.gravity_m_s2,
+        samples=sum(chart.samples for chart in charts),
+    )
+
+
+def _chains(mechanism: Mechanism, angle: float, q: FloatArray) -> list[list[Arc]]:
+    """Arcs of a turn: of the stops that follow the closed one, and of those opposite."""
+    closed = mechanism.phase(mechanism.initial_phase).closed
+    if len(closed) != 1:
+        message = f"{mechanism.name}: turns of the reduced engine start with one stop closed"
+        raise InputError(message, closed=sorted(closed))
+    walk = Walk(mechanism, angle)
+    stop = mechanism.stop(next(iter(closed)))
+    near = walk.around(stop, q)
+    if len({arc.stop.name for arc in near}) == len(mechanism.stops):
+        return [near]
+    far = walk.opposite(stop, q)
+    return [near] if far is None else [near, walk.around(*far)]
+
+
+def _reach(
+    mechanism: Mechanism, around: list[Surroundings], after: list[int]
+) -> list[tuple[float, float]]:
+    """Largest gap of each chart, and usual rates in it."""
+    speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
+    gaps = np.zeros(len(around))
+    rates = np.zeros(len(around))
+    for number, item in enumerate(around):
+        approach, _, throw = item.meets()
+        if throw == 0.0:
+            continue
+        to = after[number]
+        w = _LIVELY * abs(approach) * speed
+        a, _ = around[to].acceleration(w, 0)
+        rates[to] = max(rates[to], w)
+        if a < 0.0:
+            gaps[to] = max(gaps[to], _ROOM * 0.5 * w * w / -a)
+    # The charts of one stop are alike, and those of two that meet are crossed by the same flights.
+    for _ in range(2):
+        for number, item in enumerate(around):
+            throw = item.meets()[2] or 1.0
+            to = after[number]
+            widest = max(gaps[number], throw * gaps[to])
+            fastest = max(rates[number], throw * rates[to])
+            gaps[number], gaps[to] = widest, widest / throw
+            rates[number], rates[to] = fastest, fastest / throw
+    return list(zip(gaps.tolist(), rates.tolist(), strict=True))
