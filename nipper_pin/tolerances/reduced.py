@@ -22,6 +22,9 @@ choice: terms of a resolved smooth function fall by much more when cells or node
 TRIMMED_SHARE = 0.1
 """[1] Part of the tolerance that terms which are left out of a table may add up to. A choice: nine
 tenths are left to other errors."""
+GAP_SHARE = 1e-14
+"""[1] Part of the size of a gap or of its slope that the terms which are left out of a table of a
+turn may add up to. A choice: 45 eps, so that a stop that has just opened is not taken as closed."""
 COARSE_SWEEP = 1e-4
 """[1] Change of the acceleration, by that at the start, where the first guess of a flight's length
 is good enough. A choice: it only places the end of a panel, with a margin of 1e-2."""

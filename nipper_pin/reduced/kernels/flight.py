@@ -275,17 +275,19 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         coefficients(grids, nodes, level)
         end = _first_zero(grids, nodes, level, h, x, v)
         until = end if end >= 0.0 else 1.0
-        top, place = _highest(grids, nodes, level, h, x, v, until)
-        if not top <= case[HIGH]:
-            return LEFT_GAP, *failed
-        if top > amplitude:
-            amplitude, peak_time = top, t + h * place
         first = 1 if panel == 0 and touching else 0
         for j in range(count):
             fastest = max(fastest, abs(nodes[NODE_V, j]))
         place, hit = _hit(
             grids, case, mixed, poly, nodes, degree, level, u, h, x, v, until, first
         )
+        if hit >= 0:
+            until = place
+        top, highest_at = _highest(grids, nodes, level, h, x, v, until)
+        if not top <= case[HIGH]:
+            return LEFT_GAP, *failed
+        if top > amplitude:
+            amplitude, peak_time = top, t + h * highest_at
         if hit >= 0:
             rate = rate_at(nodes, count, h, v, place)
             a = chebyshev(nodes, SERIES, 0, count, 2.0 * place - 1.0)

@@ -45,6 +45,7 @@ _UNEVEN = 4.0
 def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, stiffness: FloatArray,
            preload: FloatArray) -> None:  # fmt: skip
     """Sums of the terms of x'', all positive, with bounds in the places of the functions."""
+    first = 4 + 2 * len(stiffness)
     for row in range(3):
         values = tables.residual
         if row == BY_X:
@@ -55,7 +56,12 @@ def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, st
         for k in range(len(stiffness)):
             total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
         sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
+        if len(values) > first:
+            sizes[row, 0] += values[first] + speed * values[first + 1]
+            sizes[row, 1] += values[first + 2]
     sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
+    if len(tables.largest) > first:
+        sizes[BY_V, 0] += tables.largest[first + 2]
 
 
 @compiled

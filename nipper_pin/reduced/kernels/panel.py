@@ -63,6 +63,11 @@ def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffne
                     mixed[cell, i, m] += (
                         unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
                     )
+            if f.shape[0] > 4 + 2 * len(stiffness):
+                first = 4 + 2 * len(stiffness)
+                for m in range(count_x):
+                    mixed[cell, i, m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]
+                    mixed[cell, i, count_x + m] += f[first + 2, cell, i, m]
             for stop in range(gaps.shape[0]):
                 for m in range(count_x):
                     mixed[cell, i, (3 + stop) * count_x + m] = gaps[stop, cell, i, m]

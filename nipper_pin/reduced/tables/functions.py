@@ -25,7 +25,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_positions, close_velocities
 from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.system import System
-from ...mechanism import Stop
+from ...mechanism import Mechanism, Stop
 from ...mechanism.cylinder import rad_s_from_rpm
 
 
@@ -35,7 +35,9 @@ class Samples:
 
     Attributes:
         q: Configurations, shape (N, nv).
-        equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N).
+        equation: F0, F1, F2, Fg, then F_k and F_k s_k of every spring, shape (4 + 2 springs, N);
+            of a machine with other elements three more, shape (7 + 2 springs, N): what they do at
+            rest, and by the rates of the cylinder and of x.
         gaps: Gaps of the other stops, shape (other stops, N) [m or rad].
         slopes: Their derivatives by x, then by u, shape (2 other stops, N).
         inertia: C, shape (N,) [kg m^2 or kg].
@@ -46,6 +48,11 @@ class Samples:
     gaps: FloatArray
     slopes: FloatArray
     inertia: FloatArray
+
+
+def has_elements(mechanism: Mechanism) -> bool:
+    """True for a machine with dampers, tabulated springs, or springs or dampers between points."""
+    return bool(mechanism.dampers or mechanism.tabulated_springs or mechanism.struts)
 
 
 class Sampler:
@@ -191,12 +198,28 @@ class Sampler:
         ]
         for spring in system.mechanism.springs:
             terms += [n[:, spring.index], n[:, spring.index] * q[:, spring.index]]
+        terms += self._elements(q, n, m)
         equation = -np.array(terms) / inertia
         size = (len(self._others), len(q))
         gaps = np.reshape([stop.gaps(q) for stop in self._others], size)
         slopes = np.reshape([stop.rates(by) for by in (n, m) for stop in self._others],
                             (2 * size[0], size[1]))  # fmt: skip
         return Samples(q, equation, gaps, slopes, inertia)
+
+    def _elements(self, q: FloatArray, n: FloatArray, m: FloatArray) -> list[FloatArray]:
+        """What resists x of tables, dampers and struts: at rest, by the cylinder's speed and x'."""
+        system = self._system
+        if not has_elements(system.mechanism):
+            return []
+        zero = np.zeros_like(q)
+        still = zero if system.elements is None else system.elements.forces(q, zero)
+        all_still = system.applied_forces(q, zero)
+
+        def along(force: FloatArray) -> FloatArray:
+            return -np.asarray(np.einsum("ni,ni->n", n, force))
+
+        by_rates = (along(system.applied_forces(q, v) - all_still) for v in (m, n))
+        return [along(still), *by_rates]
 
     def opening_rates(self) -> FloatArray:
         """Rates of the other stops by that of x in the touch configuration, shape (others,)."""

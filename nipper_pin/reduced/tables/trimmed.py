@@ -39,7 +39,12 @@ class Trimmed:
 
 
 def trimmed(
-    sampler: Sampler, domain: Domain, tables: Tables, weights: FloatArray, tolerance: float
+    sampler: Sampler,
+    domain: Domain,
+    tables: Tables,
+    weights: FloatArray,
+    tolerance: float,
+    least: tuple[int, int] = (2, 2),
 ) -> Trimmed:
     """Leave out the highest degrees while their weighted sums stay below a share of the tolerance.
 
@@ -49,8 +54,10 @@ def trimmed(
         tables: The tables, resolved.
         weights: Weight of an error of each function, shape (functions,).
         tolerance: Relative accuracy of the tables.
+        least: Least orders that are kept, by travel and by x.
     """
     count_u, count_x = series2d.needed(tables.equation, weights, TRIMMED_SHARE * tolerance)
+    count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
     equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
     inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
     points = checks(sampler, domain, tables)

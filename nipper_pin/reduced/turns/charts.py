@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import FloatArray
+from ...errors import SimulationError
 from ...hybrid.error_estimate.linear_maps import of_rates
 from ...mechanism import Mechanism
 from ...mechanism.cylinder import rad_s_from_rpm
+from ...tolerances.reduced import GAP_SHARE
 from ..kernels.turn_layout import Charts
 from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
-from ..tables.tables import Domain, checks, residuals, resolved
+from ..tables.series2d import needed
+from ..tables.tables import Domain, Tables, checks, residuals, resolved
 from ..tables.trimmed import Trimmed, trimmed
 from .arcs import Arc, sampler_at, system_at
 
@@ -23,6 +26,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 _PLACES = 9
 _NODES_X = 8
+# Halvings of the gap of a chart that reaches a dead centre.
+_HALVINGS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +87,12 @@ class Surroundings:
         size = rounded.size(self.sampler.size + arc.after.index)
         return arc.after.rate(m[0]), size, 1.0 / arc.after.rate(n[0])
 
+    @property
+    def width(self) -> float:
+        """Largest gap of the nearest other stop along the arc."""
+        gaps = self.along.gaps.min(axis=0, initial=np.inf)
+        return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
+
     def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
         """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""
         terms = self._weights(w) * self.along.equation[:, place]
@@ -118,11 +129,20 @@ def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
         ConvergenceError: The functions are not smooth enough around it.
         SimulationError: A point cannot be reached.
     """
+    for _ in range(_HALVINGS):
+        try:
+            return _sampled(around, gap, w, tolerance)
+        except SimulationError:
+            gap *= 0.5
+    return _sampled(around, gap, w, tolerance)
+
+
+def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Chart:
     arc, sampler = around.arc, around.sampler
     domain = Domain(float(arc.travels[-1]), -_MARGIN * gap, gap, count_x=_NODES_X)
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
-    kept = trimmed(sampler, domain, tables, weights, tolerance)
+    kept = trimmed(sampler, domain, tables, weights, tolerance, _least(tables))
     count_u, count_x = kept.equation.shape[2:]
     slopes = np.ascontiguousarray(tables.slopes[:, :, :count_u, :count_x])
     points = checks(sampler, domain, tables)
@@ -136,6 +156,18 @@ def chart_of(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
         samples,
         around.meets(),
     )
+
+
+def _least(tables: Tables) -> tuple[int, int]:
+    """Orders that resolve the gaps and their slopes to round-off."""
+    found = [(2, 2)]
+    for series in (tables.gaps, tables.slopes):
+        size = np.abs(series).sum(axis=(2, 3)).max(axis=1, initial=0.0)
+        weights = np.where(size > 0.0, 1.0 / np.where(size > 0.0, size, 1.0), 0.0)
+        if len(series):
+            found.append(needed(series, weights, GAP_SHARE))
+    by_u, by_x = zip(*found, strict=True)
+    return max(by_u), max(by_x)
 
 
 def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Charts:
@@ -155,12 +187,15 @@ def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Char
         for number, array in enumerate(arrays):
             f, c, i, j = array.shape
             found[number, :f, :c, :i, :j] = array
+            # By round-off a place at the end may lie beyond it: there the functions are constant.
+            found[number, :f, c:, 0, :j] = array[:, -1:].sum(axis=2)
         return found
 
     inertia = np.zeros((len(charts), cells, count_u))
     for number, chart in enumerate(charts):
         c, i = chart.kept.inertia.shape
         inertia[number, :c, :i] = chart.kept.inertia
+        inertia[number, c:, 0] = chart.kept.inertia[-1].sum()
     travel = np.array([chart.domain.travel for chart in charts])
     stops = [names.index(chart.arc.stop.name) for chart in charts]
     meets = np.array([chart.meets for chart in charts])

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import DriveMode
 from ...errors import InputError
 from ...hybrid.run.periodicity import comes_back
 from ...hybrid.run.start import initial_state
 from ...mechanism import Mechanism
 from ...mechanism.cylinder import rad_s_from_rpm
 from ..kernels.turn_layout import Charts
-from .arcs import Arc, Walk, sampler_at, system_at
-from .charts import _FAST, _LIVELY, _ROOM, Chart, Surroundings, chart_of, stacked
+from .arcs import Arc, Walk, system_at
+from .charts import _FAST, _LIVELY, _ROOM, Surroundings, chart_of, stacked
 
 START_INDEX = 24.0
+# Gap of a chart that no other meets, by the width of the flight between its stops.
+_SHARE_OF_WIDTH = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,15 +86,17 @@ def build_turns(
     state = initial_state(system, start_index, mechanism.starts)
     chains = _chains(mechanism, angle, state.q)
     arcs = [arc for chain in chains for arc in chain]
-    after = [number for chain, first in zip(chains, np.cumsum([0, *map(len, chains)]))
-             for number in [*range(first + 1, first + len(chain)), first]]  # fmt: skip
+    after: list[int] = []
+    for chain in chains:
+        first = len(after)
+        after += [*range(first + 1, first + len(chain)), first]
     around = [Surroundings(mechanism, arc, angle) for arc in arcs]
     reach = _reach(mechanism, around, after)
     charts = [chart_of(item, room * gap, w, tolerance)
               for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
     names = [stop.name for stop in mechanism.stops]
     closed = mechanism.phase(mechanism.initial_phase).closed
-    first = arcs[0].stop
+    start = arcs[0].stop
     return TurnModel(
         name=mechanism.name,
         stops=tuple(names),
@@ -102,7 +106,7 @@ def build_turns(
         start_angle_rad=angle,
         sense=mechanism.cylinder.sense,
         charts=stacked(mechanism, charts, after),
-        begin=(0, first.gap(state.q), 0.0, 0.0, first.name in closed),
+        begin=(0, start.gap(state.q), 0.0, 0.0, start.name in closed),
         restitution=np.array([stop.restitution for stop in mechanism.stops]),
         stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
         preload=np.array([spring.preload for spring in mechanism.springs]),
@@ -152,4 +156,9 @@ def _reach(
             fastest = max(rates[number], throw * rates[to])
             gaps[number], gaps[to] = widest, widest / throw
             rates[number], rates[to] = fastest, fastest / throw
+    for number, item in enumerate(around):
+        if gaps[number] == 0.0:
+            gaps[number] = _SHARE_OF_WIDTH * item.width
+            a, _ = item.acceleration(0.0, 0)
+            rates[number] = math.sqrt(2.0 * abs(a) * gaps[number])
     return list(zip(gaps.tolist(), rates.tolist(), strict=True))
