@@ -33,7 +33,7 @@ def test_the_fastest_rate_of_a_flight_is_its_largest(e62: Mechanism, model: Redu
     first, second = simulate(
         e62, Case(speed_rpm=650.0, resolution=Resolution(tolerance=1e-13))
     ).collisions[:2]
-    status, duration, rate, _, _, acceleration, fastest, _, _ = flight(
+    status, duration, rate, _, _, acceleration, fastest, _, _, _, _ = flight(
         grids(), work.case, work.mixed, work.poly, work.nodes, model.tables.equation.shape[3],
         0.0, 0.0, first.separation_rate, TOLERANCE, True,
     )  # fmt: skip

@@ -113,7 +113,8 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     tables, u, x, v = FLIGHTS[name]
     tables = bounded(tables)
     found, work = flown(tables, u, x, v, tolerance)
-    status, T, rate, top, peak, a, fastest, changed, left = found
+    status, T, rate, top, peak, a, fastest, changed, left, last, hit = found
+    assert hit == -1.0
     motion, end, back = solved(tables, u, x, v)
     assert status == (AT_REST if back else LEFT_TRAVEL)
     duration, wrong, height = flight_errors.flight_errors(
@@ -136,7 +137,8 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
         assert abs(top - best) <= 4.0 * height + judged * best
     else:
         assert pytest.approx((TRAVEL - u) / SPEED, rel=1e-12) == T
-        assert top == pytest.approx(motion(end)[0], rel=1e4 * tolerance + 1e-9)
+        assert last == pytest.approx(motion(end)[0], rel=1e4 * tolerance + 1e-9)
+        assert top <= last * (1.0 + 1e-9)
     largest = np.abs(rates).max()
     # Between nodes it may be a little larger, and panels end a little behind the flight.
     assert 0.95 * largest <= fastest <= 1.1 * largest
@@ -149,13 +151,17 @@ def test_every_number_of_a_flight(name: str, tolerance: float) -> None:
     [(0.3, 1.0, LEFT_GAP), (2.0, -1.0, OTHER_STOP), (2.0, 1.0, AT_REST)],
 )
 def test_ends_of_a_flight(high: float, gap: float, expected: int) -> None:
-    """Too high, or another stop closes; all other numbers of such a flight are zero."""
+    """Too high: its other numbers are zero; or another stop is closed already: it ends at once."""
     gaps = np.zeros((1, 1, 3, 3))
     gaps[0, 0, 0, 0] = gap
     tables = tables_of(level(-1.0), gaps=gaps, low=LOW, high=high, travel=TRAVEL)
     found, _ = flown(tables, 0.5, 0.0, 3.0, 1e-9)
     assert found[0] == expected
-    assert not any(found[1:]) or expected == AT_REST
+    if expected == LEFT_GAP:
+        assert found[1:] == (*[0.0] * 9, -1.0)
+    if expected == OTHER_STOP:
+        assert found[1] == pytest.approx(0.0, abs=1e-15)
+        assert found[10] == 0.0
 
 
 @pytest.mark.parametrize(("jump", "expected"), [(-1e9, UNRESOLVED), (1e9, LEFT_GAP)])
@@ -164,7 +170,7 @@ def test_a_motion_that_no_panel_follows(jump: float, expected: int) -> None:
     equation = level(-1.0, cells=2)
     equation[0, 1, 0, 0] = jump
     tables = tables_of(equation, low=LOW, high=HIGH, travel=TRAVEL)
-    assert flown(tables, 2.9999, 0.0, 3.0, 1e-12)[0] == (expected, *[0.0] * 8)
+    assert flown(tables, 2.9999, 0.0, 3.0, 1e-12)[0] == (expected, *[0.0] * 9, -1.0)
 
 
 def sizes() -> Any:
@@ -256,29 +262,3 @@ def test_another_stop_may_be_closed_where_the_flight_begins() -> None:
     tables = tables_of(level(-1.0), gaps=gaps, low=LOW, high=HIGH, travel=TRAVEL)
     assert flown(tables, 0.5, 0.0, 3.0, 1e-9)[0][0] == AT_REST
     assert flown(tables, 0.5, 0.1, 3.0, 1e-9)[0][0] == OTHER_STOP
-
-
-@pytest.mark.parametrize(
-    ("values", "is_open"),
-    [
-        ((2.0, 1.5, 0.7, 0.9), True),
-        # Half of the larger difference to the neighbours: 0.6 on the left, 0.75 on the right.
-        ((2.0, 1.5, 0.3, 0.5), False),
-        ((2.0, 0.5, 0.3, 1.8), False),
-        ((2.0, 1.5, 0.61, 1.0), True),
-        ((0.3, 0.2, 0.1, 0.05), True),
-        ((0.3, 0.2, 0.1, 0.0), False),
-    ],
-)
-def test_gaps_of_other_stops_may_dip_between_nodes(
-    values: tuple[float, ...], is_open: bool
-) -> None:
-    """By less than half of what they fall to a node from the larger neighbour."""
-    tables = tables_of(level(-1.0), low=0.0, high=2.0)
-    work = work_of(tables)
-    poly = np.zeros((5, 4))
-    poly[:4, 3] = values
-    work.nodes[:] = 1.0
-    work.case[:] = 0.0
-    found = flight._others_open(grids(), work.case, poly, work.nodes, 1, 0, 1.0, 0)
-    assert found is is_open

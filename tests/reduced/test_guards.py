@@ -7,16 +7,13 @@ import pytest
 
 from nipper_pin import Case, InputError, load, simulate
 from nipper_pin.reduced import ReducedModel, Status, build, transition, transitions
-from nipper_pin.reduced.kernels.flight import _first_zero, _others_open
+from nipper_pin.reduced.kernels.flight import _first_zero
 from nipper_pin.reduced.kernels.grids import grids as shared_grids
 from nipper_pin.reduced.kernels.layout import (
-    CASE_NUMBERS,
     LEVELS,
-    LOW,
     NODE_A,
     NODE_V,
     NODE_X,
-    SCALE,
     SCRATCH_ROWS,
     SIGMA,
 )
@@ -72,48 +69,6 @@ def test_rebounds_beyond_the_tables_are_not_computed(model: ReducedModel) -> Non
         for item in (low, high)
     ]  # fmt: skip
     assert status == [Status.LEFT_GAP, Status.AT_REST]
-
-
-@pytest.mark.parametrize(
-    ("gaps", "is_open"),
-    [
-        ((1.0, 0.9, 0.8, 0.7), True),
-        ((1.0, 0.9, 0.0, 0.7), False),
-        ((1.0, -1e-9, 0.8, 0.7), False),
-        # A parabola through 1, 0.4, 1 may fall by half of 0.6 below 0.4: it stays above zero.
-        ((2.0, 1.0, 0.4, 1.0), True),
-        # Through 1, 0.2, 1 it may fall by 0.4 below 0.2.
-        ((2.0, 1.0, 0.2, 1.0), False),
-        ((1.0, 0.2, 1.0, 2.0), False),
-    ],
-)
-def test_other_stops_that_dip_between_nodes_are_found(
-    gaps: tuple[float, ...], is_open: bool
-) -> None:
-    grids = shared_grids()
-    case = np.zeros(CASE_NUMBERS)
-    case[LOW], case[SCALE] = 0.0, 1.0
-    nodes = np.ones((SCRATCH_ROWS, LEVELS[-1] + 2))
-    # With one coefficient a function; the first three are those of the acceleration.
-    poly = np.zeros((len(gaps) + 1, 4))
-    poly[:-1, 3] = gaps
-    assert _others_open(grids, case, poly, nodes, 1, 0, 1.0, 0) is is_open
-
-
-def test_other_stops_count_until_the_end_of_the_flight_only() -> None:
-    """What the panel holds behind the next collision does not happen; nor does the start."""
-    grids = shared_grids()
-    case = np.zeros(CASE_NUMBERS)
-    case[SCALE] = 1.0
-    nodes = np.ones((SCRATCH_ROWS, LEVELS[-1] + 2))
-    poly = np.zeros((5, 4))
-    poly[:-1, 3] = 1.0, 1.0, 1.0, -1.0
-    middle = float(grids[SIGMA, 0, 0, 2])
-    assert _others_open(grids, case, poly, nodes, 1, 0, middle, 0)
-    assert not _others_open(grids, case, poly, nodes, 1, 0, 1.0, 0)
-    poly[:-1, 3] = 0.0, 1.0, 1.0, 1.0
-    assert _others_open(grids, case, poly, nodes, 1, 0, 1.0, 1)
-    assert not _others_open(grids, case, poly, nodes, 1, 0, 1.0, 0)
 
 
 @pytest.mark.parametrize(("depth", "found"), [(1e-3, True), (-1e-3, False)])

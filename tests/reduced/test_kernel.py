@@ -11,6 +11,7 @@ from numpy.polynomial import Polynomial, chebyshev
 from written_tables import level, tables_of, turn_of
 
 from nipper_pin.reduced.kernels import flight_errors, kernel
+from nipper_pin.reduced.kernels import series as bounces
 from nipper_pin.reduced.kernels.grids import grids
 from nipper_pin.reduced.kernels.layout import (
     AMPLITUDE,
@@ -249,7 +250,7 @@ def test_limit_of_a_series(count: int, changes: float, bent: list[float]) -> Non
     times = 3.0 - Polynomial([0.0, 2.0, *bent])(rates)
     series = np.full((3, 16), np.nan)
     series[0, :count], series[1, :count] = times, rates
-    found, error = kernel._limit(series, count, changes)
+    found, error = bounces.limit(series, count, changes)
     best, least = extrapolated(times, rates, changes)
     assert found == pytest.approx(best, rel=1e-9, abs=1e-12)
     assert error == pytest.approx(least, rel=1e-6, abs=1e-12)
@@ -259,9 +260,9 @@ def test_limit_of_a_series(count: int, changes: float, bent: list[float]) -> Non
 
 def test_there_is_no_limit_of_one_bounce_or_of_growing_ones() -> None:
     series = np.array([[0.0, 1.0, 2.0], [0.5, 0.3, 0.3], [0.0, 0.0, 0.0]])
-    assert np.isinf(kernel._limit(series, 1, 0.0)).all()
-    assert np.isfinite(kernel._limit(series, 2, 0.0)).all()
-    assert np.isinf(kernel._limit(series, 3, 0.0)).all()
+    assert np.isinf(bounces.limit(series, 1, 0.0)).all()
+    assert np.isfinite(bounces.limit(series, 2, 0.0)).all()
+    assert np.isinf(bounces.limit(series, 3, 0.0)).all()
 
 
 @pytest.mark.parametrize("u", [-0.1, 0.0, 0.7, 1.3, 3.5, 3.6])

@@ -41,7 +41,7 @@ def system(e62: Mechanism) -> System:
 
 def sampler_of(system: System, name: str) -> Sampler:
     stop = system.mechanism.stop(name)
-    return Sampler(system, sampling._split(system, stop.index, name), stop.index, ())
+    return Sampler(system, sampling._split(system, stop.index, name), stop, ())
 
 
 def hits(turn: Solution, stop: str) -> Any:

@@ -27,7 +27,8 @@ class Noisy:
     def at(self, u: Any, x: Any, q: Any) -> Samples:
         random = np.random.default_rng(len(u))
         value = np.sin(u) * np.cos(x) + self.noise * random.uniform(-1.0, 1.0, len(u))
-        return Samples(q, value[None], np.zeros((0, len(u))), np.ones(len(u)))
+        none = np.zeros((0, len(u)))
+        return Samples(q, value[None], none, none, np.ones(len(u)))
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-4, 1e-3])

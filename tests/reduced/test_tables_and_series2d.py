@@ -74,7 +74,8 @@ class Known:
         # Configurations that are given have to be near.
         assert np.abs(q - np.stack([u, x], axis=-1)).max() < 1.5
         inertia = 2.0 + np.cos(u) * (1.0 + 0.1 * x)
-        return Samples(q, self.values(u, x), np.array([u - 7.0 * x]), inertia)
+        slopes = np.array([np.full_like(u, -7.0), np.ones_like(u)])
+        return Samples(q, self.values(u, x), np.array([u - 7.0 * x]), slopes, inertia)
 
 
 @pytest.mark.parametrize("begin", [0.0, -1.3])
@@ -115,7 +116,8 @@ def test_a_domain_without_other_stops_has_no_gaps() -> None:
     class Alone(Known):
         def at(self, u: Any, x: Any, q: Any) -> Samples:
             found = super().at(u, x, q)
-            return Samples(q, found.equation, np.zeros((0, len(u))), found.inertia)
+            none = np.zeros((0, len(u)))
+            return Samples(q, found.equation, none, none, found.inertia)
 
     tables, _ = resolved(Alone(), Domain(0.4, -0.1, 0.5), np.ones(2), 1e-9)  # type: ignore[arg-type]
     assert tables.gaps.shape == (0, 1, 16, 12)

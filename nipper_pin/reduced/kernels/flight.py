@@ -152,16 +152,16 @@ def _hit(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArra
     count = LEVELS[level]
     place, hit = end, -1
     for column in range(3 * degree, poly.shape[1], degree):
-        older = old = np.inf
-        for j in range(first, count):
+        older = old = -np.inf
+        for j in range(count):
             sigma = grids[SIGMA, level, 0, j]
             gap = chebyshev(poly, j, column, degree,
                             case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0)  # fmt: skip
             low = grids[SIGMA, level, 0, max(j - 1, 0)]
-            high = sigma if gap <= 0.0 else -1.0
+            high = sigma if gap <= 0.0 and j >= first else -1.0
             # Between nodes a minimum is lower by less than half the difference of its neighbours.
             drop = 0.5 * max(older - old, gap - old)
-            if gap > 0.0 and old < older and old <= gap and old <= drop:
+            if j >= 2 and gap > 0.0 and old < older and old <= gap and old <= drop:
                 low = grids[SIGMA, level, 0, max(j - 2, 0)]
                 high = _dip(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, low,
                             sigma)  # fmt: skip
@@ -278,9 +278,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         first = 1 if panel == 0 and touching else 0
         for j in range(count):
             fastest = max(fastest, abs(nodes[NODE_V, j]))
-        place, hit = _hit(
-            grids, case, mixed, poly, nodes, degree, level, u, h, x, v, until, first
-        )
+        place, hit = _hit(grids, case, mixed, poly, nodes, degree, level, u, h, x, v, until, first)
         if hit >= 0:
             until = place
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)
@@ -293,8 +291,8 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
             a = chebyshev(nodes, SERIES, 0, count, 2.0 * place - 1.0)
             gap = position(nodes, count, h, x, v, place)
             return (
-                OTHER_STOP, t + h * place, rate, amplitude, peak_time, a, fastest, changed, left,
-                gap, hit,
+                OTHER_STOP, t + h * place, rate, max(amplitude, gap), peak_time, a, fastest,
+                changed, left, gap, hit,
             )  # fmt: skip
         if end >= 0.0:
             rate = rate_at(nodes, count, h, v, end)

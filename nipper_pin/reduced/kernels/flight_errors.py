@@ -56,11 +56,11 @@ def sizes_of(tables: Tables, sizes: FloatArray, speed: float, gravity: float, st
         for k in range(len(stiffness)):
             total += abs(stiffness[k]) * (abs(preload[k]) * values[4 + 2 * k] + values[5 + 2 * k])
         sizes[row, 0], sizes[row, 1], sizes[row, 2] = total, speed * values[1], values[2]
-        if len(values) > first:
+        if len(values) == first + 3:
             sizes[row, 0] += values[first] + speed * values[first + 1]
             sizes[row, 1] += values[first + 2]
     sizes[BY_V, 0], sizes[BY_V, 1] = speed * tables.largest[1], 2.0 * tables.largest[2]
-    if len(tables.largest) > first:
+    if len(tables.largest) == first + 3:
         sizes[BY_V, 0] += tables.largest[first + 2]
 
 

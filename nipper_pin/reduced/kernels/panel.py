@@ -63,7 +63,7 @@ def mix(tables: Tables, mixed: FloatArray, speed: float, gravity: float, stiffne
                     mixed[cell, i, m] += (
                         unit * f[4 + 2 * k, cell, i, m] + rate * f[5 + 2 * k, cell, i, m]
                     )
-            if f.shape[0] > 4 + 2 * len(stiffness):
+            if f.shape[0] == 7 + 2 * len(stiffness):
                 first = 4 + 2 * len(stiffness)
                 for m in range(count_x):
                     mixed[cell, i, m] += f[first, cell, i, m] + speed * f[first + 1, cell, i, m]

@@ -18,6 +18,7 @@ from .layout import (
     BY_U,
     BY_V,
     BY_X,
+    JAM,
     LEFT_TRAVEL,
     LOW,
     OTHER_STOP,
@@ -53,7 +54,6 @@ from .turn_layout import (
     TurnWork,
 )
 
-JAM = UNTOLD + 1
 _TURN = 2.0 * pi
 # Longest period that is looked for [turns], and the relative difference of turns that are the same.
 _MOST_PERIOD, _SAME = 64, 1e-10
@@ -220,8 +220,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         turns: Number of turns.
         begin: Chart, gap, its rate and whether its stop is closed, at the start.
         events: Written, shape (most, EVENT_COLUMNS).
-        ends: Written, shape (turns, 5): chart and travel of the last rest's end in a turn (-1
-            without one), then chart, gap and rate at its end.
+        ends: Written, shape (turns + 1, 5): of the start and of each turn, chart and travel of the
+            last rest's end (-1 without one), then chart, gap and rate at its end.
 
     Returns:
         Status, number of events, number of turns, and the number of turns after which the last one
@@ -239,6 +239,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     last = -1
     touching = free = False
     rest_chart, rest_end = -1.0, 0.0
+    _mark(ends, 0, float(c) if resting else -1.0, np.inf, c, x, v)
     while True:
         visit(charts, work, c, speed, gravity, stiffness, preload)
         case, sizes = work.case[c], work.sizes[c]
@@ -357,12 +358,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         if resting and ahead_of != stop:
             rest_chart, rest_end = float(c), u
         if charts.begin[to] == 0.0:
-            ends[turn, 0], ends[turn, 1] = rest_chart, rest_end
-            ends[turn, 2], ends[turn, 3], ends[turn, 4] = float(to), x, v
-            if resting and ahead_of == stop:
-                ends[turn, 0], ends[turn, 1] = float(to), np.inf
-            rest_chart = -1.0
             turn += 1
+            if resting and ahead_of == stop:
+                rest_chart, rest_end = float(to), np.inf
+            _mark(ends, turn, rest_chart, rest_end, to, x, v)
+            rest_chart = -1.0
             again = repeats(charts, ends, turn)
             if turn == turns or again > 0:
                 return AT_REST, n, turn, again
@@ -398,15 +398,23 @@ def _release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, 
 
 
 @compiled
-def repeats(charts: Charts, ends: FloatArray, turns: int) -> int:
-    """After how many turns the last one repeats an earlier one; 0 if it is not known to.
+def _mark(ends: FloatArray, turn: int, rest_chart: float, rest_end: float, c: int, x: float,
+          v: float) -> None:  # fmt: skip
+    """Write the end of a turn."""
+    ends[turn, 0], ends[turn, 1] = rest_chart, rest_end
+    ends[turn, 2], ends[turn, 3], ends[turn, 4] = float(c), x, v
+
+
+@compiled
+def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
+    """After how many turns one repeats an earlier one; 0 if it is not known to.
 
     What follows a rest does not depend on what was before it, so two turns whose last rests end at
     the same travel end alike. Without a rest their states at the end have to be the same.
     """
-    now = ends[turns - 1]
-    for back in range(1, min(turns, _MOST_PERIOD + 1)):
-        then = ends[turns - 1 - back]
+    now = ends[turn]
+    for back in range(1, min(turn, _MOST_PERIOD) + 1):
+        then = ends[turn - back]
         if now[0] != then[0] or now[2] != then[2]:
             continue
         if now[0] >= 0.0:

@@ -157,19 +157,53 @@ def checks(sampler: Sampler, domain: Domain, tables: Tables) -> Checks:
     return Checks(u, x, true, at_rest.inertia)
 
 
-def residuals(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
+def residuals(
+    sampler: Sampler,
+    domain: Domain,
+    tables: Tables,
+    equation: FloatArray,
+    inertia: FloatArray,
+) -> tuple[FloatArray, float]:
+    """Bound the errors of the series from random points off the grid.
+
+    Args:
+        sampler: Evaluates the functions.
+        domain: The domain.
+        tables: The tables, for guesses of the configurations.
+        equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
+        inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
+
+    Returns:
+        Bounds on the error of every function, shape (functions,), and the relative one of the
+        inertia.
+    """
+    points = checks(sampler, domain, tables)
+    error = misfit(points, domain, equation, points.true.equation)
+    relative = largest_error(points, domain, inertia[None, :, :, None], points.inertia[None], True)
+    return error, float(TABLE_ERROR_SAFETY * relative[0] + 4.0 * EPS)
+
+
+def misfit(points: Checks, domain: Domain, series: FloatArray, true: FloatArray) -> FloatArray:
     """Bound the errors of series from points off the grid.
 
     Args:
         points: The points.
         domain: The domain.
-        series: Coefficients, shape (functions, cells, Nu, Nx); of functions of the travel alone
-            Nx is 1.
+        series: Coefficients, shape (functions, cells, Nu, Nx).
         true: Values at the points, shape (functions, N).
 
     Returns:
         Bounds on the error of every function, shape (functions,).
     """
+    scale = np.abs(true).max(axis=1, initial=0.0)
+    error = largest_error(points, domain, series, true)
+    return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
+
+
+def largest_error(
+    points: Checks, domain: Domain, series: FloatArray, true: FloatArray, relative: bool = False
+) -> FloatArray:
+    """Largest error of series at points, absolute or by the true value; as :func:`misfit`."""
     cells = series.shape[1]
     width = domain.travel / cells
     cell = np.minimum((points.u / width).astype(int), cells - 1)
@@ -180,9 +214,11 @@ def residuals(points: Checks, domain: Domain, series: FloatArray, true: FloatArr
         if chosen.any():
             x = domain.places(points.x[chosen])
             found = series2d.evaluate(series[:, number], place[chosen], x)
-            error = np.maximum(error, np.abs(found - true[:, chosen]).max(axis=1))
-    scale = np.abs(true).max(axis=1, initial=0.0)
-    return np.asarray(TABLE_ERROR_SAFETY * error + 4.0 * EPS * scale)
+            wrong = np.abs(found - true[:, chosen])
+            if relative:
+                wrong /= np.abs(true[:, chosen])
+            error = np.maximum(error, wrong.max(axis=1))
+    return error
 
 
 def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tables:
@@ -199,13 +235,9 @@ def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tabl
     shape = (-1, cells, _COUNT_U, count_x)
     inertia = series2d.fit(found.inertia.reshape(shape))[0]
     zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
-    return Tables(
-        u,
-        x,
-        q,
-        *(
-            series2d.fit(values.reshape(len(values), *shape[1:]))
-            for values in (found.equation, found.gaps, found.slopes)
-        ),
-        np.asarray(inertia @ zero),
-    )
+
+    def fitted(values: FloatArray) -> FloatArray:
+        return series2d.fit(values.reshape(len(values), *shape[1:]))
+
+    equation, gaps, slopes = map(fitted, (found.equation, found.gaps, found.slopes))
+    return Tables(u, x, q, equation, gaps, slopes, np.asarray(inertia @ zero))

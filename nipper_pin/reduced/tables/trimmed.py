@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 from ...tolerances.reduced import TRIMMED_SHARE
 from . import series2d
 from .functions import Sampler
-from .tables import Domain, Tables, checks, residuals
+from .tables import Domain, Tables, residuals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,16 +60,15 @@ def trimmed(
     count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
     equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
     inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
-    points = checks(sampler, domain, tables)
-    wrong = residuals(points, domain, inertia[None, :, :, None], points.inertia[None])
+    residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
     return Trimmed(
         equation=equation,
         gaps=np.ascontiguousarray(tables.gaps[:, :, :count_u, :count_x]),
         inertia=inertia,
-        residual=residuals(points, domain, equation, points.true.equation),
-        inertia_residual=float(wrong[0] / np.abs(points.inertia).min()),
+        residual=residual,
+        inertia_residual=inertia_residual,
         largest=largest,
         steepest_x=2.0 / (domain.high - domain.low) * steep_x,
         steepest_u=2.0 / width * steep_u,

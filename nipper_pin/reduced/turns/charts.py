@@ -15,7 +15,7 @@ from ...tolerances.reduced import GAP_SHARE
 from ..kernels.turn_layout import Charts
 from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
 from ..tables.series2d import needed
-from ..tables.tables import Domain, Tables, checks, residuals, resolved
+from ..tables.tables import Domain, Tables, checks, misfit, resolved
 from ..tables.trimmed import Trimmed, trimmed
 from .arcs import Arc, sampler_at, system_at
 
@@ -151,8 +151,8 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
         domain,
         kept,
         slopes,
-        residuals(points, domain, kept.gaps, points.true.gaps),
-        residuals(points, domain, slopes, points.true.slopes),
+        misfit(points, domain, kept.gaps, points.true.gaps),
+        misfit(points, domain, slopes, points.true.slopes),
         samples,
         around.meets(),
     )

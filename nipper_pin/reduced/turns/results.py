@@ -1,0 +1,142 @@
+"""What whole turns of the reduced engine return: their events, and how they ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from ..kernels import layout, turn_layout
+from ..results import ENGINE
+
+
+class TurnStatus(IntEnum):
+    """How a run of turns ended."""
+
+    FOLLOWED = layout.AT_REST
+    """All turns were followed, or they repeat."""
+    LEFT_GAP = layout.LEFT_GAP
+    """A flight went beyond the largest gap of the model."""
+    OTHER_STOP = layout.OTHER_STOP
+    """A stop closed outside the stretches of the turn that the model knows."""
+    TOO_MANY_COLLISIONS = layout.TOO_MANY
+    """More collisions than a series or a run may have."""
+    UNRESOLVED = layout.UNRESOLVED
+    """A flight could not be resolved."""
+    UNTOLD = layout.UNTOLD
+    """Round-off decides whether a stop comes to rest, or is released."""
+    JAM = layout.JAM
+    """Two stops jam the mechanism against its drives."""
+
+
+TURN_REASONS = {
+    TurnStatus.LEFT_GAP: "a flight leaves the tables; build them with a larger room",
+    TurnStatus.OTHER_STOP: "a stop closes where the tables do not hold it",
+    TurnStatus.TOO_MANY_COLLISIONS: "there are more collisions than max_collisions allows",
+    TurnStatus.UNRESOLVED: "a flight cannot be resolved",
+    TurnStatus.UNTOLD: "round-off decides whether a stop comes to rest or is released",
+    TurnStatus.JAM: "two stops jam the mechanism against its drives",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedTurns:
+    """Whole turns; arrays have shape (events,), NaN where a rest or a release has none.
+
+    Attributes:
+        model: Name of the model.
+        stops: Names of the stops.
+        turns: Turns that were followed.
+        repeats_after: After how many turns the last one repeats an earlier one, so that all further
+            ones are known; 0 if it does not.
+        table: The events, shape (events, columns).
+        engine: The engine that computed it.
+    """
+
+    model: str
+    stops: tuple[str, ...]
+    turns: int
+    repeats_after: int
+    table: FloatArray = field(repr=False)
+    engine: str = ENGINE
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """Each event: collision, rest or release."""
+        names = {
+            turn_layout.COLLISION: "collision",
+            turn_layout.REST: "rest",
+            turn_layout.RELEASE: "release",
+        }
+        return tuple(names[int(number)] for number in self.table[:, turn_layout.KIND])
+
+    @property
+    def stop(self) -> tuple[str, ...]:
+        """The stop of each event."""
+        return tuple(self.stops[int(number)] for number in self.table[:, turn_layout.STOP])
+
+    @property
+    def collisions(self) -> NDArray[np.bool_]:
+        """Which events are collisions."""
+        return np.asarray(self.table[:, turn_layout.KIND] == turn_layout.COLLISION)
+
+    @property
+    def time(self) -> FloatArray:
+        """Times from the start of the first turn [s]."""
+        return self._column(turn_layout.TIME)
+
+    @property
+    def travel(self) -> FloatArray:
+        """Travels of the cylinder from there [rad]."""
+        return self._column(turn_layout.TRAVEL)
+
+    @property
+    def approach_rate(self) -> FloatArray:
+        """Rates of the gap before collisions [rad/s or m/s], negative."""
+        return self._column(turn_layout.APPROACH)
+
+    @property
+    def separation_rate(self) -> FloatArray:
+        """Rates after them."""
+        return self._column(turn_layout.SEPARATION)
+
+    @property
+    def impulse(self) -> FloatArray:
+        """Normal impulses at the contact points [N s]; along the joint without one [N m s]."""
+        return self._column(turn_layout.IMPULSE)
+
+    @property
+    def energy_lost(self) -> FloatArray:
+        """Kinetic energy lost [J]."""
+        return self._column(turn_layout.ENERGY)
+
+    @property
+    def rebound_amplitude(self) -> FloatArray:
+        """Largest gaps of the rebounds that end at the same stop [rad or m]; NaN for others."""
+        return self._column(turn_layout.AMPLITUDE)
+
+    @property
+    def time_error(self) -> FloatArray:
+        """Bounds on the errors of ``time`` [s]."""
+        return self._column(turn_layout.TIME_ERROR)
+
+    @property
+    def rate_error(self) -> FloatArray:
+        """Bounds on the errors of ``approach_rate``."""
+        return self._column(turn_layout.RATE_ERROR)
+
+    @property
+    def impulse_error(self) -> FloatArray:
+        """Bounds on the errors of ``impulse``, in its unit."""
+        return self._column(turn_layout.IMPULSE_ERROR)
+
+    @property
+    def amplitude_error(self) -> FloatArray:
+        """Bounds on the errors of ``rebound_amplitude``."""
+        return self._column(turn_layout.AMPLITUDE_ERROR)
+
+    def _column(self, number: int) -> FloatArray:
+        return np.asarray(self.table[:, number])

@@ -1,0 +1,181 @@
+"""Whole turns of a mechanism by the reduced engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import FloatArray
+from ...errors import InputError, SimulationError, UnknownNameError
+from ...extras import require
+from ...mechanism import Mechanism
+from ...units import S_PER_MIN
+from ..inputs import check_run, number, one_row
+from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
+from ..kernels.turn_layout import EVENT_COLUMNS, TurnWork
+from .model import START_INDEX, TurnModel, build_turns
+from .results import TURN_REASONS, ReducedTurns, TurnStatus
+
+# Events of a turn that there is room for beyond its collisions.
+_BESIDE = 64
+_ROOMS = (1.0, 2.0, 4.0, 8.0)
+_KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TurnModel]] = WeakKeyDictionary()
+
+
+def turn_model(
+    mechanism: Mechanism, start_index: float = START_INDEX, room: float = 1.0
+) -> TurnModel:
+    """Return the model of a mechanism's turns, sampled at the first call.
+
+    Args:
+        mechanism: The mechanism.
+        start_index: Index at which turns start.
+        room: Factor on the gaps that the tables cover.
+
+    Raises:
+        InputError: The mechanism cannot be reduced.
+        SimulationError: A point of the turn cannot be reached or is singular.
+    """
+    known = _KNOWN.setdefault(mechanism, {})
+    if (start_index, room) not in known:
+        known[start_index, room] = build_turns(mechanism, start_index=start_index, room=room)
+    return known[start_index, room]
+
+
+def turns(
+    mechanism: Mechanism,
+    *,
+    speed_rpm: float,
+    cycles: int = 1,
+    start_index: float = START_INDEX,
+    restitution: float | Mapping[str, float] | None = None,
+    stiffness: ArrayLike | None = None,
+    preload: ArrayLike | None = None,
+    rest_rate: float | None = None,
+    tolerance: float = 1e-10,
+    max_collisions: int = 256,
+) -> ReducedTurns:
+    """Follow whole turns from event to event.
+
+    Tables with more room are made where flights leave those of the usual one.
+
+    Args:
+        mechanism: The mechanism.
+        speed_rpm: Cylinder speed [r/min].
+        cycles: Number of turns; fewer are computed once they repeat.
+        start_index: Index at which turns start, in the initial phase.
+        restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.
+        stiffness: Spring rates, one number or shape (springs,) [N/m or N m/rad].
+        preload: Deflections in the springs at zero, likewise [m or rad].
+        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy of flights and of limits.
+        max_collisions: Largest number of collisions of a series of bounces, and per turn.
+
+    Returns:
+        The events.
+
+    Raises:
+        InputError: A parameter is out of range, or the mechanism cannot be reduced.
+        SimulationError: The turns cannot be followed; the reason says why.
+    """
+    for room in _ROOMS:
+        model = turn_model(mechanism, start_index, room)
+        status, found = _followed(
+            model, speed_rpm, cycles, restitution, stiffness, preload, rest_rate, tolerance,
+            max_collisions,
+        )  # fmt: skip
+        if status != LEFT_GAP:
+            break
+    if status:
+        name = TurnStatus(status).name
+        reason = TURN_REASONS[TurnStatus(status)]
+        message = f"{model.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
+        raise SimulationError(message, status=name, speed_rpm=speed_rpm)
+    return found
+
+
+def _followed(
+    model: TurnModel,
+    speed_rpm: float,
+    cycles: int,
+    restitution: float | Mapping[str, float] | None,
+    stiffness: ArrayLike | None,
+    preload: ArrayLike | None,
+    rest_rate: float | None,
+    tolerance: float,
+    max_collisions: int,
+) -> tuple[int, ReducedTurns]:
+    follow, grids = _compiled()
+
+    check_run(rest_rate, tolerance, max_collisions)
+    if cycles < 1:
+        message = f"cycles = {cycles!r} cannot be used: a whole number from 1"
+        raise InputError(message, cycles=cycles)
+    speed = number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
+    chart, gap, rate, by_speed, closed = model.begin
+    events = np.full((cycles * (max_collisions + _BESIDE), EVENT_COLUMNS), np.nan)
+    ends = np.empty((cycles + 1, 5))
+    status, count, done, again = follow(
+        grids,
+        model.charts,
+        _work(model, max_collisions),
+        speed,
+        _restitutions(model, restitution),
+        one_row("stiffness", stiffness, model.stiffness, 0.0),
+        one_row("preload", preload, model.preload, -math.inf),
+        1.0,
+        0.0 if rest_rate is None else float(rest_rate),
+        float(tolerance),
+        cycles,
+        (chart, gap, rate + by_speed * speed, closed),
+        events,
+        ends,
+    )
+    return status, ReducedTurns(model.name, model.stops, done, again, events[:count].copy())
+
+
+def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | None) -> FloatArray:
+    """e_N of the stops, shape (K,)."""
+    found = model.restitution.copy()
+    if restitution is None:
+        return found
+    if not isinstance(restitution, Mapping):
+        restitution = {model.transition_stop: restitution}
+    for name, value in restitution.items():
+        if name not in model.stops:
+            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+        found[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
+    return found
+
+
+def _work(model: TurnModel, most: int) -> TurnWork:
+    """Scratch arrays of a call: no two threads share them."""
+    count, _, cells, count_u, count_x = model.charts.equation.shape
+    rows = (3 + model.charts.others.shape[1]) * count_x
+    finest = LEVELS[-1]
+    return TurnWork(
+        np.zeros((count, CASE_NUMBERS)),
+        np.zeros((count, cells, count_u, rows)),
+        np.zeros((count, SIZES, 3)),
+        np.zeros((count, cells, count_u)),
+        np.zeros(count, dtype=np.bool_),
+        np.zeros((finest + 1, rows)),
+        np.zeros((SCRATCH_ROWS, finest + 2)),
+        np.zeros((3, most)),
+    )
+
+
+@cache
+def _compiled() -> tuple[Callable[..., Any], FloatArray]:
+    """The compiled function of turns and its grids; numba is loaded here."""
+    require("study", "numba", what="the reduced engine")
+    from ..kernels.grids import grids
+    from ..kernels.turn import follow
+
+    return follow, grids()
