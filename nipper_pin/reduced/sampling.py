@@ -32,7 +32,7 @@ from .model import (
 )
 from .tables.arrival import NOT_SAMPLED, Arrival, Opening, Waiting, arrival, found_opening, unknown
 from .tables.functions import Sampler
-from .tables.tables import Domain, resolved
+from .tables.tables import Domain, checks, resolved
 from .tables.trimmed import trimmed
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
@@ -134,7 +134,8 @@ def build(
         travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
     domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
-    kept = trimmed(sampler, domain, tables, weights, tolerance)
+    points = checks(sampler, domain, tables)
+    kept = trimmed(points, domain, tables, weights, tolerance)
     return ReducedModel(
         **numbers_of(mechanism, stop, others),
         travel_rad=travel_rad,

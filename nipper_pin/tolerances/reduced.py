@@ -25,6 +25,9 @@ tenths are left to other errors."""
 GAP_SHARE = 1e-14
 """[1] Part of the size of a gap or of its slope that the terms which are left out of a table of a
 turn may add up to. A choice: 45 eps, so that a stop that has just opened is not taken as closed."""
+CORNER_ROUND_OFF = 64.0 * EPS
+"""[1] Round-off of the place where a stop takes over from another one, by a turn, and of the gaps
+there, by one radian or the reach of the machine. A choice: loops close to some units of eps."""
 COARSE_SWEEP = 1e-4
 """[1] Change of the acceleration, by that at the start, where the first guess of a flight's length
 is good enough. A choice: it only places the end of a panel, with a margin of 1e-2."""

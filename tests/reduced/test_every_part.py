@@ -181,7 +181,8 @@ def test_errors_of_series_at_points_off_the_grid(cells: int) -> None:
         u=grid, x=np.array([-1.0, 0.0, 3.0]), q=np.arange(15.0).reshape(5, 3, 1)
     )
     sampler: Any = True_()
-    bounds, relative = tables_module.residuals(sampler, domain, tables, equation, inertia)
+    points = tables_module.checks(sampler, domain, tables)
+    bounds, relative = tables_module.residuals(points, domain, equation, inertia)
     assert bounds == pytest.approx([2e-3, 4e-4], rel=1e-9)
     assert relative == pytest.approx(2e-5, rel=1e-6)
     (past, x, guess), (again, zero, rest) = asked

@@ -13,7 +13,7 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import ConvergenceError
 from nipper_pin.reduced.tables import series2d
 from nipper_pin.reduced.tables.functions import Samples
-from nipper_pin.reduced.tables.tables import Domain, residuals, resolved
+from nipper_pin.reduced.tables.tables import Domain, checks, residuals, resolved
 
 EPS = float(np.finfo(float).eps)
 
@@ -162,7 +162,8 @@ def test_residuals_are_twice_the_largest_error_at_the_checks(begin: float) -> No
     """Errors that are planted into single cells are found, each in its own function."""
     known, domain = Known(), Domain(1.3, -0.1, 0.5, begin=begin)
     tables, _ = resolved(known, domain, np.ones(2), 1e-12)  # type: ignore[arg-type]
-    good, relative = residuals(known, domain, tables, tables.equation, tables.inertia)  # type: ignore[arg-type]
+    points = checks(known, domain, tables)  # type: ignore[arg-type]
+    good, relative = residuals(points, domain, tables.equation, tables.inertia)
     largest = np.array([1.2, 43.0])
     assert (good <= 200.0 * EPS * largest).all()
     assert (good >= 4.0 * EPS * np.array([0.5, 38.0])).all()
@@ -171,16 +172,16 @@ def test_residuals_are_twice_the_largest_error_at_the_checks(begin: float) -> No
     wrong[0, 2, 0, 0] += 1e-4
     wrong[1, 0, 0, 0] -= 3e-4
     heavy[1] *= 1.0 - 2e-5
-    found, relative = residuals(known, domain, tables, wrong, heavy)  # type: ignore[arg-type]
+    found, relative = residuals(points, domain, wrong, heavy)
     np.testing.assert_allclose(found, [2e-4, 6e-4], rtol=1e-6)
     assert relative == pytest.approx(4e-5, rel=1e-5)
     # An error that grows towards the edges: they are among the points that are checked.
     wrong = tables.equation.copy()
     wrong[0, 0, 15, 0] += 1e-4
     wrong[1, 2, 0, 11] += 1e-4
-    found, _ = residuals(known, domain, tables, wrong, tables.inertia)  # type: ignore[arg-type]
+    found, _ = residuals(points, domain, wrong, tables.inertia)
     assert found[0] == pytest.approx(2e-4, rel=1e-6)
     assert 1.5e-4 <= found[1] <= 2.0001e-4
     # Lower orders alone are evaluated in the same places.
-    found, _ = residuals(known, domain, tables, tables.equation[:, :, :8, :6], tables.inertia)  # type: ignore[arg-type]
+    found, _ = residuals(points, domain, tables.equation[:, :, :8, :6], tables.inertia)
     assert (found < 1e-6).all()

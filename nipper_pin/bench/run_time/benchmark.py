@@ -15,6 +15,7 @@ from .reduced_work import reduced_work
 from .skips import Pictures, Skip, skips
 from .stated import Stated, true_over_stated
 from .timing import environment
+from .turns import TurnRow, turn_rows
 from .work_precision import Row, accuracy, direct_rows
 
 
@@ -31,6 +32,7 @@ class Benchmark:
         peers: Work against precision of other people's solvers, as far as they are installed.
         unavailable: What could not be run, and why.
         reduced: Build time, speed and error of the reduced engine; None without it.
+        turns: Whole turns of both engines against the certified ones.
         skips: What is left out, and what that saves.
         imports: Import time.
         cost: Where the time goes, and how it grows.
@@ -44,6 +46,7 @@ class Benchmark:
     peers: tuple[Row, ...]
     unavailable: tuple[str, ...]
     reduced: dict[str, Any] | None
+    turns: tuple[TurnRow, ...]
     skips: tuple[Skip, ...]
     imports: ImportCost
     cost: dict[str, Any]
@@ -84,6 +87,8 @@ def benchmark(
         accurate.append(accuracy(case, case.mechanism(), DIRECT_DEFAULT))
     say("reduced engine")
     reduced_rows, reduced = reduced_work(reference, quick=quick, repeats=count)
+    say("whole turns")
+    turns = turn_rows(repeats=count)
     say("peers")
     peers, unavailable = peer_rows(reference, quick=quick, repeats=count, say=say)
     say("costs")
@@ -99,6 +104,7 @@ def benchmark(
         peers=tuple(peers),
         unavailable=tuple(unavailable),
         reduced=reduced,
+        turns=tuple(turns),
         skips=tuple(left_out),
         imports=import_cost(3 if quick else 10),
         cost=cost,

@@ -373,11 +373,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             t = (_TURN * turn + charts.begin[to]) / speed
             v = approach * speed
             visit(charts, work, to, speed, gravity, stiffness, preload)
-            _collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, 4.0 * EPS * t,
-                     wrong * speed)  # fmt: skip
+            dt = 4.0 * EPS * t + charts.corner_error[c] / speed
+            _collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, dt, wrong * speed)
             last = n
             n += 1
-            x, v, dt, dx, dw = 0.0, -e_N * v, 4.0 * EPS * t, 0.0, e_N * wrong * speed
+            x, v, dx, dw = 0.0, -e_N * v, 0.0, e_N * wrong * speed
             resting, touching, bounces = False, True, 0
         if not resting:
             t = (_TURN * turn + charts.begin[to]) / speed

@@ -48,6 +48,7 @@ class Charts(NamedTuple):
         arrive: Derivative by u of the gap of its stop there, negative; zero for the same stop.
         arrive_residual: Bound on its error.
         throw: Rate of x by that of the other gap there.
+        corner_error: Bound on the error of the end itself [rad].
         lever: Rate of the normal gap by that of the coordinate, shape (K,) [m/rad or 1].
     """
 
@@ -73,6 +74,7 @@ class Charts(NamedTuple):
     arrive: FloatArray
     arrive_residual: FloatArray
     throw: FloatArray
+    corner_error: FloatArray
     lever: FloatArray
 
 

@@ -24,7 +24,7 @@ from ...tolerances.reduced import TABLE_ERROR_SAFETY
 from ..kernels.layout import Tables, Turn
 from . import series2d
 from .functions import Sampler
-from .tables import CELL_RAD, Domain, resolved
+from .tables import CELL_RAD, Domain, checks, resolved
 from .tables import Tables as Series
 from .trimmed import trimmed
 
@@ -141,7 +141,8 @@ def arrival(
     domain = Domain(travel, -high / 16.0, high, begin=-travel, count_x=_NODES_Y)
     tables, _ = resolved(waiting.sampler, domain, waiting.weights, tolerance)
     _check_open(mechanism, tables)
-    kept = trimmed(waiting.sampler, domain, tables, waiting.weights, tolerance)
+    points = checks(waiting.sampler, domain, tables)
+    kept = trimmed(points, domain, tables, waiting.weights, tolerance)
     count_x = kept.equation.shape[-1]
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
     touch, touch_errors = _touch(waiting.sampler, mechanism, domain)

@@ -158,18 +158,13 @@ def checks(sampler: Sampler, domain: Domain, tables: Tables) -> Checks:
 
 
 def residuals(
-    sampler: Sampler,
-    domain: Domain,
-    tables: Tables,
-    equation: FloatArray,
-    inertia: FloatArray,
+    points: Checks, domain: Domain, equation: FloatArray, inertia: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Bound the errors of the series from random points off the grid.
+    """Bound the errors of the series of an equation of motion from points off the grid.
 
     Args:
-        sampler: Evaluates the functions.
+        points: The points.
         domain: The domain.
-        tables: The tables, for guesses of the configurations.
         equation: Coefficients that are kept, shape (functions, cells, Nu, Nx).
         inertia: Coefficients of the inertia that are kept, shape (cells, Nu).
 
@@ -177,7 +172,6 @@ def residuals(
         Bounds on the error of every function, shape (functions,), and the relative one of the
         inertia.
     """
-    points = checks(sampler, domain, tables)
     error = misfit(points, domain, equation, points.true.equation)
     relative = largest_error(points, domain, inertia[None, :, :, None], points.inertia[None], True)
     return error, float(TABLE_ERROR_SAFETY * relative[0] + 4.0 * EPS)

@@ -9,8 +9,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...tolerances.reduced import TRIMMED_SHARE
 from . import series2d
-from .functions import Sampler
-from .tables import Domain, Tables, residuals
+from .tables import Checks, Domain, Tables, residuals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +38,7 @@ class Trimmed:
 
 
 def trimmed(
-    sampler: Sampler,
+    points: Checks,
     domain: Domain,
     tables: Tables,
     weights: FloatArray,
@@ -49,7 +48,7 @@ def trimmed(
     """Leave out the highest degrees while their weighted sums stay below a share of the tolerance.
 
     Args:
-        sampler: Evaluates the functions, for the errors.
+        points: The functions at points off the grid, for the errors.
         domain: The domain.
         tables: The tables, resolved.
         weights: Weight of an error of each function, shape (functions,).
@@ -60,7 +59,7 @@ def trimmed(
     count_u, count_x = max(count_u, least[0]), max(count_x, least[1])
     equation = np.ascontiguousarray(tables.equation[:, :, :count_u, :count_x])
     inertia = np.ascontiguousarray(tables.inertia[:, :count_u])
-    residual, inertia_residual = residuals(sampler, domain, tables, equation, inertia)
+    residual, inertia_residual = residuals(points, domain, equation, inertia)
     width = domain.travel / equation.shape[1]
     largest, steep_u, steep_x = series2d.largest(equation)
     return Trimmed(

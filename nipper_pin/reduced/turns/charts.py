@@ -11,13 +11,13 @@ from ...errors import SimulationError
 from ...hybrid.error_estimate.linear_maps import of_rates
 from ...mechanism import Mechanism
 from ...mechanism.cylinder import rad_s_from_rpm
-from ...tolerances.reduced import GAP_SHARE
+from ...tolerances.reduced import CORNER_ROUND_OFF, GAP_SHARE
 from ..kernels.turn_layout import Charts
 from ..model import BY_GRAVITY, BY_RATE, BY_SPEED, BY_SPEED_AND_RATE, BY_SPRINGS
 from ..tables.series2d import needed
 from ..tables.tables import Domain, Tables, checks, misfit, resolved
 from ..tables.trimmed import Trimmed, trimmed
-from .arcs import Arc, sampler_at, system_at
+from .arcs import TURN, Arc, sampler_at, system_at
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0
@@ -43,7 +43,8 @@ class Chart:
         slope_residual: Bounds on the errors of the slopes, shape (2 S,).
         samples: Points that were sampled.
         meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
-            error, and rate of x by that of its gap; zeros if it is the same stop.
+            error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
+            it is the same stop.
     """
 
     arc: Arc
@@ -53,7 +54,7 @@ class Chart:
     gap_residual: FloatArray
     slope_residual: FloatArray
     samples: int
-    meets: tuple[float, float, float]
+    meets: tuple[float, float, float, float]
 
 
 class Surroundings:
@@ -74,18 +75,23 @@ class Surroundings:
         u = arc.travels[places]
         self.along = self.sampler.at(u, np.zeros_like(u), arc.path[places])
 
-    def meets(self) -> tuple[float, float, float]:
+    def meets(self) -> tuple[float, float, float, float]:
         """As of :class:`Chart`."""
         arc = self.arc
         if arc.after.name == arc.stop.name:
-            return 0.0, 0.0, 0.0
+            return 0.0, 0.0, 0.0, 0.0
         end = arc.travels[-1:]
         n, m = self.sampler.rates(end, arc.path[-1:])
         rounded = of_rates(
             self.system, frozenset({arc.stop.name}), float(end[0]), arc.path[-1], m[0]
         )
-        size = rounded.size(self.sampler.size + arc.after.index)
-        return arc.after.rate(m[0]), size, 1.0 / arc.after.rate(n[0])
+        rate = arc.after.rate(m[0])
+        kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
+        extent = 1.0 if kind == "revolute" else self.mechanism.reach_m
+        wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
+        # In a radian a rate changes by about itself.
+        size = rounded.size(self.sampler.size + arc.after.index) + abs(rate) * wrong
+        return rate, size, 1.0 / arc.after.rate(n[0]), wrong
 
     @property
     def width(self) -> float:
@@ -142,10 +148,10 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
     domain = Domain(float(arc.travels[-1]), -_MARGIN * gap, gap, count_x=_NODES_X)
     weights = around.weights(w)
     tables, samples = resolved(sampler, domain, weights, tolerance)
-    kept = trimmed(sampler, domain, tables, weights, tolerance, _least(tables))
+    points = checks(sampler, domain, tables)
+    kept = trimmed(points, domain, tables, weights, tolerance, _least(tables))
     count_u, count_x = kept.equation.shape[2:]
     slopes = np.ascontiguousarray(tables.slopes[:, :, :count_u, :count_x])
-    points = checks(sampler, domain, tables)
     return Chart(
         arc,
         domain,
@@ -223,5 +229,6 @@ def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Char
         arrive=meets[:, 0].copy(),
         arrive_residual=meets[:, 1].copy(),
         throw=meets[:, 2].copy(),
+        corner_error=meets[:, 3].copy(),
         lever=np.array([stop.lever for stop in mechanism.stops]),
     )  # fmt: skip

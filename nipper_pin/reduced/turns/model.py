@@ -138,7 +138,7 @@ def _reach(
     gaps = np.zeros(len(around))
     rates = np.zeros(len(around))
     for number, item in enumerate(around):
-        approach, _, throw = item.meets()
+        approach, _, throw, _ = item.meets()
         if throw == 0.0:
             continue
         to = after[number]

@@ -76,7 +76,12 @@ class ReducedTurns:
     @property
     def stop(self) -> tuple[str, ...]:
         """The stop of each event."""
-        return tuple(self.stops[int(number)] for number in self.table[:, turn_layout.STOP])
+        return tuple(self.stops[number] for number in self.stop_number)
+
+    @property
+    def stop_number(self) -> NDArray[np.int64]:
+        """Its place among the stops."""
+        return self.table[:, turn_layout.STOP].astype(np.int64)
 
     @property
     def collisions(self) -> NDArray[np.bool_]:
