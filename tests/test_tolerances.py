@@ -33,6 +33,7 @@ SETTINGS = {
     "bench/peers/sundae.py": "SETTINGS",
     "bench/run_time/reduced_work.py": "_TOLERANCES",
     "bench/run_time/stated.py": "STATED_TOLERANCES",
+    "bench/run_time/turns.py": "_TOLERANCES",
     "bench/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
     "study/sweep/plan.py": "_MECHANISM_S, _TABLES_S, _REDUCED_S, _DIRECT_S",  # run times
 }

@@ -134,8 +134,7 @@ def build(
         travel_rad = _USUAL if opening is None else min(opening.travel, _LONGEST)
     domain = Domain(travel_rad, -_MARGIN * gap_max, gap_max)
     tables, samples = resolved(sampler, domain, weights, tolerance)
-    points = checks(sampler, domain, tables)
-    kept = trimmed(points, domain, tables, weights, tolerance)
+    kept = trimmed(checks(sampler, domain, tables), domain, tables, weights, tolerance)
     return ReducedModel(
         **numbers_of(mechanism, stop, others),
         travel_rad=travel_rad,

@@ -28,6 +28,9 @@ turn may add up to. A choice: 45 eps, so that a stop that has just opened is not
 CORNER_ROUND_OFF = 64.0 * EPS
 """[1] Round-off of the place where a stop takes over from another one, by a turn, and of the gaps
 there, by one radian or the reach of the machine. A choice: loops close to some units of eps."""
+SAME_TURN = 1e-10
+"""[1] Relative difference up to which two turns end alike. A choice: the tolerance of turns unless
+another is asked for."""
 COARSE_SWEEP = 1e-4
 """[1] Change of the acceleration, by that at the start, where the first guess of a flight's length
 is good enough. A choice: it only places the end of a panel, with a margin of 1e-2."""

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from .compiled import compiled
+from .hits import Held, first_hit
 from .layout import (
     AT_REST,
     HIGH,
     LEFT_GAP,
     LEFT_TRAVEL,
     LEVELS,
-    LOW,
     NODE_A,
     NODE_V,
     NODE_X,
     OTHER_STOP,
-    SCALE,
     SERIES,
     SIGMA,
     SPAN,
@@ -41,8 +38,6 @@ from .panel import (
 
 _MOST_PANELS = 64
 _MOST_HALVINGS = 12
-# Halvings of a bracket from a panel to round-off.
-_SEARCH_STEPS = 60
 
 
 @compiled
@@ -134,88 +129,6 @@ def _highest(grids: FloatArray, nodes: FloatArray, level: int, h: float, x0: flo
 
 
 @compiled
-def _gap_at(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
-            column: int, count: int, u: float, h: float, x0: float, v0: float,
-            sigma: float) -> float:  # fmt: skip
-    """Gap of another stop at a place sigma of a panel."""
-    row = poly.shape[0] - 1
-    contract(mixed, poly, row, case[SPAN], u + h * case[SPEED] * sigma)
-    x = position(nodes, count, h, x0, v0, sigma)
-    return chebyshev(poly, row, column, degree, case[SCALE] * (x - case[LOW]) - 1.0)
-
-
-@compiled
-def _hit(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatArray,
-         nodes: FloatArray, degree: int, level: int, u: float, h: float, x0: float, v0: float,
-         end: float, first: int) -> tuple[float, int]:  # fmt: skip
-    """First place before ``end`` where another stop closes, and its number; -1 without one."""
-    count = LEVELS[level]
-    place, hit = end, -1
-    for column in range(3 * degree, poly.shape[1], degree):
-        older = old = -np.inf
-        for j in range(count):
-            sigma = grids[SIGMA, level, 0, j]
-            gap = chebyshev(poly, j, column, degree,
-                            case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0)  # fmt: skip
-            low = grids[SIGMA, level, 0, max(j - 1, 0)]
-            high = sigma if gap <= 0.0 and j >= first else -1.0
-            # Between nodes a minimum is lower by less than half the difference of its neighbours.
-            drop = 0.5 * max(older - old, gap - old)
-            if j >= 2 and gap > 0.0 and old < older and old <= gap and old <= drop:
-                low = grids[SIGMA, level, 0, max(j - 2, 0)]
-                high = _dip(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, low,
-                            sigma)  # fmt: skip
-            if high >= 0.0:
-                root = _closing(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, low,
-                                high)  # fmt: skip
-                if root < place:
-                    place, hit = root, column // degree - 3
-                break
-            older, old = old, gap
-            if sigma >= end:
-                break
-    return place, hit
-
-
-@compiled
-def _dip(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
-         column: int, count: int, u: float, h: float, x0: float, v0: float, low: float,
-         high: float) -> float:  # fmt: skip
-    """A place between two others where a gap with one minimum is zero or below; -1 without one."""
-    for _ in range(_SEARCH_STEPS):
-        third = (high - low) / 3.0
-        left, right = low + third, high - third
-        before = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, left)
-        after = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, right)
-        if before <= 0.0:
-            return left
-        if after <= 0.0:
-            return right
-        if before < after:
-            high = right
-        else:
-            low = left
-    return -1.0
-
-
-@compiled
-def _closing(mixed: FloatArray, case: FloatArray, poly: FloatArray, nodes: FloatArray, degree: int,
-             column: int, count: int, u: float, h: float, x0: float, v0: float, low: float,
-             high: float) -> float:  # fmt: skip
-    """Zero of a gap that is positive at ``low`` and not at ``high``."""
-    for _ in range(_SEARCH_STEPS):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        gap = _gap_at(mixed, case, poly, nodes, degree, column, count, u, h, x0, v0, middle)
-        if gap > 0.0:
-            low = middle
-        else:
-            high = middle
-    return high
-
-
-@compiled
 def _ballistic(case: FloatArray, mixed: FloatArray, poly: FloatArray, degree: int, u: float,
                x: float, v: float, a0: float) -> float:  # fmt: skip
     """Time to the next zero of x, for an acceleration a0 < 0 that changes linearly with time."""
@@ -278,7 +191,8 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         first = 1 if panel == 0 and touching else 0
         for j in range(count):
             fastest = max(fastest, abs(nodes[NODE_V, j]))
-        place, hit = _hit(grids, case, mixed, poly, nodes, degree, level, u, h, x, v, until, first)
+        held = Held(mixed, case, poly, nodes, degree, LEVELS[level], u, h, x, v)
+        place, hit = first_hit(grids, held, level, until, first)
         if hit >= 0:
             until = place
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)

@@ -2,201 +2,42 @@
 
 from __future__ import annotations
 
-from math import exp, pi
+from math import pi
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from ...tolerances.reduced import LIMIT_ERROR_SAFETY
-from .arrival_check import along, landed, prepare, released
+from ...tolerances.reduced import LIMIT_ERROR_SAFETY, SAME_TURN
+from .arrival_check import landed, released
 from .compiled import compiled
 from .flight import flight
-from .flight_errors import flight_errors, size
+from .flight_errors import flight_errors
 from .layout import (
     AT_REST,
-    BY_U,
-    BY_V,
-    BY_X,
     JAM,
     LEFT_TRAVEL,
-    LOW,
     OTHER_STOP,
-    RESIDUAL,
-    SCALE,
-    SPAN,
     TOO_MANY,
     UNRESOLVED,
     UNTOLD,
-    Tables,
-    Work,
 )
-from .panel import acceleration, chebyshev, contract
+from .panel import acceleration, contract
 from .series import settles
+from .turn_charts import chart_at, other_of, seen_by, surface, visit
+from .turn_events import collide, errors_at, note, release_error
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
-    APPROACH,
-    COLLISION,
-    ENERGY,
-    IMPULSE,
-    IMPULSE_ERROR,
-    KIND,
-    RATE_ERROR,
     RELEASE,
     REST,
-    SEPARATION,
-    STOP,
-    TIME,
-    TIME_ERROR,
-    TRAVEL,
     Charts,
     TurnWork,
 )
 
 _TURN = 2.0 * pi
-# Longest period that is looked for [turns], and the relative difference of turns that are the same.
-_MOST_PERIOD, _SAME = 64, 1e-10
-
-
-@compiled
-def tables_of(charts: Charts, c: int) -> Tables:
-    """One chart as a reduced model."""
-    return Tables(
-        charts.equation[c], charts.gaps[c], charts.inertia[c], charts.residual[c],
-        charts.largest[c], charts.steepest_x[c], charts.steepest_u[c], charts.travel[c],
-        charts.low[c], charts.high[c], 0.0, 0.0, charts.inertia_residual[c], 0.0, 1.0,
-        charts.lever[charts.stop[c]],
-    )  # fmt: skip
-
-
-@compiled
-def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
-          stiffness: FloatArray, preload: FloatArray) -> None:  # fmt: skip
-    """Combine a chart for the case when it is first visited."""
-    if work.ready[c]:
-        return
-    mixed = work.mixed[c]
-    one = Work(work.case[c], mixed, work.poly, work.nodes, work.series, work.sizes[c], work.line[c])
-    prepare(tables_of(charts, c), one, speed, gravity, stiffness, preload)
-    work.case[c, SPAN] = charts.span[c]
-    cells, count_u, count_x = charts.equation.shape[2:]
-    zero = work.case[c, SCALE] * -charts.low[c] - 1.0
-    for cell in range(cells):
-        for i in range(count_u):
-            older, old = 1.0, zero
-            value = mixed[cell, i, 0] + zero * mixed[cell, i, 1]
-            for m in range(2, count_x):
-                older, old = old, 2.0 * zero * old - older
-                value += old * mixed[cell, i, m]
-            work.line[c, cell, i] = value
-    work.ready[c] = True
-
-
-@compiled
-def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float,
-            x: float) -> float:  # fmt: skip
-    """Value of one function of (u, x), shape of ``table`` (functions, cells, Nu, Nx)."""
-    _, cells, count_u, count_x = table.shape
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    place_u = 2.0 * (u - cell * width) / width - 1.0
-    place_x = case[SCALE] * (x - case[LOW]) - 1.0
-    total = 0.0
-    older, old = 0.0, 1.0
-    for i in range(count_u):
-        high = low = 0.0
-        for m in range(count_x - 1, 0, -1):
-            high, low = table[row, cell, i, m] + 2.0 * place_x * high - low, high
-        total += old * (table[row, cell, i, 0] + place_x * high - low)
-        older, old = old, (place_u if i == 0 else 2.0 * place_u * old - older)
-    return total
-
-
-@compiled
-def _errors_at(sizes: FloatArray, speed: float, T: float, a: float, fastest: float,
-               changed: float, left: float, dt: float, dx: float, dw: float,
-               ) -> tuple[float, float]:  # fmt: skip
-    """Errors of x and x' at a travel that is known, after a flight that began with these errors."""
-    felt = min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
-    K = exp(felt)
-    late = speed * size(sizes, BY_U, fastest) * dt
-    e = felt * changed + size(sizes, RESIDUAL, fastest) + late + left
-    x = K * (dx + dw * T + 0.5 * e * T * T) + fastest * dt
-    v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
-    return x, v + 4.0 * EPS * fastest
-
-
-@compiled
-def _seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: float, x: float,
-             v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
-    """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""
-    others = charts.others.shape[1]
-    case, span = work.case[c], charts.span[c]
-    gap = surface(charts.gaps[c], s, span, case, u, x)
-    by_x = surface(charts.slopes[c], s, span, case, u, x)
-    by_u = surface(charts.slopes[c], others + s, span, case, u, x)
-    wrong_x, wrong_u = charts.slope_residual[c, s], charts.slope_residual[c, others + s]
-    # The slopes change by less than themselves over the whole domain.
-    bent = dx / (charts.high[c] - charts.low[c])
-    d_gap = abs(by_x) * dx + charts.gap_residual[c, s]
-    d_rate = (
-        abs(by_x) * dw
-        + abs(v) * (wrong_x + abs(by_x) * bent)
-        + speed * (wrong_u + abs(by_u) * bent)
-    )
-    return gap, by_x * v + by_u * speed, d_gap, d_rate
-
-
-@compiled
-def _other(charts: Charts, c: int, stop: int) -> int:
-    """Place of a stop among the others of a chart."""
-    for s in range(charts.others.shape[1]):
-        if charts.others[c, s] == stop:
-            return s
-    return -1
-
-
-@compiled
-def _chart_at(charts: Charts, stop: int, travel: float) -> int:
-    """The chart of a stop that holds a travel from the start of the turn, or -1."""
-    for c in range(len(charts.stop)):
-        past = travel - charts.begin[c]
-        if charts.stop[c] == stop and 0.0 <= past <= charts.travel[c]:
-            return c
-    return -1
-
-
-@compiled
-def _collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
-             turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
-    """Write a collision of a chart's stop at travel u with rate v before it."""
-    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width = charts.span[c] / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
-    lever = charts.lever[charts.stop[c]]
-    row = events[n]
-    row[KIND], row[STOP], row[TIME] = COLLISION, charts.stop[c], t
-    row[TRAVEL] = _TURN * turn + charts.begin[c] + u
-    row[APPROACH], row[SEPARATION] = v, -e_N * v
-    row[IMPULSE] = C * (1.0 + e_N) * -v / lever
-    row[ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
-    row[AMPLITUDE] = row[AMPLITUDE_ERROR] = np.nan
-    row[TIME_ERROR], row[RATE_ERROR] = dt + 4.0 * EPS * t, dv
-    # The inertia changes by less than itself over a chart.
-    relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
-    row[IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
-
-
-@compiled
-def _note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: float,
-          dt: float) -> None:  # fmt: skip
-    """Write a rest or a release."""
-    row = events[n]
-    row[:] = np.nan
-    row[KIND], row[STOP], row[TIME], row[TRAVEL] = kind, stop, t, travel
-    row[TIME_ERROR] = dt + 4.0 * EPS * t
+# Longest period that is looked for [turns].
+_MOST_PERIOD = 64
 
 
 @compiled
@@ -257,8 +98,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             x = v = dx = dw = 0.0
             dt = 4.0 * EPS * t
             if not at_end:
-                dt += _release_error(work.line[c], sizes, cells, count_u, span, u) / speed
-                _note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
+                dt += release_error(work.line[c], sizes, cells, count_u, span, u) / speed
+                note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
                 n += 1
                 rest_chart, rest_end = float(c), u
                 resting, free, touching, bounces, last = False, True, False, 0, -1
@@ -286,7 +127,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                     return UNTOLD, n, turn, 0
                 t += ahead
                 u += speed * ahead
-                _note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
+                note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
                 n += 1
                 resting = True
                 continue
@@ -312,21 +153,19 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 t += T
                 u += speed * T
                 e_N = restitution[stop]
-                _collide(charts, events, n, c, speed, e_N, turn, t, u, rate, dt, dv)
+                collide(charts, events, n, c, speed, e_N, turn, t, u, rate, dt, dv)
                 last = n
                 n += 1
                 x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
                 continue
             if status == OTHER_STOP:
-                dx, dv = _errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+                dx, dv = errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
                 u += speed * T
                 t += T
                 s = int(hit)
-                _, closing, d_gap, d_rate = _seen_by(
-                    charts, work, c, s, speed, u, gap, rate, dx, dv
-                )
+                _, closing, d_gap, d_rate = seen_by(charts, work, c, s, speed, u, gap, rate, dx, dv)
                 stop = charts.others[c, s]
-                to = _chart_at(charts, stop, charts.begin[c] + u)
+                to = chart_at(charts, stop, charts.begin[c] + u)
                 if to < 0 or closing >= 0.0:
                     return OTHER_STOP, n, turn, 0
                 by_x = surface(charts.slopes[c], s, span, case, u, gap)
@@ -336,22 +175,22 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 c = to
                 visit(charts, work, c, speed, gravity, stiffness, preload)
                 e_N = restitution[stop]
-                _collide(charts, events, n, c, speed, e_N, turn, t, u, closing, dt, dv)
+                collide(charts, events, n, c, speed, e_N, turn, t, u, closing, dt, dv)
                 last = n
                 n += 1
                 x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
                 continue
             if status != LEFT_TRAVEL:
                 return status, n, turn, 0
-            dx, dw = _errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+            dx, dw = errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
             x, v, u, dt = gap, rate, travel, 0.0
         # The end of the arc.
         to = charts.after[c]
         ahead_of = charts.stop[to]
         throw, approach, wrong = charts.throw[c], charts.arrive[c], charts.arrive_residual[c]
         if not resting and ahead_of != stop:
-            s = _other(charts, c, ahead_of)
-            x, v, dx, dw = _seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
+            s = other_of(charts, c, ahead_of)
+            x, v, dx, dw = seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
             bounces, last = 0, -1
             if x <= 0.0:
                 return UNRESOLVED, n, turn, 0
@@ -374,7 +213,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             v = approach * speed
             visit(charts, work, to, speed, gravity, stiffness, preload)
             dt = 4.0 * EPS * t + charts.corner_error[c] / speed
-            _collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, dt, wrong * speed)
+            collide(charts, events, n, to, speed, e_N, turn, t, 0.0, v, dt, wrong * speed)
             last = n
             n += 1
             x, v, dx, dw = 0.0, -e_N * v, 0.0, e_N * wrong * speed
@@ -382,19 +221,6 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         if not resting:
             t = (_TURN * turn + charts.begin[to]) / speed
         c, u = to, 0.0
-
-
-@compiled
-def _release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, span: float,
-                   u: float) -> float:  # fmt: skip
-    """Bound on the error of the travel at which the force of a stop has fallen to zero."""
-    width = span / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    step = 1e-3 * width
-    slope = (
-        along(line, cell, count, width, u + step) - along(line, cell, count, width, u - step)
-    ) / (2.0 * step)
-    return size(sizes, RESIDUAL, 0.0) / max(abs(slope), 1e-300)
 
 
 @compiled
@@ -418,12 +244,12 @@ def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
         if now[0] != then[0] or now[2] != then[2]:
             continue
         if now[0] >= 0.0:
-            if now[1] == then[1] or abs(now[1] - then[1]) <= _SAME * _TURN:
+            if now[1] == then[1] or abs(now[1] - then[1]) <= SAME_TURN * _TURN:
                 return back
             continue
         c = int(now[2])
         wide = charts.high[c] - charts.low[c]
         fast = max(abs(now[4]), abs(then[4]))
-        if abs(now[3] - then[3]) <= _SAME * wide and abs(now[4] - then[4]) <= _SAME * fast:
+        if abs(now[3] - then[3]) <= SAME_TURN * wide and abs(now[4] - then[4]) <= SAME_TURN * fast:
             return back
     return 0

@@ -110,11 +110,7 @@ NOT_SAMPLED = unknown("the rest of the turn was not sampled")
 
 
 def arrival(
-    system: System,
-    sampler: Sampler,
-    opening: Opening,
-    waiting: Waiting,
-    tolerance: float,
+    system: System, sampler: Sampler, opening: Opening, waiting: Waiting, tolerance: float
 ) -> Arrival:
     """Sample the functions of a turn between its opening and the touch.
 
@@ -141,8 +137,9 @@ def arrival(
     domain = Domain(travel, -high / 16.0, high, begin=-travel, count_x=_NODES_Y)
     tables, _ = resolved(waiting.sampler, domain, waiting.weights, tolerance)
     _check_open(mechanism, tables)
-    points = checks(waiting.sampler, domain, tables)
-    kept = trimmed(points, domain, tables, waiting.weights, tolerance)
+    kept = trimmed(
+        checks(waiting.sampler, domain, tables), domain, tables, waiting.weights, tolerance
+    )
     count_x = kept.equation.shape[-1]
     at_zero = np.polynomial.chebyshev.chebvander(domain.places(np.zeros(1)), count_x - 1)[0]
     touch, touch_errors = _touch(waiting.sampler, mechanism, domain)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -84,12 +85,15 @@ def turns(
         InputError: A parameter is out of range, or the mechanism cannot be reduced.
         SimulationError: The turns cannot be followed; the reason says why.
     """
+    check_run(rest_rate, tolerance, max_collisions)
+    if cycles < 1:
+        message = f"cycles = {cycles!r} cannot be used: a whole number from 1"
+        raise InputError(message, cycles=cycles)
+    case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
+                 max_collisions)  # fmt: skip
     for room in _ROOMS:
         model = turn_model(mechanism, start_index, room)
-        status, found = _followed(
-            model, speed_rpm, cycles, restitution, stiffness, preload, rest_rate, tolerance,
-            max_collisions,
-        )  # fmt: skip
+        status, found = _followed(model, case)
         if status != LEFT_GAP:
             break
     if status:
@@ -100,42 +104,42 @@ def turns(
     return found
 
 
-def _followed(
-    model: TurnModel,
-    speed_rpm: float,
-    cycles: int,
-    restitution: float | Mapping[str, float] | None,
-    stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-    rest_rate: float | None,
-    tolerance: float,
-    max_collisions: int,
-) -> tuple[int, ReducedTurns]:
-    follow, grids = _compiled()
+@dataclass(frozen=True)
+class _Case:
+    """Arguments of :func:`turns`."""
 
-    check_run(rest_rate, tolerance, max_collisions)
-    if cycles < 1:
-        message = f"cycles = {cycles!r} cannot be used: a whole number from 1"
-        raise InputError(message, cycles=cycles)
-    speed = number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
+    speed_rpm: float
+    cycles: int
+    restitution: float | Mapping[str, float] | None
+    stiffness: ArrayLike | None
+    preload: ArrayLike | None
+    rest_rate: float
+    tolerance: float
+    max_collisions: int
+
+
+def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
+    """Follow the turns of a case on one model; returns the status, too."""
+    follow, grids = _compiled()
+    speed = number("speed_rpm", case.speed_rpm, 0.0, math.inf, open_low=True)
+    speed *= math.tau / S_PER_MIN
     chart, gap, rate, by_speed, closed = model.begin
-    events = np.full((cycles * (max_collisions + _BESIDE), EVENT_COLUMNS), np.nan)
-    ends = np.empty((cycles + 1, 5))
+    events = np.full((case.cycles * (case.max_collisions + _BESIDE), EVENT_COLUMNS), np.nan)
     status, count, done, again = follow(
         grids,
         model.charts,
-        _work(model, max_collisions),
+        _work(model, case.max_collisions),
         speed,
-        _restitutions(model, restitution),
-        one_row("stiffness", stiffness, model.stiffness, 0.0),
-        one_row("preload", preload, model.preload, -math.inf),
+        _restitutions(model, case.restitution),
+        one_row("stiffness", case.stiffness, model.stiffness, 0.0),
+        one_row("preload", case.preload, model.preload, -math.inf),
         1.0,
-        0.0 if rest_rate is None else float(rest_rate),
-        float(tolerance),
-        cycles,
+        float(case.rest_rate),
+        float(case.tolerance),
+        case.cycles,
         (chart, gap, rate + by_speed * speed, closed),
         events,
-        ends,
+        np.empty((case.cycles + 1, 5)),
     )
     return status, ReducedTurns(model.name, model.stops, done, again, events[:count].copy())
 

@@ -35,6 +35,7 @@ from nipper_pin.bench.run_time.scenes import (
 from nipper_pin.bench.run_time.skips import Skip, integrate, node_forces
 from nipper_pin.bench.run_time.stated import Stated
 from nipper_pin.bench.run_time.timing import Timing, environment, timed
+from nipper_pin.bench.run_time.turns import TurnRow, turn_rows
 from nipper_pin.bench.run_time.work_precision import (
     Observed,
     Row,
@@ -463,6 +464,7 @@ def made_up() -> Benchmark:
         peers=(peer, replace(peer, setting="too coarse", error_worst=None)),
         unavailable=("a peer, 1 ms: no bounce",),
         reduced=None,
+        turns=(TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None),),
         skips=(Skip("plots", 3.0, 600.0),),
         imports=ImportCost(80.0, 2.0, 40.0, 0.5),
         cost={
@@ -470,6 +472,23 @@ def made_up() -> Benchmark:
             for name in ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
         },
     )
+
+
+def test_whole_turns_of_both_engines() -> None:
+    """Two speeds at three tolerances; errors follow the tolerance and are not zero by accident."""
+    rows = turn_rows(repeats=1)
+    tolerances = ("1e-06", "1e-09", "1e-12")
+    settings = [f"{speed} r/min, {item}" for speed in (450, 650) for item in tolerances]
+    assert [row.setting for row in rows if row.engine == "direct"] == settings
+    assert [row.setting for row in rows if row.engine == "reduced"] == settings
+    for direct, reduced in zip(rows[::2], rows[1::2], strict=True):
+        assert direct.tables_ms is None
+        assert reduced.tables_ms is not None
+        tolerance = float(direct.setting.partition(", ")[2])
+        for row in (direct, reduced):
+            assert 0.0 < row.error_times <= 10.0 * tolerance
+            assert 0.0 < row.error_impulses <= 100.0 * tolerance
+            assert row.turns_per_s == pytest.approx(1e3 / row.wall_ms)
 
 
 def test_what_is_not_a_number_becomes_null(made_up: Benchmark) -> None:

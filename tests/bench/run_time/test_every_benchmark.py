@@ -18,6 +18,7 @@ from nipper_pin.bench.run_time.certified import Certified, certified, certified_
 from nipper_pin.bench.run_time.imports import ImportCost
 from nipper_pin.bench.run_time.skips import Skip
 from nipper_pin.bench.run_time.stated import Stated
+from nipper_pin.bench.run_time.turns import TurnRow
 from nipper_pin.bench.run_time.work_precision import Row
 from nipper_pin.errors import SimulationError
 
@@ -215,6 +216,8 @@ def test_the_whole(
     other = Row("peer", "1e-9", 1.0, 2.0, 0.5, 0.1, 3, 1e-9, 1e-9)
     part("direct_rows", [ROW])
     part("reduced_work", ([reduced], {"build_ms": math.inf}))
+    turn = TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None)
+    part("turn_rows", [turn])
     part("peer_rows", ([other], ["gone"]))
     part("costs", {"memory": [{"peak_MB": 1.0}]})
     part("skips", [Skip("plots", 1.0, 2.0)])
@@ -228,7 +231,9 @@ def test_the_whole(
         """Draws nothing."""
 
     result = module.benchmark(quick=quick, repeats=repeats, pictures=picture, say=said.append)
-    assert said == ["direct engine", "reduced engine", "peers", "costs", "skips"]
+    assert said == [
+        "direct engine", "reduced engine", "whole turns", "peers", "costs", "skips"
+    ]  # fmt: skip
     for name in ("direct_rows", "reduced_work", "peer_rows"):
         (reference,), named = asked[name]
         assert reference.name == "650"

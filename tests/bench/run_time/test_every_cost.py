@@ -225,7 +225,7 @@ def made_up() -> Benchmark:
         },
         engines=rows, accuracy=(row,), stated=(), peers=peers,
         unavailable=("a peer: no bounce",),
-        reduced={"build_ms": 812.5, "error": 4.5e-13},
+        reduced={"build_ms": 812.5, "error": 4.5e-13}, turns=(),
         skips=(Skip("plots", 4.0, 610.0), Skip("checks", 2.0, 5.0)),
         imports=ImportCost(81.0, 2.25, 40.5, 0.5),
         cost={name: [{"what": f"{name} {row}", "wall_ms": 10.0 * place + row, "small": 1e-7 * row,

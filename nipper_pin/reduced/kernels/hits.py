@@ -1,0 +1,118 @@
+"""Where another stop closes in a flight, compiled."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray
+from .compiled import compiled
+from .layout import LOW, NODE_X, SCALE, SIGMA, SPAN, SPEED
+from .panel import chebyshev, contract, position
+
+# Halvings of a bracket from a panel to round-off.
+_SEARCH_STEPS = 60
+
+
+class Held(NamedTuple):
+    """A panel that has been solved.
+
+    Attributes:
+        mixed: Functions combined for the case, as of ``Work``.
+        case: Its numbers.
+        poly: Functions as polynomials in x at the nodes; the last row is scratch.
+        nodes: Values at the nodes, and series of the motion.
+        degree: Coefficients of a polynomial.
+        order: Nodes.
+        u: Travel at the start of the panel [rad].
+        h: Its length [s].
+        x0: Coordinate at its start.
+        v0: Rate there.
+    """
+
+    mixed: FloatArray
+    case: FloatArray
+    poly: FloatArray
+    nodes: FloatArray
+    degree: int
+    order: int
+    u: float
+    h: float
+    x0: float
+    v0: float
+
+
+@compiled
+def first_hit(
+    grids: FloatArray, held: Held, level: int, end: float, first: int
+) -> tuple[float, int]:
+    """First place before ``end`` where another stop closes, and its number; -1 without one.
+
+    Nodes before ``first`` do not count: there a stop has just been thrown open.
+    """
+    place, hit = end, -1
+    poly, nodes, case, degree = held.poly, held.nodes, held.case, held.degree
+    for column in range(3 * degree, poly.shape[1], degree):
+        older = old = -np.inf
+        for j in range(held.order):
+            sigma = grids[SIGMA, level, 0, j]
+            at = case[SCALE] * (nodes[NODE_X, j] - case[LOW]) - 1.0
+            gap = chebyshev(poly, j, column, degree, at)
+            low = grids[SIGMA, level, 0, max(j - 1, 0)]
+            high = sigma if gap <= 0.0 and j >= first else -1.0
+            # Between nodes a minimum is lower by less than half the difference of its neighbours.
+            drop = 0.5 * max(older - old, gap - old)
+            if j >= 2 and gap > 0.0 and old < older and old <= gap and old <= drop:
+                low = grids[SIGMA, level, 0, max(j - 2, 0)]
+                high = _dip(held, column, low, sigma)
+            if high >= 0.0:
+                root = _closing(held, column, low, high)
+                if root < place:
+                    place, hit = root, column // degree - 3
+                break
+            older, old = old, gap
+            if sigma >= end:
+                break
+    return place, hit
+
+
+@compiled
+def _gap_at(held: Held, column: int, sigma: float) -> float:
+    """Gap of another stop at a place sigma of the panel."""
+    row, case = held.poly.shape[0] - 1, held.case
+    contract(held.mixed, held.poly, row, case[SPAN], held.u + held.h * case[SPEED] * sigma)
+    x = position(held.nodes, held.order, held.h, held.x0, held.v0, sigma)
+    return chebyshev(held.poly, row, column, held.degree, case[SCALE] * (x - case[LOW]) - 1.0)
+
+
+@compiled
+def _dip(held: Held, column: int, low: float, high: float) -> float:
+    """A place between two others where a gap with one minimum is zero or below; -1 without one."""
+    for _ in range(_SEARCH_STEPS):
+        third = (high - low) / 3.0
+        left, right = low + third, high - third
+        before, after = _gap_at(held, column, left), _gap_at(held, column, right)
+        if before <= 0.0:
+            return left
+        if after <= 0.0:
+            return right
+        if before < after:
+            high = right
+        else:
+            low = left
+    return -1.0
+
+
+@compiled
+def _closing(held: Held, column: int, low: float, high: float) -> float:
+    """Zero of a gap that is positive at ``low`` and not at ``high``."""
+    for _ in range(_SEARCH_STEPS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if _gap_at(held, column, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,93 @@
+"""Events of a turn and bounds on their errors, compiled."""
+
+from __future__ import annotations
+
+from math import exp, pi
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...tolerances.mechanics import EPS
+from .arrival_check import along
+from .compiled import compiled
+from .flight_errors import size
+from .layout import BY_U, BY_V, BY_X, RESIDUAL
+from .panel import chebyshev
+from .turn_layout import (
+    AMPLITUDE,
+    AMPLITUDE_ERROR,
+    APPROACH,
+    COLLISION,
+    ENERGY,
+    IMPULSE,
+    IMPULSE_ERROR,
+    KIND,
+    RATE_ERROR,
+    SEPARATION,
+    STOP,
+    TIME,
+    TIME_ERROR,
+    TRAVEL,
+    Charts,
+)
+
+_TURN = 2.0 * pi
+
+
+@compiled
+def errors_at(sizes: FloatArray, speed: float, T: float, a: float, fastest: float,
+               changed: float, left: float, dt: float, dx: float, dw: float,
+               ) -> tuple[float, float]:  # fmt: skip
+    """Errors of x and x' at a travel that is known, after a flight that began with these errors."""
+    felt = min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
+    K = exp(felt)
+    late = speed * size(sizes, BY_U, fastest) * dt
+    e = felt * changed + size(sizes, RESIDUAL, fastest) + late + left
+    x = K * (dx + dw * T + 0.5 * e * T * T) + fastest * dt
+    v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
+    return x, v + 4.0 * EPS * fastest
+
+
+@compiled
+def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
+             turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
+    """Write a collision of a chart's stop at travel u with rate v before it."""
+    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
+    width = charts.span[c] / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
+    lever = charts.lever[charts.stop[c]]
+    row = events[n]
+    row[KIND], row[STOP], row[TIME] = COLLISION, charts.stop[c], t
+    row[TRAVEL] = _TURN * turn + charts.begin[c] + u
+    row[APPROACH], row[SEPARATION] = v, -e_N * v
+    row[IMPULSE] = C * (1.0 + e_N) * -v / lever
+    row[ENERGY] = 0.5 * C * (1.0 - e_N * e_N) * v * v
+    row[AMPLITUDE] = row[AMPLITUDE_ERROR] = np.nan
+    row[TIME_ERROR], row[RATE_ERROR] = dt + 4.0 * EPS * t, dv
+    # The inertia changes by less than itself over a chart.
+    relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
+    row[IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
+
+
+@compiled
+def note(events: FloatArray, n: int, kind: int, stop: int, t: float, travel: float,
+          dt: float) -> None:  # fmt: skip
+    """Write a rest or a release."""
+    row = events[n]
+    row[:] = np.nan
+    row[KIND], row[STOP], row[TIME], row[TRAVEL] = kind, stop, t, travel
+    row[TIME_ERROR] = dt + 4.0 * EPS * t
+
+
+@compiled
+def release_error(line: FloatArray, sizes: FloatArray, cells: int, count: int, span: float,
+                   u: float) -> float:  # fmt: skip
+    """Bound on the error of the travel at which the force of a stop has fallen to zero."""
+    width = span / cells
+    cell = min(max(int(u / width), 0), cells - 1)
+    step = 1e-3 * width
+    slope = (
+        along(line, cell, count, width, u + step) - along(line, cell, count, width, u - step)
+    ) / (2.0 * step)
+    return size(sizes, RESIDUAL, 0.0) / max(abs(slope), 1e-300)
