@@ -23,7 +23,7 @@ from ..tables.functions import Sampler
 
 TURN = 2.0 * math.pi
 # Step along the cylinder [rad], and steps across a flight by the reach of its coordinate.
-_STEP, _ACROSS = math.radians(3.0), 64
+_STEP, _ACROSS, _CLOSING = math.radians(3.0), 64, 16
 _WIDEST = {"revolute": 0.5 * math.pi, "prismatic": 0.25}
 _ROOT_STEPS = 40
 
@@ -128,6 +128,15 @@ class Walk:
                 if other.name != stop.name and other.gap(q[0]) <= 0.0:
                     return other, _closed(system, other, q[0])
         return None
+
+    def closing(self, stop: Stop, q: FloatArray) -> FloatArray:
+        """The configuration at the start of a turn in which an open stop has been closed."""
+        system = system_at(self._mechanism, 0.0, self._start)
+        sampler = sampler_at(system, stop, q)
+        rows = q[None]
+        for x in np.linspace(stop.gap(q), 0.0, _CLOSING + 1)[1:]:
+            (rows,) = sampler.along(np.zeros(1), np.array([x]), rows)
+        return np.asarray(rows[0])
 
     def _arc(self, stop: Stop, begin: float, home: FloatArray) -> Arc:
         system = system_at(self._mechanism, begin, self._start)

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics.shaft import ShaftMotion
+from ...dynamics.system import System
 from ...errors import InputError
 from ...hybrid.run.periodicity import comes_back
 from ...hybrid.run.start import initial_state
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, Stop
 from ...mechanism.cylinder import rad_s_from_rpm
 from ..kernels.turn_layout import Charts
 from .arcs import Arc, Walk, system_at
@@ -84,7 +86,8 @@ def build_turns(
         message = f"{mechanism.name}: the drives do not come back with the cylinder"
         raise InputError(message)
     state = initial_state(system, start_index, mechanism.starts)
-    chains = _chains(mechanism, angle, state.q)
+    stop, home, closed = _standing(mechanism, angle, state.q)
+    chains = _chains(mechanism, angle, stop, home)
     arcs = [arc for chain in chains for arc in chain]
     after: list[int] = []
     for chain in chains:
@@ -94,19 +97,16 @@ def build_turns(
     reach = _reach(mechanism, around, after)
     charts = [chart_of(item, room * gap, w, tolerance)
               for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
-    names = [stop.name for stop in mechanism.stops]
-    closed = mechanism.phase(mechanism.initial_phase).closed
-    start = arcs[0].stop
     return TurnModel(
         name=mechanism.name,
-        stops=tuple(names),
+        stops=tuple(item.name for item in mechanism.stops),
         springs=tuple(spring.name for spring in mechanism.springs),
         transition_stop=mechanism.transition_stop,
         start_index=start_index,
         start_angle_rad=angle,
         sense=mechanism.cylinder.sense,
         charts=stacked(mechanism, charts, after),
-        begin=(0, start.gap(state.q), 0.0, 0.0, start.name in closed),
+        begin=(0, stop.gap(state.q), *_rates(mechanism, angle, start_index, stop), closed),
         restitution=np.array([stop.restitution for stop in mechanism.stops]),
         stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
         preload=np.array([spring.preload for spring in mechanism.springs]),
@@ -115,18 +115,37 @@ def build_turns(
     )
 
 
-def _chains(mechanism: Mechanism, angle: float, q: FloatArray) -> list[list[Arc]]:
-    """Arcs of a turn: of the stops that follow the closed one, and of those opposite."""
+def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, FloatArray, bool]:
+    """The stop that turns start from, the configuration with it closed, and whether it is."""
     closed = mechanism.phase(mechanism.initial_phase).closed
-    if len(closed) != 1:
+    if len(closed) > 1:
         message = f"{mechanism.name}: turns of the reduced engine start with one stop closed"
         raise InputError(message, closed=sorted(closed))
+    if closed:
+        return mechanism.stop(next(iter(closed))), q, True
+    stop = min(mechanism.stops, key=lambda item: item.gap(q))
+    return stop, Walk(mechanism, angle).closing(stop, q), False
+
+
+def _rates(
+    mechanism: Mechanism, angle: float, start_index: float, stop: Stop
+) -> tuple[float, float]:
+    """Rate of a gap at the start: what [initial] gives, and what the cylinder adds by its speed."""
+    slow, fast = (
+        stop.rate(initial_state(System(mechanism, ShaftMotion(mechanism, speed, angle)),
+                                start_index, mechanism.starts).v)
+        for speed in (1.0, 2.0)
+    )  # fmt: skip
+    return 2.0 * slow - fast, fast - slow
+
+
+def _chains(mechanism: Mechanism, angle: float, stop: Stop, home: FloatArray) -> list[list[Arc]]:
+    """Arcs of a turn: of the stops that follow a closed one, and of those opposite."""
     walk = Walk(mechanism, angle)
-    stop = mechanism.stop(next(iter(closed)))
-    near = walk.around(stop, q)
+    near = walk.around(stop, home)
     if len({arc.stop.name for arc in near}) == len(mechanism.stops):
         return [near]
-    far = walk.opposite(stop, q)
+    far = walk.opposite(stop, home)
     return [near] if far is None else [near, walk.around(*far)]
 
 
