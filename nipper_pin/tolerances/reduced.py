@@ -28,6 +28,9 @@ turn may add up to. A choice: 45 eps, so that a stop that has just opened is not
 CORNER_ROUND_OFF = 64.0 * EPS
 """[1] Round-off of the place where a stop takes over from another one, by a turn, and of the gaps
 there, by one radian or the reach of the machine. A choice: loops close to some units of eps."""
+GROWTH_SAFETY = 2.0
+"""[1] Factor on errors that grow along a flight as its linearised equation says. A choice: steps of
+second order, sixteen a panel, miss a period of the motion by a few per cent."""
 SAME_TURN = 1e-10
 """[1] Relative difference up to which two turns end alike. A choice: the tolerance of turns unless
 another is asked for."""

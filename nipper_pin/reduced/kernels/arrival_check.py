@@ -37,6 +37,7 @@ from .layout import (
     SCALE,
     SPAN,
     SPEED,
+    TRACED,
     TRAVEL_MOST,
     UNKNOWN,
     Tables,
@@ -156,7 +157,7 @@ def prepare(y: Tables, work: Work, speed: float, gravity: float, stiffness: Floa
     """Combine the tables of a turn for a case."""
     case = work.case
     case[SPEED], case[TRAVEL_MOST], case[SPAN] = speed, y.travel, y.travel
-    case[LOW], case[HIGH] = y.low, y.high
+    case[LOW], case[HIGH], case[TRACED] = y.low, y.high, 0.0
     case[SCALE] = 2.0 / (y.high - y.low)
     mix(y, work.mixed, speed, gravity, stiffness, preload)
     sizes_of(y, work.sizes, speed, gravity, stiffness, preload)

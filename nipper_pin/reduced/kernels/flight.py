@@ -7,6 +7,7 @@ from math import sqrt
 from ...arrays import FloatArray
 from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from .compiled import compiled
+from .growth import begin_growth, grow
 from .hits import Held, first_hit
 from .layout import (
     AT_REST,
@@ -22,6 +23,7 @@ from .layout import (
     SIGMA,
     SPAN,
     SPEED,
+    TRACED,
     TRAVEL_MOST,
     UNRESOLVED,
 )
@@ -157,6 +159,7 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
     a = 0.0
     amplitude = peak_time = fastest = changed = left = 0.0
     failed = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
+    begin_growth(nodes)
     for panel in range(_MOST_PANELS):
         u = u0 + speed * t
         longest = (travel - u) / speed
@@ -195,6 +198,9 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         place, hit = first_hit(grids, held, level, until, first)
         if hit >= 0:
             until = place
+        # The usual bounce ends on its first panel, and its errors are known by a formula.
+        if case[TRACED] > 0.0 and (panel > 0 or end < 0.0 or x0 > 0.0):
+            grow(held, until)
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)
         if not top <= case[HIGH]:
             return LEFT_GAP, *failed

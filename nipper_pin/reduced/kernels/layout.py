@@ -25,12 +25,13 @@ LEVELS = (4, 7, 13, 25)
 ) = range(10)  # fmt: skip
 PROBES = 3
 # Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
-NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE = range(7)
-SCRATCH_ROWS = 7
+NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH = range(8)
+SCRATCH_ROWS = 8
 # Numbers of a case and its domain. `SCALE` takes x - low to [0, 2], and `SPAN` is the length of all
-# cells, of which some may lie beyond the end of the travel.
-SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN = range(6)
-CASE_NUMBERS = 6
+# cells, of which some may lie beyond the end of the travel. `TRACED` is 1 where flights of several
+# panels tell how errors grow along them, in the row GROWTH of the scratch array.
+SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = range(7)
+CASE_NUMBERS = 7
 # Whether the machine arrives in its initial phase at the touch.
 UNKNOWN, FAILS, HOLDS = -1, 0, 1
 # Rows of the sums that bound the error of x'' and its derivatives by x, travel and rate; columns

@@ -9,12 +9,13 @@ import numpy as np
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import LIMIT_ERROR_SAFETY, SAME_TURN
-from .arrival_check import landed, released
+from .arrival_check import released
 from .compiled import compiled
 from .flight import flight
 from .flight_errors import flight_errors
 from .layout import (
     AT_REST,
+    GROWTH,
     JAM,
     LEFT_TRAVEL,
     OTHER_STOP,
@@ -25,7 +26,7 @@ from .layout import (
 from .panel import acceleration, contract
 from .series import settles
 from .turn_charts import chart_at, other_of, seen_by, surface, visit
-from .turn_events import collide, errors_at, note, release_error
+from .turn_events import collide, errors_after, note, release_error
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -140,16 +141,18 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             status = int(ended)
             touching = free = False
             if status == AT_REST:
-                if begins_at_stop and dx == 0.0:
-                    duration, dv, height = flight_errors(
-                        sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
+                duration, dv, height = flight_errors(
+                    sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
+                )
+                if not np.isnan(work.nodes[GROWTH, 0]):
+                    height, dv = errors_after(
+                        work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, a / rate
                     )
-                    dt += duration
-                    if last >= 0:
-                        events[last, AMPLITUDE] = top
-                        events[last, AMPLITUDE_ERROR] = height + 4.0 * EPS * top
-                else:
-                    dt, dv = landed(sizes, speed, T, rate, a, fastest, changed, left, dx, dw)
+                    duration = height / abs(rate) + 4.0 * EPS * T
+                dt += duration
+                if begins_at_stop and last >= 0:
+                    events[last, AMPLITUDE] = top
+                    events[last, AMPLITUDE_ERROR] = height + 4.0 * EPS * top
                 t += T
                 u += speed * T
                 e_N = restitution[stop]
@@ -159,7 +162,9 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
                 continue
             if status == OTHER_STOP:
-                dx, dv = errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+                dx, dv = errors_after(
+                    work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
+                )
                 u += speed * T
                 t += T
                 s = int(hit)
@@ -169,8 +174,9 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 if to < 0 or closing >= 0.0:
                     return OTHER_STOP, n, turn, 0
                 by_x = surface(charts.slopes[c], s, span, case, u, gap)
-                dt = d_gap / -closing
-                dv = d_rate + 2.0 * (abs(by_x * a) + speed * fastest) * dt
+                late = d_gap / -closing
+                dt += late
+                dv = d_rate + 2.0 * (abs(by_x * a) + speed * fastest) * late
                 u += charts.begin[c] - charts.begin[to]
                 c = to
                 visit(charts, work, c, speed, gravity, stiffness, preload)
@@ -182,7 +188,10 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 continue
             if status != LEFT_TRAVEL:
                 return status, n, turn, 0
-            dx, dw = errors_at(sizes, speed, T, a, fastest, changed, left, dt, dx, dw)
+            dx, dw = errors_after(
+                work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
+            )
+            dx, dw = dx + fastest * dt, dw + abs(a) * dt
             x, v, u, dt = gap, rate, travel, 0.0
         # The end of the arc.
         to = charts.after[c]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...arrays import FloatArray
 from .arrival_check import prepare
 from .compiled import compiled
-from .layout import LOW, SCALE, SPAN, Tables, Work
+from .layout import LOW, SCALE, SPAN, TRACED, Tables, Work
 from .turn_layout import Charts, TurnWork
 
 
@@ -29,7 +29,7 @@ def visit(charts: Charts, work: TurnWork, c: int, speed: float, gravity: float,
     mixed = work.mixed[c]
     one = Work(work.case[c], mixed, work.poly, work.nodes, work.series, work.sizes[c], work.line[c])
     prepare(tables_of(charts, c), one, speed, gravity, stiffness, preload)
-    work.case[c, SPAN] = charts.span[c]
+    work.case[c, SPAN], work.case[c, TRACED] = charts.span[c], 1.0
     cells, count_u, count_x = charts.equation.shape[2:]
     zero = work.case[c, SCALE] * -charts.low[c] - 1.0
     for cell in range(cells):

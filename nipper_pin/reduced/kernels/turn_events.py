@@ -8,10 +8,11 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
+from ...tolerances.reduced import GROWTH_SAFETY
 from .arrival_check import along
 from .compiled import compiled
 from .flight_errors import size
-from .layout import BY_U, BY_V, BY_X, RESIDUAL
+from .layout import BY_U, BY_V, BY_X, GROWTH, RESIDUAL
 from .panel import chebyshev
 from .turn_layout import (
     AMPLITUDE,
@@ -35,16 +36,26 @@ _TURN = 2.0 * pi
 
 
 @compiled
-def errors_at(sizes: FloatArray, speed: float, T: float, a: float, fastest: float,
-               changed: float, left: float, dt: float, dx: float, dw: float,
-               ) -> tuple[float, float]:  # fmt: skip
-    """Errors of x and x' at a travel that is known, after a flight that began with these errors."""
+def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, fastest: float,
+                 changed: float, left: float, dt: float, dx: float, dw: float, bend: float,
+                 ) -> tuple[float, float]:  # fmt: skip
+    """Errors of x and x' after a time T, of a flight that began with these errors.
+
+    A long flight has told how errors grow along it; of a short one Gronwall's lemma does. With
+    ``bend`` = x'' / x' at the end the second error is that of x' where x is zero.
+    """
     felt = min(size(sizes, BY_V, fastest) * T + 0.5 * size(sizes, BY_X, fastest) * T * T, 50.0)
-    K = exp(felt)
     late = speed * size(sizes, BY_U, fastest) * dt
-    e = felt * changed + size(sizes, RESIDUAL, fastest) + late + left
-    x = K * (dx + dw * T + 0.5 * e * T * T) + fastest * dt
-    v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(a) * dt
+    e = min(felt, 1.0) * changed + size(sizes, RESIDUAL, fastest) + late + left
+    g = nodes[GROWTH]
+    if not np.isnan(g[0]):
+        x = GROWTH_SAFETY * (abs(g[0]) * dx + abs(g[1]) * dw + g[2] * e)
+        v = abs(g[3] - bend * g[0]) * dx + abs(g[4] - bend * g[1]) * dw
+        v = GROWTH_SAFETY * (v + (g[5] + abs(bend) * g[2]) * e)
+    else:
+        K = exp(felt)
+        x = K * (dx + dw * T + 0.5 * e * T * T)
+        v = K * (dw + (e + size(sizes, BY_X, fastest) * dx) * T) + abs(bend) * x
     return x, v + 4.0 * EPS * fastest
 
 
