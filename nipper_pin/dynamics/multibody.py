@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 import threading
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -25,10 +26,13 @@ from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
 from ..tolerances.mechanics import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
+from .loops import Loops
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100
 _ITERATIONS = 200
+# Configurations from which on all together are faster than each by Pinocchio.
+_MANY = 4
 _OF_THREAD = threading.local()
 
 
@@ -108,6 +112,8 @@ class Multibody(OpenTree):
             and G = dg/dq (on the closure manifold), shape (N, m, nv).
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
+        if self.closure_rows and len(q) >= _MANY:
+            return self._loops.closures(q)
         gaps = np.empty((len(q), self.closure_rows))
         jacobians = np.empty((len(q), self.closure_rows, self.nv))
         if not self.closure_rows:
@@ -122,6 +128,16 @@ class Multibody(OpenTree):
             rows = pin.getConstraintsJacobian(model, data, pins, pin_data)
             rows.take(self._planar_rows, 0, jacobian)
         return gaps, jacobians
+
+    def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """Accelerations G a + G_dot v, shape (N, m); as :meth:`OpenTree.closure_accelerations`."""
+        if self.closure_rows and len(q) >= _MANY:
+            return self._loops.accelerations(q, v, a)
+        return super().closure_accelerations(q, v, a)
+
+    @cached_property
+    def _loops(self) -> Loops:
+        return Loops(self._plain, self.cuts)
 
     def accelerations(
         self, q: FloatArray, v: FloatArray, tau: FloatArray, armature: FloatArray
