@@ -33,11 +33,11 @@ def _agree(mechanism: Mechanism) -> None:
     assert np.abs(found - alone).max() <= ROUNDINGS * size * body.nv**2
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in GALLERY if drawn_mechanism(drawn(name)).closures]
-)
+@pytest.mark.parametrize("name", GALLERY)
 def test_of_the_machines_of_the_gallery(name: str) -> None:
-    _agree(drawn_mechanism(drawn(name)))
+    mechanism = drawn_mechanism(drawn(name))
+    if mechanism.closures:
+        _agree(mechanism)
 
 
 @pytest.mark.parametrize("number", range(40))

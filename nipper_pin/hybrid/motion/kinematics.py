@@ -55,16 +55,14 @@ def kinematic_panel(
     _check_branch(jacobian, split)
     _check_digits(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split)
-    a_nodes = system.accelerations(motion, q_nodes, v_nodes, phase)
+    # Stops may lock links through closures, or all of them while drive trains wind up: what these
+    # would have of the accelerations of the dynamics is round-off of the forces on them.
+    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
     moving = np.abs(h * v_nodes).max(axis=0)
     # What no shorter panel would resolve either must not advise one.
     round_off = _round_off(system, q_nodes, jacobian, split)
     rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
     if resolution.adaptive and rough_a.max() > 1.0:
-        # Stops may lock links through closures, or all of them while drive trains wind up: what
-        # these have of accelerations is round-off of the forces on them.
-        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
-        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
