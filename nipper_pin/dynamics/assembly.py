@@ -11,9 +11,15 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..errors import ConvergenceError, SingularConfigurationError
-from ..tolerances.mechanics import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
+from ..tolerances.mechanics import (
+    CLOSURE_RESIDUAL,
+    DEAD_CENTRE_SHARE,
+    GOOD_CONDITION,
+    MAX_CONDITION,
+    TRACKING_RESIDUAL,
+)
 from ..units import MM_PER_M
 from .multibody import Multibody
 
@@ -150,7 +156,7 @@ def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
 
 
 def close_positions(
-    body: Multibody, q: FloatArray, split: Partition
+    body: Multibody, q: FloatArray, split: Partition, share: float = CLOSURE_RESIDUAL
 ) -> tuple[FloatArray, FloatArray]:
     """Solve g(q) = 0 for the dependent coordinates by Newton's method.
 
@@ -158,6 +164,7 @@ def close_positions(
         body: The multibody system.
         q: Guesses, shape (N, nv); the independent coordinates are kept to the last bit.
         split: Dependent and independent coordinates.
+        share: Gap that may be left, by the reach of the mechanism.
 
     Returns:
         Closed configurations, shape (N, nv), and the closure Jacobian G there, shape (N, m, nv).
@@ -168,15 +175,15 @@ def close_positions(
     """
     q = q.copy()
     dependent = split.columns
-    tolerance = CLOSURE_RESIDUAL * body.reach_m
-    best = np.inf
+    tolerance = share * body.reach_m
+    best = math.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)
-        residual = float(np.abs(g).max(initial=0.0))
+        residual = float(np.maximum.reduce(np.abs(g), axis=None, initial=0.0))
         # Round-off may stop the residual a little above the tolerance: accept its floor.
         if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
             return q, jacobian
-        if not np.isfinite(residual):
+        if not math.isfinite(residual):
             break
         best = min(best, residual)
         q[:, dependent] -= _solve(jacobian[:, :, dependent], g[:, :, None])
@@ -275,15 +282,31 @@ def assemble(
     if not len(path):
         return q[0], start.motion @ rates, start.jacobian
     columns = list(given)
-    step = np.zeros((1, body.nv))
     jacobian, split = start.jacobian[None], start.split
-    for target in path:
-        step[:] = 0.0
-        step[0, columns] = target - q[0, columns]
-        guess = q + close_velocities(step, jacobian, split)
-        guess[0, columns] = target
-        q, jacobian = close_positions(body, guess, split)
-        split = partition(jacobian[0], given, [])
+    before: FloatArray | None = None
+    for number, target in enumerate(path, start=1):
+        slopes, known = _slopes(jacobian[0], columns, split)
+        if known != split:
+            before, split = None, known
+        bent = slopes if before is None else 1.5 * slopes - 0.5 * before
+        moved, before = target - q[0, columns], slopes
+        q[0, split.columns] += product(bent, moved)
+        q[0, columns] = target
+        # Only the end of the path has to be exact.
+        share = CLOSURE_RESIDUAL if number == len(path) else TRACKING_RESIDUAL
+        q, jacobian = close_positions(body, q, split, share)
+    _, split = _slopes(jacobian[0], columns, split)
     v = np.zeros((1, body.nv))
     v[0, columns] = rates
     return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]
+
+
+def _slopes(
+    jacobian: FloatArray, given: list[int], split: Partition
+) -> tuple[FloatArray, Partition]:
+    """Dependent coordinates by the given ones, and the split; another one if it has become bad."""
+    condition, inverse = inverted(jacobian.take(split.columns, 1))
+    if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
+        split = partition(jacobian, given, [])
+        _, inverse = inverted(jacobian.take(split.columns, 1))
+    return -product(inverse, jacobian.take(given, 1)), split

@@ -101,8 +101,7 @@ class Loops:
             whirl = np.hstack([whirl, way])
         apart = (turned * whirl).dot(self._gaps) * owners
         rows = np.stack([apart.imag * self._signs[:, 0], apart.real], axis=2)
-        found: FloatArray = rows.reshape(len(q), -1)
-        return found
+        return np.asarray(rows.reshape(len(q), -1), dtype=np.float64)
 
     def _turned(self, q: FloatArray) -> NDArray[np.complex128]:
         """Units turned with the bodies, then with the slides, shape (N, joints + slides)."""

@@ -10,6 +10,9 @@ EPS = sys.float_info.epsilon
 CLOSURE_RESIDUAL = 16.0 * EPS
 """[1] By the reach of the mechanism: gap of a closure at which its iteration ends. A sum of ten
 rounded lengths of that size is no better."""
+TRACKING_RESIDUAL = 1e-6
+"""[1] By the reach of the mechanism: gap of a closure on the way to where an assembly ends. A
+choice: steps on the way are far longer, and only the end is closed to round-off."""
 MAX_CONDITION = 5e4
 """[1] Condition of the dependent closure columns from which a position is singular. Positions are
 known to 16 eps times it, 2e-10, rates to 1e-5; accelerations lose it once more, and a little beyond
