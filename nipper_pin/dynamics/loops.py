@@ -121,4 +121,4 @@ def _planar(vector: FloatArray) -> complex:
 def _axis(model: pin.Model, places: Sequence[pin.SE3], joint: int) -> FloatArray:
     """Direction of sliding and axis of turning of a joint in world axes at q = 0, shape (6,)."""
     local = np.asarray(model.joints[joint].createData().S).reshape(2, 3)
-    return (local @ places[joint].rotation.T).reshape(6)
+    return np.asarray((local @ places[joint].rotation.T).reshape(6))
