@@ -25,7 +25,12 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
-from ..tolerances.mechanics import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
+from ..tolerances.mechanics import (
+    LIGHT_BODY_SHARE,
+    PROXIMAL_CHANGE,
+    PROXIMAL_REGULARISATION,
+    PROXIMAL_RESIDUAL,
+)
 from .loops import Loops
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
@@ -86,7 +91,7 @@ class Multibody(OpenTree):
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
         mu = PROXIMAL_REGULARISATION / heaviest if heaviest > 0.0 else PROXIMAL_REGULARISATION
-        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, mu, _ITERATIONS)
+        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, PROXIMAL_CHANGE, mu, _ITERATIONS)
         self._planar_rows = np.array(
             [
                 3 * number + row
