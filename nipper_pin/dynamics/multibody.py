@@ -131,7 +131,8 @@ class Multibody(OpenTree):
                 x, _, z = constraint_data.c1Mc2.translation.tolist()
                 gap[place], gap[place + 1] = -x, -z
             rows = pin.getConstraintsJacobian(model, data, pins, pin_data)
-            rows.take(self._planar_rows, 0, jacobian)
+            # Otherwise numpy would write through a buffer.
+            rows.take(self._planar_rows, 0, jacobian, "clip")
         return gaps, jacobians
 
     def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
