@@ -6,14 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
-from ..tolerances.mechanics import CLOSURE_RESIDUAL, DEAD_CENTRE_SHARE, MAX_CONDITION
+from ..tolerances.mechanics import (
+    CLOSURE_RESIDUAL,
+    DEAD_CENTRE_SHARE,
+    MAX_CONDITION,
+)
 from ..units import MM_PER_M
 from .multibody import Multibody
 
@@ -150,7 +153,7 @@ def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
 
 
 def close_positions(
-    body: Multibody, q: FloatArray, split: Partition
+    body: Multibody, q: FloatArray, split: Partition, share: float = CLOSURE_RESIDUAL
 ) -> tuple[FloatArray, FloatArray]:
     """Solve g(q) = 0 for the dependent coordinates by Newton's method.
 
@@ -158,6 +161,7 @@ def close_positions(
         body: The multibody system.
         q: Guesses, shape (N, nv); the independent coordinates are kept to the last bit.
         split: Dependent and independent coordinates.
+        share: Gap that may be left, by the reach of the mechanism.
 
     Returns:
         Closed configurations, shape (N, nv), and the closure Jacobian G there, shape (N, m, nv).
@@ -168,15 +172,15 @@ def close_positions(
     """
     q = q.copy()
     dependent = split.columns
-    tolerance = CLOSURE_RESIDUAL * body.reach_m
-    best = np.inf
+    tolerance = share * body.reach_m
+    best = math.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)
-        residual = float(np.abs(g).max(initial=0.0))
+        residual = float(np.maximum.reduce(np.abs(g), axis=None, initial=0.0))
         # Round-off may stop the residual a little above the tolerance: accept its floor.
         if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
             return q, jacobian
-        if not np.isfinite(residual):
+        if not math.isfinite(residual):
             break
         best = min(best, residual)
         q[:, dependent] -= _solve(jacobian[:, :, dependent], g[:, :, None])
@@ -215,75 +219,3 @@ def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
             "change the dimensions or the drive"
         )
         raise SingularConfigurationError(message, condition=np.inf) from error
-
-
-@dataclass(frozen=True, eq=False)
-class Touch:
-    """The touch configuration, q = 0, with some coordinates given.
-
-    Attributes:
-        jacobian: Closure Jacobian G, shape (m, nv), not writeable.
-        split: The given coordinates and those that follow from them.
-        motion: Rates of all coordinates by those of the given ones, shape (nv, given).
-    """
-
-    jacobian: FloatArray
-    split: Partition
-    motion: FloatArray
-
-
-_TOUCH: WeakKeyDictionary[Multibody, dict[tuple[int, ...], Touch]] = WeakKeyDictionary()
-
-
-def touch(body: Multibody, given: Sequence[int]) -> Touch:
-    """The touch configuration of a multibody system; all its runs start from there.
-
-    Args:
-        body: The multibody system.
-        given: Places in q of the coordinates that are prescribed.
-
-    Raises:
-        SingularConfigurationError: The closures do not determine the others.
-    """
-    known, key = _TOUCH.setdefault(body, {}), tuple(given)
-    if key not in known:
-        jacobian = body.closures(np.zeros((1, body.nv)))[1]
-        jacobian.flags.writeable = False
-        split = partition(jacobian[0], given, [])
-        units = np.eye(body.nv)[list(given)]
-        known[key] = Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
-    return known[key]
-
-
-def assemble(
-    body: Multibody, path: FloatArray, given: Sequence[int], rates: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Assemble the mechanism at the end of a path of given coordinates that starts at q = 0.
-
-    Args:
-        body: The multibody system.
-        path: Given coordinates along the path, shape (K, given); short steps, the first one near
-            the touch configuration, so that the mechanism stays on its branch. None: q = 0.
-        given: Places of those coordinates in q.
-        rates: Their rates at the end, shape (given,).
-
-    Returns:
-        q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
-    """
-    start = touch(body, given)
-    q = np.zeros((1, body.nv))
-    if not len(path):
-        return q[0], start.motion @ rates, start.jacobian
-    columns = list(given)
-    step = np.zeros((1, body.nv))
-    jacobian, split = start.jacobian[None], start.split
-    for target in path:
-        step[:] = 0.0
-        step[0, columns] = target - q[0, columns]
-        guess = q + close_velocities(step, jacobian, split)
-        guess[0, columns] = target
-        q, jacobian = close_positions(body, guess, split)
-        split = partition(jacobian[0], given, [])
-    v = np.zeros((1, body.nv))
-    v[0, columns] = rates
-    return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 import threading
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -24,11 +25,19 @@ import pinocchio as pin
 from ..arrays import FloatArray
 from ..errors import SingularConfigurationError
 from ..mechanism import Mechanism
-from ..tolerances.mechanics import LIGHT_BODY_SHARE, PROXIMAL_REGULARISATION, PROXIMAL_RESIDUAL
+from ..tolerances.mechanics import (
+    LIGHT_BODY_SHARE,
+    PROXIMAL_CHANGE,
+    PROXIMAL_REGULARISATION,
+    PROXIMAL_RESIDUAL,
+)
+from .loops import Loops
 from .open_tree import PLANAR_ROWS_OF_A_POINT, OpenTree
 
 INFINITE_INERTIA = 2.0**100
 _ITERATIONS = 200
+# Configurations from which on all together are faster than each by Pinocchio.
+_MANY = 4
 _OF_THREAD = threading.local()
 
 
@@ -82,7 +91,7 @@ class Multibody(OpenTree):
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
         mu = PROXIMAL_REGULARISATION / heaviest if heaviest > 0.0 else PROXIMAL_REGULARISATION
-        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, mu, _ITERATIONS)
+        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, PROXIMAL_CHANGE, mu, _ITERATIONS)
         self._planar_rows = np.array(
             [
                 3 * number + row
@@ -108,6 +117,8 @@ class Multibody(OpenTree):
             and G = dg/dq (on the closure manifold), shape (N, m, nv).
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
+        if self.closure_rows and len(q) >= _MANY:
+            return self._loops.closures(q)
         gaps = np.empty((len(q), self.closure_rows))
         jacobians = np.empty((len(q), self.closure_rows, self.nv))
         if not self.closure_rows:
@@ -120,8 +131,19 @@ class Multibody(OpenTree):
                 x, _, z = constraint_data.c1Mc2.translation.tolist()
                 gap[place], gap[place + 1] = -x, -z
             rows = pin.getConstraintsJacobian(model, data, pins, pin_data)
-            rows.take(self._planar_rows, 0, jacobian)
+            # Otherwise numpy would write through a buffer.
+            rows.take(self._planar_rows, 0, jacobian, "clip")
         return gaps, jacobians
+
+    def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """Accelerations G a + G_dot v, shape (N, m); as :meth:`OpenTree.closure_accelerations`."""
+        if self.closure_rows and len(q) >= _MANY:
+            return self._loops.accelerations(q, v, a)
+        return super().closure_accelerations(q, v, a)
+
+    @cached_property
+    def _loops(self) -> Loops:
+        return Loops(self._plain, self.cuts)
 
     def accelerations(
         self, q: FloatArray, v: FloatArray, tau: FloatArray, armature: FloatArray

@@ -138,11 +138,11 @@ class OpenTree:
         centroid = np.empty((len(self._link_ids), 2))
         for row, joint in enumerate(self._link_ids):
             rotation = data.oMi[joint].rotation
-            angular = rotation @ data.v[joint].angular
-            arm = rotation @ model.inertias[joint].lever
-            linear = rotation @ data.v[joint].linear + np.cross(angular, arm)
-            spin[row] = -angular[1]
-            centroid[row] = linear[[0, 2]]
+            turning = (rotation @ data.v[joint].angular).item(1)
+            x, _, z = (rotation @ model.inertias[joint].lever).tolist()
+            linear = (rotation @ data.v[joint].linear).tolist()
+            spin[row] = -turning
+            centroid[row] = linear[0] + turning * z, linear[2] - turning * x
         return spin, centroid
 
     def placements(self, q: FloatArray) -> list[pin.SE3]:

@@ -30,6 +30,8 @@ from .state import State
 
 # In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000
+# What drives alone determine is smoother than flights: panels have more nodes and are longer.
+_LONGER_WITHOUT_FREEDOM = 2.0
 
 
 class Advance(NamedTuple):
@@ -135,6 +137,8 @@ class _Way:
         self.phase = phase = system.constraint_set(state.closed)
         self.kinematic = phase.freedom == 0
         self.longest = system.shaft.period / resolution.panels_per_turn
+        if self.kinematic:
+            self.longest *= _LONGER_WITHOUT_FREEDOM
         self.shortest = SHORTEST_PANEL * system.shaft.period
         self._checks: tuple[PanelCheck, ...] = panel_checks(system, resolution)
         # A stop that has just been left is independent, so that its gap keeps its relative

@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from ..arrays import FloatArray
-from ..dynamics.assembly import Partition, assemble, partition
+from ..dynamics.assembly import Partition, partition
 from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import DriveMode, System
+from ..dynamics.touch import assemble
 from ..errors import InputError, NipperError
 from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back

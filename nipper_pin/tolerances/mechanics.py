@@ -10,6 +10,9 @@ EPS = sys.float_info.epsilon
 CLOSURE_RESIDUAL = 16.0 * EPS
 """[1] By the reach of the mechanism: gap of a closure at which its iteration ends. A sum of ten
 rounded lengths of that size is no better."""
+TRACKING_RESIDUAL = 1e-6
+"""[1] By the reach of the mechanism: gap of a closure on the way to where an assembly ends. A
+choice: steps on the way are far longer, and only the end is closed to round-off."""
 MAX_CONDITION = 5e4
 """[1] Condition of the dependent closure columns from which a position is singular. Positions are
 known to 16 eps times it, 2e-10, rates to 1e-5; accelerations lose it once more, and a little beyond
@@ -29,7 +32,10 @@ PROXIMAL_REGULARISATION = 1e-14
 dead rows from zero pivots, and is small beside the smallest eigenvalue of G M^-1 G'."""
 PROXIMAL_RESIDUAL = 1e-14
 """[m/s^2 or rad/s^2] Residual of closures where the proximal iteration stops. It is 45 eps, so
-round-off of accelerations of about one; with larger ones the limit of iterations ends it."""
+round-off of accelerations of about one; with larger ones ``PROXIMAL_CHANGE`` ends it."""
+PROXIMAL_CHANGE = 1e-12
+"""[1] By the multipliers: change by a proximal iteration that ends it, too. Each iteration divides
+what is missing by the same factor: where G M^-1 G' is above 1e-12, 3e-15 is left."""
 LIGHT_BODY_SHARE = 1e-7
 """[1] By the heaviest body: accelerations of mechanisms with a lighter one are refined. Forces that
 balance but for round-off accelerate it by eps / 1e-7 = 2e-9 of its acceleration or more."""

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from planar_tree import PlanarTree
 
-from nipper_pin.dynamics.assembly import assemble, close_positions, close_velocities, partition
+from nipper_pin.dynamics.assembly import close_positions, close_velocities, partition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
+from nipper_pin.dynamics.touch import assemble
 from nipper_pin.errors import ConvergenceError, SingularConfigurationError
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.simulate import simulate

@@ -277,8 +277,8 @@ def test_closing_and_opening_indices(solved: Solved, name: str) -> None:
     assert 7.0 <= opening.index <= 9.5
 
 
-@pytest.mark.parametrize(("window", "limit"), [(Window.TRANSITION, 400), (Window.CYCLE, 1700)])
+@pytest.mark.parametrize(("window", "limit"), [(Window.TRANSITION, 200), (Window.CYCLE, 600)])
 def test_the_work_is_bounded(solved: Solved, window: Window, limit: int) -> None:
-    """At the table's parameters a transition takes 400 evaluations at most, a cycle 1700."""
+    """At the table's parameters a transition takes 200 evaluations at most, a cycle 600."""
     for name in ("450", "650"):
         assert 0 < solved(window, name).evaluations <= limit

@@ -87,6 +87,8 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
     if panel.integrated:
         return _flight_root(panel, stop, gap, rate)
     h, gaps = panel.h, stop.gaps(panel.q)
+    if _positive(gaps):
+        return None
 
     def rough(t: float) -> tuple[float, float]:
         both = np.stack([gaps, stop.rates(panel.v)], axis=1)
@@ -178,6 +180,8 @@ def _force_root(
     column: int,
 ) -> float | None:
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
+    if _positive(force):
+        return None
     grid = nodes(panel.order)
     values = grid.sample_value @ force
     if values[0] < 0.0 and not (
@@ -222,6 +226,12 @@ def _force_root(
             return _polished(panel, (left, right), rough, exact)
         bracket = first_descent(samples[start:], values[start:], interpolant)
     return None
+
+
+def _positive(values: FloatArray) -> bool:
+    """True if an interpolant is known to be positive: no Chebyshev polynomial exceeds one."""
+    coefficients = product(nodes(len(values)).integrals[0], values)
+    return bool(2.0 * coefficients[0] > np.add.reduce(np.abs(coefficients)))
 
 
 def _polished(

@@ -9,7 +9,6 @@ from ...dynamics.assembly import (
     Partition,
     close_positions,
     close_velocities,
-    inverted,
 )
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import ConstraintSet, System
@@ -52,19 +51,16 @@ def kinematic_panel(
     motion = system.shaft.driven(times)
     system.prescribe(motion, guess, rates, phase)
     q_nodes, jacobian = close_positions(system.body, guess, split)
-    _check_branch(jacobian, split)
-    _check_digits(jacobian, split)
+    inverse = _inverses(jacobian, split)[0]
     v_nodes = close_velocities(rates, jacobian, split)
-    a_nodes = system.accelerations(motion, q_nodes, v_nodes, phase)
+    # Stops may lock links through closures, or all of them while drive trains wind up: what these
+    # would have of the accelerations of the dynamics is round-off of the forces on them.
+    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
     moving = np.abs(h * v_nodes).max(axis=0)
     # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, q_nodes, jacobian, split)
+    round_off = _round_off(system, q_nodes, split, inverse)
     rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
     if resolution.adaptive and rough_a.max() > 1.0:
-        # Stops may lock links through closures, or all of them while drive trains wind up: what
-        # these have of accelerations is round-off of the forces on them.
-        a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
-        rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
@@ -131,41 +127,39 @@ def _rough_accelerations(
     return np.asarray(left_over / (np.sqrt(resolution.tolerance) * changed))
 
 
-def _check_branch(jacobian: FloatArray, split: Partition) -> None:
-    """Refuse to pass a dead centre, behind which the nodes may lie on another branch.
+def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
+    """Inverses of the dependent blocks of the closures at the nodes, shape (N, m, m).
 
-    On one branch the determinant of the dependent columns keeps its sign.
+    Raises:
+        SingularConfigurationError: The nodes lie on both sides of a dead centre, behind which the
+            links can go either way, or one is so near that rates are not determined any more.
     """
-    if split.dependent:
-        volumes = np.linalg.det(jacobian[:, :, split.columns])
-        if volumes.min() <= 0.0 <= volumes.max():
-            message = (
-                "the motion passes through a dead centre, behind which the links can go either "
-                "way; change the dimensions or the drive"
-            )
-            raise SingularConfigurationError(message, volumes=volumes.tolist())
-
-
-def _check_digits(jacobian: FloatArray, split: Partition) -> None:
-    """Refuse a node so near a dead centre that rates are not determined any more."""
+    blocks = jacobian.take(split.columns, 2)
     if not split.dependent:
-        return
-    blocks = jacobian[:, :, split.columns]
-    # No determinant is zero: `_check_branch` has been passed.
-    sizes, inverses = (np.linalg.norm(m, axis=(1, 2)) for m in (blocks, np.linalg.inv(blocks)))
-    condition = float((sizes * inverses).max())
+        return blocks
+    # On one branch the determinant of the dependent columns keeps its sign.
+    volumes = np.linalg.det(blocks)
+    if volumes.min() <= 0.0 <= volumes.max():
+        message = (
+            "the motion passes through a dead centre, behind which the links can go either "
+            "way; change the dimensions or the drive"
+        )
+        raise SingularConfigurationError(message, volumes=volumes.tolist())
+    inverses = np.linalg.inv(blocks)
+    sizes = [np.einsum("nij,nij->n", matrices, matrices) for matrices in (blocks, inverses)]
+    condition = float(np.sqrt((sizes[0] * sizes[1]).max()))
     if not condition < MAX_CONDITION:
         message = (
             f"a dead centre is so near (condition {condition:.2g}) that round-off decides on the "
             "rates; change the dimensions or the drive"
         )
         raise SingularConfigurationError(message, condition=condition)
+    return np.asarray(inverses)
 
 
-def _round_off(system: System, q: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+def _round_off(system: System, q: FloatArray, split: Partition, inverse: FloatArray) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
     size = np.abs(q).max(axis=0) + EPS
-    _, inverse = inverted(jacobian[0].take(split.columns, 1))
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
     size[split.columns] += np.minimum(moved, MAX_AMPLIFICATION)
     return np.asarray(COORDINATE_ROUND_OFF * size)

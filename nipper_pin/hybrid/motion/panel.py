@@ -245,4 +245,9 @@ def judged(panel: Panel, forces: FloatArray, excess: float, order: int) -> Attem
     factor = min(max(factor, 0.2), 2.0)
     if excess <= 1.0:
         return Attempt(panel, forces, factor)
-    return Attempt(None, forces, min(factor, 0.7))
+    return Attempt(None, forces, shorter(excess, order))
+
+
+def shorter(excess: float, order: int) -> float:
+    """Ratio of the length of the next attempt to that of one whose unresolved part is above 1."""
+    return float(min(max(0.9 * excess ** (-1.0 / order), 0.2), 0.7))

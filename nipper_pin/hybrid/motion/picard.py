@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from ...tolerances.hybrid import (
 from ..case import Resolution
 from .chebyshev import decayed, nodes, prolonged
 from .noise_floor import of_closures, roughness
-from .panel import Attempt, Begin, Panel, forces_at, judged
+from .panel import Attempt, Begin, Panel, forces_at, judged, shorter
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
@@ -34,6 +35,9 @@ _FREE_SWEEPS = 4
 # But none of them a change by this multiple of the motion, whose square and cube would follow.
 _DIVERGED = 1e9
 _WORST_CONTRACTION = 0.5
+# Sweeps over the finest of nested grids after which the last coefficients are known: what follows
+# them, if it is so many times too large, no other sweep makes small enough.
+_TELLING_SWEEPS, _TOO_ROUGH = 2, 2.0
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
@@ -70,7 +74,7 @@ def flight_panel(
     tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
-    iteration = _Picard(system, phase, begin, h, finest, tolerance)
+    iteration = _Picard(system, phase, begin, h, finest, tolerance, nested)
     none = np.empty((0, len(phase.stops)))
     a = begin.a[None]
     for stride in _STRIDES if nested else (1,):
@@ -78,6 +82,8 @@ def flight_panel(
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
             if stride > 1:
                 continue
+            if iteration.too_rough:
+                return Attempt(None, none, shorter(iteration.left_over(a) / tolerance, len(a)))
             if not (iteration.allows_round_off() and iteration.settled):
                 return Attempt(None, none, 0.5)
         left_over = iteration.left_over(a)
@@ -136,6 +142,7 @@ class _Picard:
         h: Its length [s].
         finest: Number of nodes of the finest grid.
         tolerance: Relative change of the positions that ends the iteration.
+        nested: True if the iteration starts on coarser grids.
     """
 
     def __init__(
@@ -146,6 +153,7 @@ class _Picard:
         h: float,
         finest: int,
         tolerance: float,
+        nested: bool,
     ) -> None:
         """Compute what no sweep changes."""
         self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
@@ -165,8 +173,7 @@ class _Picard:
         # node: arrays of one shape are multiplied three times as fast as a row is repeated.
         self._weight = np.empty(0)
         self._weights = np.empty((finest, len(q)))
-        self._free = np.empty((finest, len(q)))
-        self._free[:] = system.free
+        self._free = system.free[None].repeat(finest, 0)
         # Relative changes of positions in the latest sweep, shape (N - 1, nv).
         self._moved = np.empty((0, len(q)))
         self._start = t, q, v
@@ -176,7 +183,7 @@ class _Picard:
         self._contraction = 1.0
         # What turns integrals over the unit interval into positions and velocities.
         self._scales = np.array([h * h, h])[:, None, None]
-        self.sweeps = 0
+        self.sweeps, self.too_rough, self._nested = 0, False, nested
 
     def converges(self, a: FloatArray, stride: int, most: int) -> bool:
         """Sweep over one grid, in place, until another sweep would change nothing that matters.
@@ -221,6 +228,9 @@ class _Picard:
                 sweep == 1 or self.sweeps > 2 or _next(moved, guess) <= self._tolerance
             ):
                 return True
+            if stride == 1 and sweep == _TELLING_SWEEPS and self._is_too_rough(a):
+                self.too_rough = True
+                return False
             if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
                 return change <= ITERATION_FLOOR
         return False
@@ -244,6 +254,19 @@ class _Picard:
         """
         return float(np.maximum.reduce(decayed(a) * self._weight)) / (2.0 * len(a)) ** 2
 
+    def _is_too_rough(self, a: FloatArray) -> bool:
+        """True if what follows the last coefficients is too large, even beside round-off."""
+        least = _TOO_ROUGH * self._tolerance
+        if not self._nested or self.left_over(a) <= least:
+            return False
+        beside = self._weight * (self._way / (self._way + self._allowance(self._roughness)))
+        return float(np.maximum.reduce(decayed(a) * beside)) > least * (2.0 * len(a)) ** 2
+
+    @cached_property
+    def _roughness(self) -> FloatArray:
+        """Round-off of accelerations at the start of the panel, shape (nv,)."""
+        return roughness(self._system, self._phase, *self._start)
+
     def allows_round_off(self) -> bool:
         """Weigh anew, so that round-off of accelerations is within the tolerance.
 
@@ -253,16 +276,20 @@ class _Picard:
         if self._allowed or not self._weight.size:
             return False
         self._allowed = True
-        return self._allow(roughness(self._system, self._phase, *self._start))
+        return self._allow(self._roughness)
 
     def _allow(self, rough: FloatArray) -> bool:
         """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
-        allowance = ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance
+        allowance = self._allowance(rough)
         matters = bool((self._phase.moving * (allowance > NOTICED_ROUND_OFF * self._way)).any())
         self._moved = self._moved * (self._way / (self._way + allowance))
         self._way += allowance
         self._weigh()
         return matters
+
+    def _allowance(self, rough: FloatArray) -> FloatArray:
+        """Ways beside which round-off of accelerations is within the tolerance, shape (nv,)."""
+        return np.asarray(ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance)
 
     def motion(self, a: FloatArray) -> FloatArray:
         """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""

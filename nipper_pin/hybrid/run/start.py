@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...dynamics.assembly import assemble
 from ...dynamics.system import System
+from ...dynamics.touch import assemble
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
 from ...mechanism import Mechanism, Start, Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF

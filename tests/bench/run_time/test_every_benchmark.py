@@ -112,7 +112,7 @@ def test_phases_of_a_turn(clock: Clock, e62: Mechanism) -> None:
     for row in phases:
         assert row["wall_ms"] == sum(wanted[row["what"]])
         assert row["segments"] == len(wanted[row["what"]])
-        assert row["evaluations"] > 0
+        assert row["evaluations"] >= 0
     evaluations = sum(row["evaluations"] for row in phases)
     assert rest == {
         "what": "start, impacts, changes of phase", "wall_ms": 0.0, "segments": 0,

@@ -1,0 +1,102 @@
+"""The touch configuration, and the way from there to where a run begins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..arrays import FloatArray, product
+from ..tolerances.mechanics import CLOSURE_RESIDUAL, GOOD_CONDITION, TRACKING_RESIDUAL
+from .assembly import Partition, close_positions, close_velocities, inverted, partition
+from .multibody import Multibody
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """The touch configuration, q = 0, with some coordinates given.
+
+    Attributes:
+        jacobian: Closure Jacobian G, shape (m, nv), not writeable.
+        split: The given coordinates and those that follow from them.
+        motion: Rates of all coordinates by those of the given ones, shape (nv, given).
+    """
+
+    jacobian: FloatArray
+    split: Partition
+    motion: FloatArray
+
+
+_TOUCH: WeakKeyDictionary[Multibody, dict[tuple[int, ...], Touch]] = WeakKeyDictionary()
+
+
+def touch(body: Multibody, given: Sequence[int]) -> Touch:
+    """The touch configuration of a multibody system; all its runs start from there.
+
+    Args:
+        body: The multibody system.
+        given: Places in q of the coordinates that are prescribed.
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the others.
+    """
+    known, key = _TOUCH.setdefault(body, {}), tuple(given)
+    if key not in known:
+        jacobian = body.closures(np.zeros((1, body.nv)))[1]
+        jacobian.flags.writeable = False
+        split = partition(jacobian[0], given, [])
+        units = np.eye(body.nv)[list(given)]
+        known[key] = Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
+    return known[key]
+
+
+def assemble(
+    body: Multibody, path: FloatArray, given: Sequence[int], rates: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Assemble the mechanism at the end of a path of given coordinates that starts at q = 0.
+
+    Args:
+        body: The multibody system.
+        path: Given coordinates along the path, shape (K, given); short steps, the first one near
+            the touch configuration, so that the mechanism stays on its branch. None: q = 0.
+        given: Places of those coordinates in q.
+        rates: Their rates at the end, shape (given,).
+
+    Returns:
+        q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
+    """
+    start = touch(body, given)
+    q = np.zeros((1, body.nv))
+    if not len(path):
+        return q[0], start.motion @ rates, start.jacobian
+    columns = list(given)
+    jacobian, split = start.jacobian[None], start.split
+    before: FloatArray | None = None
+    for number, target in enumerate(path, start=1):
+        slopes, known = _slopes(jacobian[0], columns, split)
+        if known != split:
+            before, split = None, known
+        bent = slopes if before is None else 1.5 * slopes - 0.5 * before
+        moved, before = target - q[0, columns], slopes
+        q[0, split.columns] += product(bent, moved)
+        q[0, columns] = target
+        # Only the end of the path has to be exact.
+        share = CLOSURE_RESIDUAL if number == len(path) else TRACKING_RESIDUAL
+        q, jacobian = close_positions(body, q, split, share)
+    _, split = _slopes(jacobian[0], columns, split)
+    v = np.zeros((1, body.nv))
+    v[0, columns] = rates
+    return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]
+
+
+def _slopes(
+    jacobian: FloatArray, given: list[int], split: Partition
+) -> tuple[FloatArray, Partition]:
+    """Dependent coordinates by the given ones, and the split; another one if it has become bad."""
+    condition, inverse = inverted(jacobian.take(split.columns, 1))
+    if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
+        split = partition(jacobian, given, [])
+        _, inverse = inverted(jacobian.take(split.columns, 1))
+    return -product(inverse, jacobian.take(given, 1)), split

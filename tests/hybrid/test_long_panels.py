@@ -1,0 +1,34 @@
+"""Panels that are as long as they may be, and panels that are too long."""
+
+from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.hybrid.case import Resolution
+from nipper_pin.hybrid.motion.panel import Begin
+from nipper_pin.hybrid.motion.picard import flight_panel
+
+# Nodes of the nested grids that are not the first one.
+COARSE, MIDDLE, FINE = 3, 6, 12
+# States in which the round-off of forces is asked for.
+ROUND_OFF = 3
+
+
+def test_a_panel_that_is_too_long_is_given_up_after_two_sweeps_of_each_grid(e62: Mechanism) -> None:
+    """What follows the last coefficients is far above the tolerance on a fifth of a turn."""
+    solution = simulate(e62, Case(speed_rpm=650.0))
+    system, segment = solution.system, solution.segments[0]
+    first = segment.panels[0]
+    begin = Begin(first.t, first.q[0], first.v[0], first.a[0])
+    phase, before = system.constraint_set(segment.closed), system.body.evaluations
+    h = 0.2 * system.shaft.period
+    attempt = flight_panel(system, phase, first.split, begin, h, Resolution())
+    assert attempt.panel is None
+    assert 0.2 <= attempt.factor <= 0.7
+    assert system.body.evaluations - before <= 2 * (COARSE + MIDDLE + FINE) + ROUND_OFF
+
+
+def test_phases_without_freedom_take_panels_of_a_sixth_of_a_turn(e62: Mechanism) -> None:
+    """Three stretches of a turn of the E62 at 450 r/min take no more than eight of them."""
+    solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
+    panels = [panel for item in solution.segments if item.kinematic for panel in item.panels]
+    sixth = solution.shaft.period / 6.0
+    assert len(panels) <= 8
+    assert max(panel.h for panel in panels) > 0.99 * sixth
