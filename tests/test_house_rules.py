@@ -52,7 +52,7 @@ MANY = {
     "reduced/kernels/turn.py follow",
     "reduced/kernels/turn_charts.py seen_by",
     "reduced/kernels/turn_events.py collide",
-    "reduced/kernels/turn_events.py errors_at",
+    "reduced/kernels/turn_events.py errors_after",
     "reduced/transition.py transition",
     "reduced/transition.py transitions",
     "reduced/turns/turn.py turns",

@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
-from ..mechanism.build.tree import joint_placements, supports
+from ..mechanism.build.placements import joint_placements, supports
 
 _X, _Y, _Z = range(3)
 

@@ -11,7 +11,7 @@ from exudyn import itemInterface as items  # noqa: N813
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from ...mechanism.build.tree import joint_placements
+from ...mechanism.build.placements import joint_placements
 from ...study.paper.scheme.planar import Planar, compiled, guide
 from .planar_bodies import BODIES
 

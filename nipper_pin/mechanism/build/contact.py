@@ -18,7 +18,8 @@ from ...units import MM_PER_M
 from ..files.description import ContactDescription
 from ..files.urdf import UrdfJoint
 from ..mechanism import Contact
-from .tree import Tree, supports
+from .placements import supports
+from .tree import Tree
 
 _ITERATIONS = 12
 # Each pair of shapes of two bodies is looked at in every step of the search.

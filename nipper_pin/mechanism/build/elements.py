@@ -16,7 +16,7 @@ from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..files.urdf import Urdf
 from ..mechanism import Joint, Spring
-from .tree import joint_placements
+from .placements import joint_placements
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
 from .drive_keys import check_drive
 from .elements import build_elements
 from .laws import build_cylinder, build_laws
+from .placements import joint_placements
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .stops import build_stops
@@ -30,7 +31,6 @@ from .tree import (
     build_model,
     check_masses,
     collision_geometry,
-    joint_placements,
     tree_joints,
 )
 

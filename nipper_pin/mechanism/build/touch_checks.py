@@ -14,7 +14,8 @@ from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
-from .tree import Tree, supports
+from .placements import supports
+from .tree import Tree
 
 _PLANE = (0, 2)
 

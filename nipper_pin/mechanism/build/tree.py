@@ -133,24 +133,6 @@ def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
     return tuple(sorted(joints, key=lambda joint: joint.index))
 
 
-def joint_placements(model: pin.Model) -> list[pin.SE3]:
-    """World placement of every joint at q = 0, by joint identity, without any ``pin.Data``."""
-    placements = [pin.SE3.Identity()]
-    for identity in range(1, model.njoints):
-        above = placements[model.parents[identity]]
-        placements.append(above * model.jointPlacements[identity])
-    return placements
-
-
-def supports(model: pin.Model, joint: int) -> list[int]:
-    """Identities of the joints that move the body behind a joint, itself included."""
-    chain = []
-    while joint > 0:
-        chain.append(joint)
-        joint = model.parents[joint]
-    return chain
-
-
 def collision_geometry(
     model: pin.Model, text: str, urdf: Urdf, mesh_folder: Path, file: str
 ) -> pin.GeometryModel:

@@ -27,9 +27,8 @@ PROBES = 3
 # Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
 NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH = range(8)
 SCRATCH_ROWS = 8
-# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2], and `SPAN` is the length of all
-# cells, of which some may lie beyond the end of the travel. `TRACED` is 1 where flights of several
-# panels tell how errors grow along them, in the row GROWTH of the scratch array.
+# Numbers of a case and its domain. `SCALE` takes x - low to [0, 2]; `SPAN` is the length of all
+# cells, also beyond the end; `TRACED` is 1 where long flights tell how errors grow along them.
 SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = range(7)
 CASE_NUMBERS = 7
 # Whether the machine arrives in its initial phase at the touch.

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from ...mechanism.build.tree import joint_placements
+from ...mechanism.build.placements import joint_placements
 from .solids import Solid, plain_solids
 
 _DIRECTION = (0.38, -1.0, 0.34)

@@ -189,9 +189,10 @@ def penetrates(cycle: Solution) -> Solution:
 
 def jumps(cycle: Solution) -> Solution:
     segments = list(cycle.segments)
-    panels = list(segments[0].panels)
+    place = next(i for i, item in enumerate(segments) if len(item.panels) > 1)
+    panels = list(segments[place].panels)
     panels[1] = panels[1].shifted(1e-3, np.zeros(panels[1].q.shape[1]))
-    segments[0] = replace(segments[0], panels=tuple(panels))
+    segments[place] = replace(segments[place], panels=tuple(panels))
     return replace(cycle, segments=tuple(segments))
 
 

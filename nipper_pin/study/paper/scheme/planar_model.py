@@ -7,7 +7,7 @@ import math
 from ....arrays import FloatArray
 from ....errors import InputError
 from ....mechanism import Mechanism, rad_s_from_rpm
-from ....mechanism.build.tree import joint_placements
+from ....mechanism.build.placements import joint_placements
 from ....mechanism.drives import Geared, OscillatingGuide
 from .planar import Planar, cross, dot, frame
 

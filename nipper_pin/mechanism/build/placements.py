@@ -1,0 +1,23 @@
+"""Where the joints of a tree are, and which joints move a body."""
+
+from __future__ import annotations
+
+import pinocchio as pin
+
+
+def joint_placements(model: pin.Model) -> list[pin.SE3]:
+    """World placement of every joint at q = 0, by joint identity, without any ``pin.Data``."""
+    placements = [pin.SE3.Identity()]
+    for identity in range(1, model.njoints):
+        above = placements[model.parents[identity]]
+        placements.append(above * model.jointPlacements[identity])
+    return placements
+
+
+def supports(model: pin.Model, joint: int) -> list[int]:
+    """Identities of the joints that move the body behind a joint, itself included."""
+    chain = []
+    while joint > 0:
+        chain.append(joint)
+        joint = model.parents[joint]
+    return chain
