@@ -23,7 +23,9 @@ from nipper_pin import (
 from nipper_pin.bench.run_time.certified import certified_cycle
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turns
+from nipper_pin.reduced.kernels.turn_layout import EVENT_COLUMNS
+from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
+from nipper_pin.reduced.turns import turn as module
 
 PERIOD = {"450": 60.0 / 450.0, "650": 60.0 / 650.0}
 KINDS = {EventKind.COLLISION: "collision", EventKind.REST: "rest", EventKind.RELEASE: "release"}
@@ -199,6 +201,22 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     with pytest.raises(SimulationError, match="max_collisions") as many:
         turns(e62, speed_rpm=450.0, max_collisions=3)
     assert many.value.evidence["status"] == TurnStatus.TOO_MANY_COLLISIONS.name
+
+
+def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
+    """Whatever its length is: what lies beside it stays as it was."""
+    model = turn_model(e62)
+    follow, grids = module._compiled()
+    for most in range(1, 24):
+        beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
+        status, count, _, _ = follow(
+            grids, model.charts, module._work(model, 64), 650.0 * np.pi / 30.0, model.restitution,
+            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True),
+            beside[:most], np.empty((2, 5)),
+        )  # fmt: skip
+        assert count <= most
+        assert (beside[most:] == 7.0).all()
+        assert status == (TurnStatus.TOO_MANY_COLLISIONS if most < 23 else TurnStatus.FOLLOWED)
 
 
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:

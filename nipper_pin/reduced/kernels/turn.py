@@ -87,7 +87,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         case, sizes = work.case[c], work.sizes[c]
         travel, span, stop = charts.travel[c], charts.span[c], charts.stop[c]
         at_end = False
-        if n >= len(events):
+        # A release and the collision after it are written in one pass.
+        if n + 2 > len(events):
             return TOO_MANY, n, turn, 0
         if resting:
             place = released(work.line[c], cells, count_u, span, u, travel)
