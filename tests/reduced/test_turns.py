@@ -207,7 +207,7 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     """Whatever its length is: what lies beside it stays as it was."""
     model = turn_model(e62)
     follow, grids = module._compiled()
-    for most in range(1, 24):
+    for most in range(1, 26):
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
         status, count, _, _ = follow(
             grids, model.charts, module._work(model, 64), 650.0 * np.pi / 30.0, model.restitution,
@@ -216,7 +216,7 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
         )  # fmt: skip
         assert count <= most
         assert (beside[most:] == 7.0).all()
-        assert status == (TurnStatus.TOO_MANY_COLLISIONS if most < 23 else TurnStatus.FOLLOWED)
+        assert status == (TurnStatus.TOO_MANY_COLLISIONS if most < 24 else TurnStatus.FOLLOWED)
 
 
 def test_charts_cover_the_turn_without_gaps(e62: Mechanism) -> None:
