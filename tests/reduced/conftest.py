@@ -1,5 +1,6 @@
 import json
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.reduced import ReducedModel, build
 
+KERNELS = sorted((Path(__file__).parents[2] / "nipper_pin/reduced/kernels").glob("[!_]*.py"))
 REFERENCE = Path(__file__).parents[1] / "reference" / "e62_transition.json"
 
 
@@ -26,9 +28,8 @@ def reference() -> dict[str, Any]:
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What is compiled as plain Python, also where one function calls another."""
-    from nipper_pin.reduced.kernels import arrival_check, flight, flight_errors, kernel, panel
-
-    for module in (arrival_check, flight_errors, flight, kernel, panel):
+    for path in KERNELS:
+        module = import_module(f"nipper_pin.reduced.kernels.{path.stem}")
         for name, function in list(vars(module).items()):
             if hasattr(function, "py_func"):
                 monkeypatch.setattr(module, name, function.py_func)
