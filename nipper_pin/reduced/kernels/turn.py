@@ -30,6 +30,12 @@ from .turn_events import collide, errors_after, note, release_error
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
+    COLLISION,
+    ENDED_BY,
+    HOLD_BEGIN,
+    HOLD_CHART,
+    HOLD_END,
+    HOLD_TURN,
     RELEASE,
     REST,
     Charts,
@@ -45,7 +51,8 @@ _MOST_PERIOD = 64
 def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
            restitution: FloatArray, stiffness: FloatArray, preload: FloatArray, gravity: float,
            rest_rate: float, tolerance: float, turns: int, begin: tuple[int, float, float, bool],
-           events: FloatArray, ends: FloatArray) -> tuple[int, int, int, int]:  # fmt: skip
+           clamp: int, events: FloatArray, holds: FloatArray, ends: FloatArray,
+           ) -> tuple[int, int, int, int, int]:  # fmt: skip
     """Follow whole turns from event to event.
 
     Args:
@@ -61,13 +68,15 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         tolerance: Relative accuracy.
         turns: Number of turns.
         begin: Chart, gap, its rate and whether its stop is closed, at the start.
+        clamp: Place of the clamping stop among the stops.
         events: Written, shape (most, EVENT_COLUMNS).
+        holds: Written: stretches on which that stop is closed, shape (most, HOLD_COLUMNS).
         ends: Written, shape (turns + 1, 5): of the start and of each turn, chart and travel of the
             last rest's end (-1 without one), then chart, gap and rate at its end.
 
     Returns:
-        Status, number of events, number of turns, and the number of turns after which the last one
-        repeats an earlier one; 0 if it does not.
+        Status, numbers of events, stretches and turns, and the number of turns after which the last
+        one repeats an earlier one; 0 if it does not.
     """
     work.ready[:] = False
     row = work.poly.shape[0] - 1
@@ -77,7 +86,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     most = work.series.shape[1]
     c, x, v, resting = begin
     u = t = dt = dx = dw = origin = fastest_rebound = 0.0
-    n = turn = bounces = 0
+    n = turn = bounces = hold = 0
     last = -1
     touching = free = False
     rest_chart, rest_end = -1.0, 0.0
@@ -88,13 +97,19 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         travel, span, stop = charts.travel[c], charts.span[c], charts.stop[c]
         at_end = False
         # A release and the collision after it are written in one pass.
-        if n + 2 > len(events):
-            return TOO_MANY, n, turn, 0
+        if n + 2 > len(events) or hold == len(holds):
+            return TOO_MANY, n, hold, turn, 0
         if resting:
             place = released(work.line[c], cells, count_u, span, u, travel)
             if place < 0.0:
-                return UNTOLD, n, turn, 0
+                return UNTOLD, n, hold, turn, 0
             at_end = place > travel
+            if stop == clamp:
+                holds[hold, HOLD_TURN], holds[hold, HOLD_CHART] = turn, c
+                holds[hold, HOLD_BEGIN], holds[hold, HOLD_END] = u, min(place, travel)
+                same = charts.stop[charts.after[c]] == stop
+                holds[hold, ENDED_BY] = RELEASE if not at_end else (REST if same else COLLISION)
+                hold += 1
             u = travel if at_end else place
             t = (_TURN * turn + charts.begin[c] + u) / speed
             x = v = dx = dw = 0.0
@@ -113,7 +128,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 if bounces == 0:
                     origin, fastest_rebound = t, 0.0
                 if bounces >= most:
-                    return TOO_MANY, n, turn, 0
+                    return TOO_MANY, n, hold, turn, 0
                 fastest_rebound = max(fastest_rebound, v)
                 work.series[0, bounces], work.series[1, bounces] = t - origin, v
                 bounces += 1
@@ -126,7 +141,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 late = dt + LIMIT_ERROR_SAFETY * uncertain
                 late += abs(ahead) * (dw / v) if v > 0.0 else 0.0
                 if u + speed * (ahead + late) >= travel:
-                    return UNTOLD, n, turn, 0
+                    return UNTOLD, n, hold, turn, 0
                 t += ahead
                 u += speed * ahead
                 note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
@@ -173,7 +188,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 stop = charts.others[c, s]
                 to = chart_at(charts, stop, charts.begin[c] + u)
                 if to < 0 or closing >= 0.0:
-                    return OTHER_STOP, n, turn, 0
+                    return OTHER_STOP, n, hold, turn, 0
                 by_x = surface(charts.slopes[c], s, span, case, u, gap)
                 late = d_gap / -closing
                 dt += late
@@ -188,7 +203,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
                 continue
             if status != LEFT_TRAVEL:
-                return status, n, turn, 0
+                return status, n, hold, turn, 0
             dx, dw = errors_after(
                 work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
             )
@@ -203,7 +218,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             x, v, dx, dw = seen_by(charts, work, c, s, speed, u, x, v, dx, dw)
             bounces, last = 0, -1
             if x <= 0.0:
-                return UNRESOLVED, n, turn, 0
+                return UNRESOLVED, n, hold, turn, 0
         if resting and ahead_of != stop:
             rest_chart, rest_end = float(c), u
         if charts.begin[to] == 0.0:
@@ -214,10 +229,10 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             rest_chart = -1.0
             again = repeats(charts, ends, turn)
             if turn == turns or again > 0:
-                return AT_REST, n, turn, again
+                return AT_REST, n, hold, turn, again
         if resting and ahead_of != stop:
             if throw <= 0.0:
-                return JAM, n, turn, 0
+                return JAM, n, hold, turn, 0
             e_N = restitution[ahead_of]
             t = (_TURN * turn + charts.begin[to]) / speed
             v = approach * speed

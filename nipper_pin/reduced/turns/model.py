@@ -60,6 +60,11 @@ class TurnModel:
     gravity_m_s2: float
     samples: int
 
+    @property
+    def clamp(self) -> int:
+        """Place of the transition stop, which clamps, among the stops."""
+        return self.stops.index(self.transition_stop)
+
 
 def build_turns(
     mechanism: Mechanism, *, start_index: float = START_INDEX, tolerance: float = 1e-11,

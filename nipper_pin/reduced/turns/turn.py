@@ -19,13 +19,15 @@ from ...mechanism import Mechanism
 from ...units import S_PER_MIN
 from ..inputs import check_run, number, one_row
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
-from ..kernels.turn_layout import EVENT_COLUMNS, TurnWork
+from ..kernels.turn_layout import EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
 # Events of a turn that there is room for beyond its collisions.
-_BESIDE = 64
-_ROOMS = (1.0, 2.0, 4.0, 8.0)
+BESIDE = 64
+# Stretches of a turn on which a stop is closed.
+STRETCHES = 64
+ROOMS = (1.0, 2.0, 4.0, 8.0)
 _KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TurnModel]] = WeakKeyDictionary()
 
 
@@ -91,7 +93,7 @@ def turns(
         raise InputError(message, cycles=cycles)
     case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
                  max_collisions)  # fmt: skip
-    for room in _ROOMS:
+    for room in ROOMS:
         model = turn_model(mechanism, start_index, room)
         status, found = _followed(model, case)
         if status != LEFT_GAP:
@@ -124,11 +126,11 @@ def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
     speed = number("speed_rpm", case.speed_rpm, 0.0, math.inf, open_low=True)
     speed *= math.tau / S_PER_MIN
     chart, gap, rate, by_speed, closed = model.begin
-    events = np.full((case.cycles * (case.max_collisions + _BESIDE), EVENT_COLUMNS), np.nan)
-    status, count, done, again = follow(
+    events = np.full((case.cycles * (case.max_collisions + BESIDE), EVENT_COLUMNS), np.nan)
+    status, count, _, done, again = follow(
         grids,
         model.charts,
-        _work(model, case.max_collisions),
+        scratch(model, case.max_collisions),
         speed,
         _restitutions(model, case.restitution),
         one_row("stiffness", case.stiffness, model.stiffness, 0.0),
@@ -138,7 +140,9 @@ def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
         float(case.tolerance),
         case.cycles,
         (chart, gap, rate + by_speed * speed, closed),
+        model.clamp,
         events,
+        np.empty((case.cycles * STRETCHES, HOLD_COLUMNS)),
         np.empty((case.cycles + 1, 5)),
     )
     return status, ReducedTurns(model.name, model.stops, done, again, events[:count].copy())
@@ -158,7 +162,7 @@ def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | N
     return found
 
 
-def _work(model: TurnModel, most: int) -> TurnWork:
+def scratch(model: TurnModel, most: int) -> TurnWork:
     """Scratch arrays of a call: no two threads share them."""
     count, _, cells, count_u, count_x = model.charts.equation.shape
     rows = (3 + model.charts.others.shape[1]) * count_x
