@@ -66,6 +66,7 @@ figures: $(DEV)
 	$(FIGURES)/draw_side_view.py e62 $(IMAGES)/side_view.png
 	$(SIMULATE) --window cycle --out out/figures/cycle
 	cp out/figures/cycle/motion.png $(IMAGES)/cycle_650.png
+	$(BIN)/nipper-pin study speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
 	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
 	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/figures/front

@@ -191,6 +191,10 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
         lambda _study, folder, more: _write(Path(folder) / "report.json", facts(more(), "more")),
     )
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
+    note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: report)
+    note("nipper_pin.view.studies.speed_limit_plot.plot_speed_limit",
+         lambda _result, path: _write(Path(path), done))  # fmt: skip
+    note("nipper_pin.view.studies.speed_limit_plot.print_speed_limit", lambda *_: None)
     note("nipper_pin.bench.run_time.benchmark.benchmark", lambda **_: report)
     note("nipper_pin.bench.views.benchmark_files.write_benchmark",
          lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip

@@ -188,6 +188,20 @@ PAPER = {
                               moves=("in out/paper/report.json.more.identification",)),
     "--json": Entry("--json -", DOCUMENT | {"print_paper called": GONE}, "--out out/paper"),
 }  # fmt: skip
+SPEED_LIMIT = {
+    "MODEL": Entry("e62_identified", {"speed_limit.mechanism.name": "e62_identified"},
+                   moves=("speed_limit.mechanism.",)),
+    "--set": of_a_model("speed_limit")["--set"],
+    "--from": Entry("--from 300", {"speed_limit.low_rpm": 300.0}),
+    "--to": Entry("--to 700", {"speed_limit.high_rpm": 700.0}),
+    "--speeds": Entry("--speeds 7", {"speed_limit.speeds": 7}),
+    "--turns": Entry("--turns 9", {"speed_limit.turns": 9}),
+    "--least-force": Entry("--least-force 5", {"speed_limit.least_force": 5.0}),
+    "--plot": Entry("--plot limit.json", {
+        "plot_speed_limit called": True, "plot_speed_limit.path": "limit.json", "stdout": "lines",
+        **files("limit.json")}, moves=("in limit.json",)),
+    "--json": Entry("--json -", DOCUMENT | {"print_speed_limit called": GONE}),
+}  # fmt: skip
 STRESS = {
     "--cases": Entry("--cases 3", {"run_campaign.cases": 3}),
     "--seed": Entry("--seed 7", {"run_campaign.seed": 7, "document.seed": 7}, _JSON),
@@ -284,7 +298,8 @@ TABLE = {
     f"{command} {option}": entry
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "live": LIVE, "new": NEW, "check": CHECK,
-        "study paper": PAPER, "identify": IDENTIFY, "optimise": OPTIMISE, "sweep": SWEEP,
+        "study paper": PAPER, "study speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
+        "optimise": OPTIMISE, "sweep": SWEEP,
         "plot": PLOT, "verify": VERIFY, "stress": STRESS, "benchmark": BENCHMARK,
     }.items()
     for option, entry in entries.items()

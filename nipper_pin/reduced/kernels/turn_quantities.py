@@ -212,7 +212,7 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
               begin: tuple[int, float, float, float, bool], clamp: int, level: float,
               events: FloatArray, holds: FloatArray, ends: FloatArray, told: NDArray[np.int64],
               found: FloatArray) -> None:  # fmt: skip
-    """Quantities of the last turn of many cases.
+    """Quantities of the last turns of many cases.
 
     Args:
         grids: Collocation grids.
@@ -233,7 +233,7 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
         holds: Scratch, shape (most, HOLD_COLUMNS).
         ends: Scratch, shape (turns + 1, 5).
         told: Written: status, turns, and after how many the last repeats, shape (n, 3).
-        found: Written, shape (n, quantities).
+        found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
     """
     for i in range(len(speed)):
         start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4]
@@ -244,4 +244,8 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
         told[i, 0], told[i, 1], told[i, 2] = status, done, again
         found[i] = np.nan
         if status == AT_REST:
-            summed(charts, work, events, count, holds, hold, done - 1, clamp, level, found[i])
+            for j in range(min(found.shape[1], done)):
+                summed(
+                    charts, work, events, count, holds, hold, done - 1 - j, clamp, level,
+                    found[i, j],
+                )  # fmt: skip

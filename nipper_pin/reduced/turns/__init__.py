@@ -1,11 +1,12 @@
 """Whole turns: phases without freedom, flights, collisions at every stop, rests and releases."""
 
-from .model import TurnModel, build_turns
+from .model import START_INDEX, TurnModel, build_turns
 from .quantities import TurnQuantities, turn_quantities
 from .results import ReducedTurns, TurnStatus
 from .turn import turn_model, turns
 
 __all__ = [
+    "START_INDEX",
     "ReducedTurns",
     "TurnModel",
     "TurnQuantities",

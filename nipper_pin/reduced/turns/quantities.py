@@ -33,12 +33,12 @@ class _Column:
         self._place = place
 
     def __get__(self, result: TurnQuantities, kind: type) -> FloatArray:
-        return np.asarray(result.table[:, self._place])
+        return np.asarray(result.table[..., self._place])
 
 
 @dataclass(frozen=True, eq=False)
 class TurnQuantities:
-    """Quantities of the last turn that was followed, of n cases; NaN where a turn has none.
+    """Quantities of the last turn or turns that were followed, of n cases; NaN where there is none.
 
     A turn that repeats an earlier one stands for all that follow it. The clamping stop is the
     transition stop; travels are those of the cylinder from the start of the turn.
@@ -51,7 +51,7 @@ class TurnQuantities:
         repeats_after: After how many turns the last one repeats an earlier one, 0 where it does
             not, shape (n,).
         speed: Cylinder speeds, shape (n,) [rad/s].
-        table: All quantities, shape (n, columns).
+        table: All quantities, shape (n, columns), or (n, last, columns) with more than one turn.
         engine: The engine that computed them.
     """
 
@@ -90,7 +90,7 @@ class TurnQuantities:
     @property
     def clamped_time(self) -> FloatArray:
         """Time of the turn with the clamping stop closed and its force above the given one [s]."""
-        return self.clamped / self.speed
+        return np.asarray((self.clamped.T / self.speed).T)
 
     @property
     def clamped_share(self) -> FloatArray:
@@ -118,7 +118,7 @@ class TurnQuantities:
         return self._of_stops(rows.IMPULSE_MOST)
 
     def _of_stops(self, place: int) -> FloatArray:
-        return np.asarray(self.table[:, rows.TURN_NUMBERS + place :: rows.PER_STOP])
+        return np.asarray(self.table[..., rows.TURN_NUMBERS + place :: rows.PER_STOP])
 
 
 def turn_quantities(
@@ -131,6 +131,7 @@ def turn_quantities(
     stiffness: ArrayLike | None = None,
     preload: ArrayLike | None = None,
     least_force: float = 0.0,
+    last: int | None = None,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 256,
@@ -146,6 +147,7 @@ def turn_quantities(
         stiffness: Spring rates, shape (n,) with one spring or (n, springs) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
         least_force: Force above which the clamping stop clamps [N].
+        last: How many turns to report, from the last one backwards; None for the last one alone.
         rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
         tolerance: Relative accuracy of flights and of limits.
         max_collisions: Largest number of collisions of a series of bounces, and per turn.
@@ -158,15 +160,13 @@ def turn_quantities(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    if turns < 1:
-        message = f"turns = {turns!r} cannot be used: a whole number from 1"
-        raise InputError(message, turns=turns)
+    _check_counts(turns, 1 if last is None else last)
     settings = _Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = _cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases[0])
     told = np.zeros((n, 3), dtype=np.int64)
-    found = np.empty((n, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
+    found = np.empty((n, last or 1, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
     left = np.arange(n)
     for room in ROOMS:
         model = turn_model(mechanism, start_index, room)
@@ -177,7 +177,16 @@ def turn_quantities(
         if not len(left):
             break
     status, followed, again = told.T.copy()
-    return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], found)
+    table = found[:, 0] if last is None else found
+    return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], table)
+
+
+def _check_counts(turns: int, last: int) -> None:
+    """Refuse less than one turn."""
+    for key, value in (("turns", turns), ("last", last)):
+        if value < 1:
+            message = f"{key} = {value!r} cannot be used: a whole number from 1"
+            raise InputError(message, key=key, value=value)
 
 
 @dataclass(frozen=True)

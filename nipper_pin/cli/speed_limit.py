@@ -1,0 +1,84 @@
+"""``nipper-pin study speed-limit``."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..extras import require
+from ..outputs import check_file
+from .arguments import check_outputs, load_mechanism, write_json
+
+# Speeds by the rated one where none are given.
+_SLOWEST, _FASTEST = 0.5, 4.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "model", nargs="?", default="e62", metavar="MODEL", help="a model's name, or a folder"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="change a number of the model; may be repeated",
+    )
+    parser.add_argument(
+        "--from", dest="low", type=float, metavar="RPM", help="least speed; half the rated one"
+    )
+    parser.add_argument(
+        "--to", dest="high", type=float, metavar="RPM", help="largest speed; four times that"
+    )
+    parser.add_argument("--speeds", type=int, default=241, metavar="N", help="number of speeds")
+    parser.add_argument(
+        "--turns", type=int, default=400, metavar="N", help="most turns followed at a speed"
+    )
+    parser.add_argument(
+        "--least-force",
+        type=float,
+        default=0.0,
+        metavar="N",
+        help="force above which the stop clamps [N]",
+    )
+    parser.add_argument("--plot", metavar="FILE", help="draw the turns by speed (PNG, SVG, PDF)")
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.set_defaults(run=run, restitution=None, stiffness=None)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Follow the turns, and tell how fast the machine can run."""
+    check_outputs(None, options.json)
+    require("study", "numba", what="the speed limit")
+    if options.plot is not None:
+        check_file(options.plot)
+        require("study", "matplotlib", what="the figure of the speed limit")
+    mechanism = load_mechanism(options)
+    rated = mechanism.cylinder.rated_speed_rpm
+
+    from ..study.speed_limit import speed_limit
+
+    result = speed_limit(
+        mechanism,
+        low_rpm=_SLOWEST * rated if options.low is None else options.low,
+        high_rpm=_FASTEST * rated if options.high is None else options.high,
+        speeds=options.speeds,
+        turns=options.turns,
+        least_force=options.least_force,
+    )
+    from ..view.studies.speed_limit_plot import plot_speed_limit, print_speed_limit
+
+    if options.plot is not None:
+        plot_speed_limit(result, options.plot)
+    if options.json is not None:
+        write_json(result.record(), options.json)
+    if options.json == "-":
+        return
+    from rich.console import Console
+
+    from ..view.console import paste
+
+    console = Console()
+    print_speed_limit(result, console)
+    if options.plot is not None:
+        paste(console, f"figure: {options.plot}")

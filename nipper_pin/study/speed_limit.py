@@ -1,0 +1,194 @@
+"""How fast a machine can run: turns over a range of cylinder speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import FloatArray
+from ..errors import InputError
+from ..mechanism import Mechanism
+from ..mechanism.cylinder import INDEX_PER_TURN
+from ..reduced.turns import START_INDEX, TurnQuantities, TurnStatus, turn_quantities
+
+# Turns that are shown of each speed, and halvings of the step of a limit.
+_LAST, _HALVINGS = 32, 12
+_NAMES = {int(status): status.name.lower() for status in TurnStatus}
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedLimit:
+    """Turns of a machine by cylinder speed; arrays over speeds have shape (n,).
+
+    Indices count from the start of a turn, index 24, to its end, index 64; they are those of the
+    last turn that was followed, NaN where it has no such event.
+
+    Attributes:
+        model: Name of the model.
+        title: Its title.
+        stop: The clamping stop.
+        speed_rpm: Cylinder speeds, increasing [r/min].
+        status: How the turns of each speed ended; "followed" is the usual one.
+        turns: Turns that were followed.
+        repeats_after: After how many turns the last one repeats an earlier one, 0: it does not.
+        closing: Index of the first collision of the clamping stop.
+        rest: Index of its rest.
+        opening: Index at which another stop throws it open, or its force falls to zero.
+        clamped_share: Share of the turn with the stop closed and its force above the given one.
+        margin: Indices between rest and opening.
+        rests: Rest indices of the turns that go on, shape (n, 32): those of one period, or the last
+            ones where turns do not repeat.
+        touches: Indices of their first collisions, likewise.
+        settles_rpm: Speed from which on the stop is not at rest before it opens, refined; None if
+            it always is.
+        repeats_rpm: Speed from which on the turns do not repeat after one; None if they always do.
+    """
+
+    model: str
+    title: str
+    stop: str
+    speed_rpm: FloatArray
+    status: tuple[str, ...]
+    turns: NDArray[np.int64]
+    repeats_after: NDArray[np.int64]
+    closing: FloatArray
+    rest: FloatArray
+    opening: FloatArray
+    clamped_share: FloatArray
+    margin: FloatArray
+    rests: FloatArray = field(repr=False)
+    touches: FloatArray = field(repr=False)
+    settles_rpm: float | None
+    repeats_rpm: float | None
+
+    def record(self) -> dict[str, Any]:
+        """The study as plain data; what is not a number is None."""
+        rows = [
+            {
+                "speed_rpm": float(speed),
+                "status": status,
+                "turns": int(turns),
+                "repeats_after": int(again),
+                **{key: _number(value) for key, value in zip(_COLUMNS, values, strict=True)},
+            }
+            for speed, status, turns, again, *values in zip(
+                self.speed_rpm, self.status, self.turns, self.repeats_after, self.closing,
+                self.rest, self.opening, self.margin, self.clamped_share, strict=True,
+            )
+        ]  # fmt: skip
+        return {
+            "model": self.model,
+            "stop": self.stop,
+            "settles_rpm": self.settles_rpm,
+            "repeats_rpm": self.repeats_rpm,
+            "speeds": rows,
+        }
+
+
+_COLUMNS = ("closing_index", "rest_index", "opening_index", "margin_index", "clamped_share")
+
+
+def speed_limit(
+    mechanism: Mechanism,
+    *,
+    low_rpm: float,
+    high_rpm: float,
+    speeds: int = 241,
+    turns: int = 400,
+    least_force: float = 0.0,
+) -> SpeedLimit:
+    """Follow turns at many speeds until they repeat, and find where the machine stops working.
+
+    Args:
+        mechanism: The mechanism.
+        low_rpm: Least cylinder speed [r/min].
+        high_rpm: Largest one.
+        speeds: Number of speeds, equally spaced.
+        turns: Largest number of turns at a speed.
+        least_force: Force above which the clamping stop clamps [N].
+
+    Raises:
+        InputError: The range is none, or the reduced engine cannot follow the machine's turns.
+        SimulationError: A point of the turn cannot be reached or is singular.
+    """
+    if not 0.0 < low_rpm < high_rpm < math.inf or speeds < 2:
+        message = (
+            f"speeds from {low_rpm!r} to {high_rpm!r} r/min, {speeds!r} of them, cannot be used: "
+            "two or more, from a speed above 0 to a larger one"
+        )
+        raise InputError(message, low_rpm=low_rpm, high_rpm=high_rpm, speeds=speeds)
+    speed = np.linspace(low_rpm, high_rpm, speeds)
+
+    def followed(rpm: FloatArray) -> TurnQuantities:
+        return turn_quantities(
+            mechanism, speed_rpm=rpm, turns=turns, least_force=least_force, last=_LAST
+        )
+
+    found = followed(speed)
+    settled, single = _settled(found), found.repeats_after == 1
+    goes_on, closing = _goes_on(found), _index(found.closed_at)
+    rest, opening = _index(found.rests_at), _index(np.fmin(found.lost_at, found.opened_at))
+    return SpeedLimit(
+        model=mechanism.name,
+        title=mechanism.title,
+        stop=mechanism.transition_stop,
+        speed_rpm=speed,
+        status=tuple(_NAMES[int(status)] for status in found.status),
+        turns=found.turns,
+        repeats_after=found.repeats_after,
+        closing=closing[:, 0],
+        rest=rest[:, 0],
+        opening=opening[:, 0],
+        clamped_share=found.clamped_share[:, 0],
+        margin=(opening - rest)[:, 0],
+        rests=np.where(goes_on, rest, np.nan),
+        touches=np.where(goes_on, closing, np.nan),
+        settles_rpm=_limit(speed, settled, lambda rpm: bool(_settled(followed(rpm))[0])),
+        repeats_rpm=_limit(speed, single, lambda rpm: followed(rpm).repeats_after[0] == 1),
+    )
+
+
+def _index(travel: FloatArray) -> FloatArray:
+    """Indices at travels from the start of a turn [rad]."""
+    return np.asarray(START_INDEX + INDEX_PER_TURN * travel / math.tau)
+
+
+def _settled(found: TurnQuantities) -> NDArray[np.bool_]:
+    """Whether the stop rests in every turn that goes on."""
+    rests = np.isfinite(found.rests_at) | ~_goes_on(found)
+    return np.asarray(rests.all(axis=1) & (found.status == TurnStatus.FOLLOWED))
+
+
+def _goes_on(found: TurnQuantities) -> NDArray[np.bool_]:
+    """Which of the last turns go on: a turn that repeats after p turns is one of p."""
+    place = np.arange(found.table.shape[1])
+    period = np.where(found.repeats_after > 0, found.repeats_after, found.turns)
+    return np.asarray(place < np.minimum(period, found.turns)[:, None])
+
+
+def _limit(
+    speed: FloatArray, good: NDArray[np.bool_], ask: Callable[[FloatArray], bool]
+) -> float | None:
+    """The first speed that is no longer good, between two of those that were computed."""
+    if good.all():
+        return None
+    first = int(np.argmin(good))
+    if first == 0:
+        return float(speed[0])
+    low, high = float(speed[first - 1]), float(speed[first])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if ask(np.array([middle])):
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

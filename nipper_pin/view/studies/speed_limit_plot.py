@@ -1,0 +1,120 @@
+"""How fast a machine can run, as a figure and on the terminal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...outputs import complete_file
+from ...study.speed_limit import SpeedLimit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.console import Console
+
+_ROWS = 12
+
+
+def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
+    """Write the figure; the file appears only when it is complete.
+
+    Args:
+        result: The study.
+        path: The file, in the format of its suffix.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    target = Path(path)
+    with complete_file(target) as partial:
+        speed_limit_figure(result).savefig(partial, format=target.suffix.removeprefix("."))
+    return target
+
+
+def speed_limit_figure(result: SpeedLimit) -> Figure:
+    """Indices of first touch, rest and opening by speed, with all turns that go on; time clamped.
+
+    Args:
+        result: The study.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from ..style import LINES, SMALL, TEXT, WIDTH_IN, tidy
+
+    figure = Figure(figsize=(WIDTH_IN, 5.6), dpi=200, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(f"{result.title}: how fast it can run", fontsize=TEXT)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    speed = np.repeat(result.speed_rpm, result.rests.shape[1])
+    for values, colour, text in (
+        (result.rests, LINES[0], "at rest"), (result.touches, LINES[1], "touches first"),
+    ):  # fmt: skip
+        above.plot(speed, values.ravel(), ".", color=colour, markersize=1.5,
+                   label=f"{result.stop} {text}")  # fmt: skip
+    above.plot(result.speed_rpm, result.opening, color=LINES[2], linewidth=1.0,
+               label=f"{result.stop} opens")  # fmt: skip
+    below.plot(result.speed_rpm, result.clamped_share, color=LINES[0], linewidth=1.0)
+    for limit, text in ((result.settles_rpm, "no rest"), (result.repeats_rpm, "turns differ")):
+        if limit is not None:
+            for axes in (above, below):
+                axes.axvline(limit, color="0.4", linewidth=0.8, linestyle="--")
+            above.annotate(f" {text}: {limit:.4g} r/min", (limit, 1.0), va="top", fontsize=SMALL,
+                           xycoords=("data", "axes fraction"), rotation=90)  # fmt: skip
+    above.legend(fontsize=SMALL, loc="center left", markerscale=4.0)
+    tidy(above, "", "index, counted from 24")
+    tidy(below, "cylinder speed [r/min]", "clamped share")
+    return figure
+
+
+def print_speed_limit(result: SpeedLimit, console: Console) -> None:
+    """Print the limits and a few speeds.
+
+    Args:
+        result: The study.
+        console: Where to.
+    """
+    from rich.table import Table
+
+    low, high = result.speed_rpm[0], result.speed_rpm[-1]
+    console.print(f"{result.title}: {low:g} to {high:g} r/min", markup=False)
+    table = Table()
+    for name in ("r/min", "touches", "rests", "opens", "margin", "clamped", "repeats after"):
+        table.add_column(name, justify="right")
+    chosen = np.unique(np.linspace(0, len(result.speed_rpm) - 1, _ROWS).astype(int))
+    for i in chosen:
+        again = result.repeats_after[i]
+        table.add_row(
+            f"{result.speed_rpm[i]:.4g}",
+            *(_index(values[i]) for values in (result.closing, result.rest, result.opening)),
+            _index(result.margin[i]),
+            f"{100.0 * result.clamped_share[i]:.1f} %",
+            str(again) if again else (">" if result.status[i] == "followed" else "-"),
+        )
+    console.print(table)
+    console.print(
+        "touches, rests, opens: index of the last turn, counted from 24; margin: indices from rest "
+        "to opening; clamped: share of the turn"
+    )
+    console.print(_sentence(result), markup=False)
+
+
+def _index(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else "-"
+
+
+def _sentence(result: SpeedLimit) -> str:
+    settles, repeats = result.settles_rpm, result.repeats_rpm
+    first = (
+        f"The {result.stop} comes to rest before it opens at every speed."
+        if settles is None
+        else f"From {settles:.5g} r/min on the {result.stop} is not at rest before it opens."
+    )
+    second = (
+        "Every turn repeats the one before."
+        if repeats is None
+        else f"From {repeats:.5g} r/min on turns do not repeat the one before."
+    )
+    return f"{first} {second}"

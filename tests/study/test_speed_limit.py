@@ -1,0 +1,119 @@
+"""How fast the nipper can run, judged by whole turns of the direct engine."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Case, EventKind, InputError, Mechanism, simulate
+from nipper_pin.cli import main
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.study.speed_limit import SpeedLimit, speed_limit
+
+TURNS = 120
+
+
+@pytest.fixture(scope="module")
+def result(e62: Mechanism) -> SpeedLimit:
+    return speed_limit(e62, low_rpm=300.0, high_rpm=1700.0, speeds=57, turns=TURNS)
+
+
+def rests_of_turns(e62: Mechanism, speed: float, cycles: int) -> list[list[float]]:
+    """Indices at which the jaw of the direct engine comes to rest, turn by turn."""
+    case = Case(speed_rpm=speed, window="cycle", cycles=cycles, reuse_cycles=False)
+    run = simulate(e62, case)
+    found: list[list[float]] = [[] for _ in range(cycles)]
+    for event in run.events:
+        if event.kind is EventKind.REST and event.stops[0] == "jaw":
+            turn = event.t * speed / 60.0
+            found[int(turn)].append(24.0 + 40.0 * (turn % 1.0))
+    return found
+
+
+def test_the_jaw_settles_up_to_the_limit(e62: Mechanism, result: SpeedLimit) -> None:
+    """A little below, the direct engine rests in each turn before it opens; above, it does not."""
+    limit = result.settles_rpm
+    assert limit is not None
+    assert 1500.0 < limit < 1600.0
+    below = rests_of_turns(e62, 0.998 * limit, 4)
+    assert all(len(rests) == 1 for rests in below[1:])
+    above = rests_of_turns(e62, 1.002 * limit, 6)
+    assert not any(above[2:])
+
+
+def test_indices_are_those_of_the_direct_engine(e62: Mechanism, result: SpeedLimit) -> None:
+    """The turn that repeats, at four speeds; the margin is what is left until the jaw opens."""
+    for place in (0, 14, 30, 44):
+        speed = float(result.speed_rpm[place])
+        *_, last = rests_of_turns(e62, speed, 3)
+        assert result.rest[place] == pytest.approx(last[0], abs=1e-7)
+        assert result.opening[place] == pytest.approx(47.4918, abs=1e-3)
+        margin = result.opening[place] - result.rest[place]
+        assert result.margin[place] == pytest.approx(margin, rel=1e-12)
+    settled = result.speed_rpm < result.settles_rpm
+    assert np.isfinite(result.rest[settled]).all()
+    assert np.isnan(result.rest[~settled]).all()
+    assert np.isfinite(result.rests[settled]).sum(axis=1).tolist() == [1] * settled.sum()
+
+
+def test_turns_that_differ_are_found(e62: Mechanism) -> None:
+    """At 1,900 r/min every second turn is the same; the direct engine alternates likewise."""
+    found = speed_limit(e62, low_rpm=1875.0, high_rpm=1925.0, speeds=3, turns=TURNS)
+    assert found.repeats_after.tolist() == [1, 2, 1]
+    assert found.repeats_rpm is not None
+    assert 1875.0 < found.repeats_rpm <= 1900.0
+    cycles, speed = 40, 1900.0
+    case = Case(speed_rpm=speed, window="cycle", cycles=cycles, reuse_cycles=False)
+    first = [np.nan] * cycles
+    for hit in reversed(simulate(e62, case).collisions):
+        turn = hit.t * speed / 60.0
+        if hit.stop == "jaw":
+            first[int(turn)] = 24.0 + 40.0 * (turn % 1.0)
+    assert first[-1] == pytest.approx(first[-3], abs=1e-6)
+    assert abs(first[-1] - first[-2]) > 0.05
+    shown = found.touches[1][np.isfinite(found.touches[1])]
+    np.testing.assert_allclose(np.sort(shown), np.sort(first[-2:]), atol=1e-6)
+    assert min(abs(found.closing[1] - index) for index in first[-2:]) < 1e-6
+
+
+def test_the_command_says_what_it_found(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The sentence, the table, the figure and the document agree."""
+    monkeypatch.setenv("COLUMNS", "80")
+    given = ["study", "speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5",
+             "--turns", "20"]  # fmt: skip
+    figure = tmp_path / "limit.svg"
+    figure.write_text("of before", encoding="utf-8")
+    assert main([*given, "--plot", str(figure)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert main([*given, "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    limit = document["settles_rpm"]
+    assert f"From {limit:.5g} r/min on the jaw is not at rest before it opens." in text
+    assert "Every turn repeats the one before." in text
+    assert document["repeats_rpm"] is None
+    assert [row["speed_rpm"] for row in document["speeds"]] == [1500, 1525, 1550, 1575, 1600]
+    for row in document["speeds"]:
+        if row["speed_rpm"] < limit:
+            assert f"{row['rest_index']:.2f}" in text
+            assert f"{100.0 * row['clamped_share']:.1f} %" in text
+        else:
+            assert row["rest_index"] is None
+            assert row["clamped_share"] == 0.0
+    drawn = figure.read_text(encoding="utf-8")
+    assert drawn.startswith("<?xml")
+    assert len(drawn) > 10_000
+
+
+def test_ranges_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
+    for low, high, speeds in ((0.0, 1.0, 3), (5.0, 2.0, 3), (1.0, 2.0, 1), (1.0, np.inf, 3)):
+        with pytest.raises(InputError, match="cannot be used"):
+            speed_limit(e62, low_rpm=low, high_rpm=high, speeds=speeds)
+    machine = drawn_mechanism(GALLERY["needle_bar"]())
+    with pytest.raises(InputError, match="one stop closed"):
+        speed_limit(machine, low_rpm=10.0, high_rpm=20.0)
