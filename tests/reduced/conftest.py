@@ -28,8 +28,9 @@ def reference() -> dict[str, Any]:
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What is compiled as plain Python, also where one function calls another."""
-    for path in KERNELS:
-        module = import_module(f"nipper_pin.reduced.kernels.{path.stem}")
+    # All are imported before any is changed: one that is imported later would keep the change.
+    modules = [import_module(f"nipper_pin.reduced.kernels.{path.stem}") for path in KERNELS]
+    for module in modules:
         for name, function in list(vars(module).items()):
             if hasattr(function, "py_func"):
                 monkeypatch.setattr(module, name, function.py_func)
