@@ -23,7 +23,7 @@ from nipper_pin import (
 from nipper_pin.bench.run_time.certified import certified_cycle
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.kernels.turn_layout import EVENT_COLUMNS, HOLD_COLUMNS
+from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
 
@@ -211,8 +211,8 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
         status, count, _, _, _ = follow(
             grids, model.charts, module.scratch(model, 64), 650.0 * np.pi / 30.0, model.restitution,
-            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True),
-            model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, 5)),
+            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True, 0.0, 0.0),
+            model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, END_COLUMNS)),
         )  # fmt: skip
         assert count <= most
         assert (beside[most:] == 7.0).all()
