@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from itertools import groupby
 from typing import Any
 
@@ -21,6 +22,7 @@ from nipper_pin import (
     simulate,
 )
 from nipper_pin.bench.run_time.certified import certified_cycle
+from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
@@ -196,11 +198,37 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     for keys in ({"cycles": 0}, {"speed_rpm": -1.0}, {"restitution": 1.5}, {"tolerance": 1.0}):
         with pytest.raises(InputError):
             turns(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="one stop closed"):
+    with pytest.raises(InputError, match="2 are left"):
         turns(drawn_mechanism(GALLERY["needle_bar"]()), speed_rpm=60.0)
     with pytest.raises(SimulationError, match="max_collisions") as many:
         turns(e62, speed_rpm=450.0, max_collisions=3)
     assert many.value.evidence["status"] == TurnStatus.TOO_MANY_COLLISIONS.name
+
+
+@pytest.mark.parametrize(
+    ("section", "name", "key", "value", "reason"),
+    [
+        ("forces", "added", "", {"joint": "steeve", "law": "orifice", "c_N_s2_per_m2": 2e3}, 'added'),
+        ("stops", "jaw", "restitution_law", {"law": "falling", "fast": 0.1, "scale": 1.0}, "a law"),
+    ],
+)  # fmt: skip
+def test_laws_that_tables_cannot_hold_are_refused(
+    e62: Mechanism, section: str, name: str, key: str, value: dict[str, Any], reason: str
+) -> None:
+    """Each changes the second collision of the direct engine; the tables are linear in rates."""
+    data = copy.deepcopy(dict(e62.description))
+    place = data.setdefault(section, {})
+    if key:
+        place[name][key] = value
+    else:
+        place[name] = value
+    changed = from_sources("e62", e62.urdf, data, e62.mesh_folder)
+    second, usual = (
+        simulate(item, Case(speed_rpm=650.0)).collisions[1].t for item in (changed, e62)
+    )
+    assert abs(second - usual) > 1e-7
+    with pytest.raises(InputError, match=reason):
+        turns(changed, speed_rpm=650.0)
 
 
 def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:

@@ -276,9 +276,7 @@ def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: Turn
             )  # fmt: skip
             if status != AT_REST:
                 break
-            largest_torques(
-                charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1]
-            )
+            largest_torques(charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1])
         told[i] = status
         if status != AT_REST:
             found[i] = np.nan

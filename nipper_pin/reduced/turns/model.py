@@ -18,6 +18,7 @@ from ...mechanism.cylinder import rad_s_from_rpm
 from ..kernels.turn_layout import Charts
 from .arcs import Arc, Walk, system_at
 from .charts import _FAST, _LIVELY, _ROOM, Surroundings, chart_of, stacked
+from .fit import unfit_turns
 
 START_INDEX = 24.0
 # Gap of a chart that no other meets, by the width of the flight between its stops.
@@ -122,10 +123,14 @@ def surroundings(
         stop whose gap is followed, the configuration, shape (nv,), and whether it is closed.
 
     Raises:
-        InputError: The drives do not come back with the cylinder, or the start has no closed stop
-            that can be followed.
+        InputError: The mechanism has something that the tables cannot hold, its drives do not come
+            back with the cylinder, or the start has no closed stop that can be followed.
         SimulationError: A point of the turn cannot be reached or is singular.
     """
+    reason = unfit_turns(mechanism)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}"
+        raise InputError(message, model=mechanism.name)
     angle = mechanism.cylinder.angle_from_index(start_index)
     system = system_at(mechanism, 0.0, angle)
     if not comes_back(system):
