@@ -35,6 +35,7 @@ KINDS = {EventKind.COLLISION: "collision", EventKind.REST: "rest", EventKind.REL
 FEW = ("crank_rocker", "ratchet_feed", "door_closer", "jaw_crusher", "hoeken", "bell")
 # Turns that the reduced engine does not follow, of 47 machines at three speeds; see the test.
 REFUSED = 38
+ORIFICE = {"joint": "steeve", "law": "orifice", "c_N_s2_per_m2": 2e3}
 
 
 def series(stops: Any, *columns: Any) -> list[list[tuple[Any, ...]]]:
@@ -208,7 +209,7 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
 @pytest.mark.parametrize(
     ("section", "name", "key", "value", "reason"),
     [
-        ("forces", "added", "", {"joint": "steeve", "law": "orifice", "c_N_s2_per_m2": 2e3}, 'added'),
+        ("forces", "added", "", ORIFICE, "'added'"),
         ("stops", "jaw", "restitution_law", {"law": "falling", "fast": 0.1, "scale": 1.0}, "a law"),
     ],
 )  # fmt: skip
