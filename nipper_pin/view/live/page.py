@@ -159,7 +159,7 @@ class Page:
         motion = solution.trajectory.evaluate(t)
         drawn, remark = motion.q, ""
         try:
-            drawn = exaggerated(solution, motion.q, larger)
+            drawn = exaggerated(solution, motion.t, motion.q, larger)
         except InputError as error:
             remark = f" {error.message}"
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))

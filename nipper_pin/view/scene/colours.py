@@ -7,6 +7,8 @@ from ...mechanism import Mechanism
 # The hues of the plots, strong enough for solids; what is white there is yellow here.
 _PHASES = ("#F0E442", "#56B4E9", "#E69F00", "#009E73", "#CC79A7")
 _UNNAMED = "#777777"
+ELSEWHERE = "#F7F0B5"
+"""Of phases in which the transition stop is open and another one bounces or is left."""
 ARROW = "#D55E00"
 LINE = "#333333"
 _FRAME = "#9AA0A8"

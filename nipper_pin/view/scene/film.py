@@ -15,10 +15,11 @@ from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ..reading import shown_until
 from .pace import Pace, pace
+from .rebounds import factors
 
 LARGEST_EXAGGERATION = 50.0
 _LONGEST_STRETCH = 1e5
-# An exaggerated gap grows no further than this; a jaw that is open further is drawn as it is.
+# A rebound is drawn no larger than this.
 _DRAWN_ANGLE = math.radians(6.0)
 _DRAWN_STROKE = 0.03  # of the reach of the mechanism
 
@@ -99,7 +100,7 @@ def film(solution: Solution, look: Look) -> Film:
         raise InputError(message, outcome=solution.outcome.name)
     mechanism, frames = solution.mechanism, pace(solution, look.slow)
     motion = solution.trajectory.evaluate(frames.machine)
-    drawn = exaggerated(solution, motion.q, look.exaggerate)
+    drawn = exaggerated(solution, frames.machine, motion.q, look.exaggerate)
     position, angle = _poses(solution, drawn)
     cylinder = mechanism.cylinder
     starts = [item.t_start for item in solution.phases]
@@ -132,16 +133,20 @@ def drawn_limit(mechanism: Mechanism) -> float:
     return _DRAWN_ANGLE if kind == "revolute" else _DRAWN_STROKE * mechanism.reach_m
 
 
-def exaggerated(solution: Solution, q: FloatArray, factor: float) -> FloatArray:
-    """Configurations with the gap of the transition stop enlarged and the loops closed again.
+def exaggerated(
+    solution: Solution, t: FloatArray, q: FloatArray, factor: float
+) -> FloatArray:
+    """Configurations with the rebounds of the transition stop enlarged and the loops closed again.
 
-    The gap x is drawn as max(x, min(factor x, limit)), with a limit of 6 degrees or 3 % of the
-    mechanism's reach; the shafts stand where they are and all other links follow.
+    A rebound is drawn so many times as large, or less if it would exceed 6 degrees or 3 % of the
+    mechanism's reach; the shafts stand where they are and all other links follow. Closing and
+    opening are drawn as they are.
 
     Args:
         solution: The solution that the configurations belong to.
+        t: Times of the configurations [s], shape (K,).
         q: Configurations of the machine, shape (K, nv).
-        factor: Factor on the gap [-].
+        factor: Factor on the gap of rebounds [-].
 
     Returns:
         Configurations to draw, shape (K, nv).
@@ -159,7 +164,7 @@ def exaggerated(solution: Solution, q: FloatArray, factor: float) -> FloatArray:
         raise InputError(message, exaggerate=factor)
     gap = stop.gaps(q)
     guess = q.copy()
-    drawn = np.maximum(gap, np.minimum(factor * gap, drawn_limit(mechanism)))
+    drawn = gap * factors(solution, stop, t, gap, factor, drawn_limit(mechanism))
     guess[:, stop.index] = stop.at + stop.sense * drawn
     given = [*(drive.index for drive in mechanism.drives), stop.index]
     try:

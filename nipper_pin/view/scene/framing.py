@@ -9,11 +9,16 @@ from ...mechanism import Mechanism
 from ...mechanism.build.placements import joint_placements
 from .solids import Solid, plain_solids
 
-_DIRECTION = (0.38, -1.0, 0.34)
+_LOWER = 0.08
+OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
+"""Directions from the mechanism to the camera: from the front and above, and along the hinges."""
 
 
 def camera(
-    mechanism: Mechanism, points: FloatArray, near: float, shift: tuple[float, float] = (0.0, 0.0)
+    mechanism: Mechanism,
+    points: FloatArray,
+    near: float,
+    direction: tuple[float, float, float] = OBLIQUE,
 ) -> tuple[FloatArray, FloatArray]:
     """Target and position of the camera.
 
@@ -21,7 +26,7 @@ def camera(
         mechanism: The mechanism.
         points: Places (x, z) that are to be seen besides the shapes, shape (K, 2) [m].
         near: Distance, by the size of what is to be seen [-].
-        shift: How far beside the middle to look (x, z), by the size of what is to be seen [-].
+        direction: From the mechanism to the camera (x, y, z).
 
     Returns:
         Target and position (x, y, z), each of shape (3,) [m].
@@ -30,9 +35,10 @@ def camera(
     low, high = seen.min(axis=0), seen.max(axis=0)
     size = max(float(np.linalg.norm(high - low)), 0.5 * mechanism.reach_m)
     middle = 0.5 * (low + high)
-    target = np.array([middle[0] + shift[0] * size, 0.0, middle[1] + shift[1] * size])
-    direction = np.array(_DIRECTION) / np.linalg.norm(_DIRECTION)
-    return target, target + near * size * direction
+    # Machines stand on frames, which are not among the places that are to be seen.
+    target = np.array([middle[0], 0.0, middle[1] - _LOWER * size])
+    towards = np.array(direction) / np.linalg.norm(direction)
+    return target, target + near * size * towards
 
 
 def _corners(mechanism: Mechanism) -> FloatArray:

@@ -15,15 +15,15 @@ from ...hybrid.result.solution import Solution
 from ...outputs import complete_file
 from .arrows import arrow_stops
 from .film import Film, Look, film
-from .framing import camera
+from .framing import ALONG, OBLIQUE, camera
 from .objects import arrow_commands, solid_commands, strut_command
 from .readings import readings
 from .solids import solids
 from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
-_NEAR = 1.65  # distance of the camera by the size of the mechanism
-_SHIFT = (-0.06, -0.1)  # where it looks beside the middle: texts cover the left and lower edges
+_SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
+_NEAR = 1.45  # distance of the camera by the size of the mechanism
 
 
 def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
@@ -52,16 +52,17 @@ def scene_page(shown: Film) -> str:
     Returns:
         HTML with script, scene and animation inside.
     """
-    here = resources.files(__package__)
+    here = resources.files(__package__) / "page"
     viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
-    overlay = (here / "overlay.js").read_text(encoding="utf-8")
+    script = "".join((here / name).read_text(encoding="utf-8") for name in _SCRIPTS)
     parts = {
-        "policy": _policy(viewer, overlay),
+        "policy": _policy(viewer, script),
         "licence": _licences(),
+        "style": (here / "style.css").read_text(encoding="utf-8"),
         "viewer": viewer,
         "scene": json.dumps(_messages(shown)),
-        "film": _in_script(json.dumps({**readings(shown), "camera": _camera(shown)})),
-        "overlay": overlay,
+        "film": _in_script(json.dumps({**readings(shown), "cameras": _cameras(shown)})),
+        "script": script,
     }
     pieces = []
     # Split first: what is put in may hold anything, also what looks like a place to put something.
@@ -93,12 +94,14 @@ def _property(path: str, name: str, value: object) -> dict[str, object]:
     return {"type": "set_property", "path": f"/{path}", "property": name, "value": value}
 
 
-def _camera(shown: Film) -> dict[str, object]:
-    """Position and target of the camera (x, y, z) [m], for a view of all moving parts."""
-    target, position = camera(
-        shown.solution.mechanism, shown.position.reshape(-1, 2), _NEAR, _SHIFT
-    )
-    return {"target": target.tolist(), "position": position.tolist()}
+def _cameras(shown: Film) -> dict[str, object]:
+    """Positions and targets of the cameras (x, y, z) [m], for views of all moving parts."""
+    points = shown.position.reshape(-1, 2)
+    found: dict[str, object] = {}
+    for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
+        target, position = camera(shown.solution.mechanism, points, _NEAR, direction)
+        found[name] = {"target": target.tolist(), "position": position.tolist()}
+    return found
 
 
 def _policy(*scripts: str) -> str:

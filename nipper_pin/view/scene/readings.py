@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,12 +12,18 @@ from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...units import MM_PER_M, MS_PER_S
-from ..reading import case_text, digits, force_name, gap_noun, phase_name, units_of
-from .colours import phase_colour
+from ..reading import case_text, digits, force_name, gap_noun, units_of
+from .arrows import arrow_stops
+from .closeup import close_up
+from .curves import curves
 from .film import Film, drawn_limit
+from .intervals import intervals
+from .names import names
+from .objects import arrow_path
 
 _DIGITS = 6
 _ROUND_OFF = 1e-12
+_TICKS = 120
 NOTE = (
     "Shapes are illustrations built on the model's dimensions; {source}"
     "the arrow at a stop is its impulse, in proportion to the largest one."
@@ -31,12 +38,15 @@ def readings(film: Film) -> dict[str, object]:
     """
     solution, pace = film.solution, film.pace
     mechanism = solution.mechanism
-    starts = pace.playback_at(np.array([item.t_start for item in solution.phases]))
     last = pace.machine[-1]
+    shown = [item for item in intervals(solution) if item.start <= last]
+    starts = pace.playback_at(np.array([item.start for item in shown]))
+    lips = close_up(film)
     return {
         "title": mechanism.title or mechanism.name,
         "case": case_text(solution),
         "note": note(film),
+        "exaggerate": film.look.exaggerate,
         "playback": _numbers(pace.playback),
         "duration": float(pace.playback[-1]),
         "columns": [
@@ -45,17 +55,35 @@ def readings(film: Film) -> dict[str, object]:
         ],
         "phase_of_frame": film.phase.tolist(),
         "phases": [
-            {"name": f"phase {phase_name(mechanism, item.closed)}", "start": float(start),
-             "colour": phase_colour(mechanism, item.closed)}
-            for item, start in zip(solution.phases, starts, strict=True)
-            if item.t_start <= last
+            {"name": item.name, "start": float(start), "colour": item.colour}
+            for item, start in zip(shown, starts, strict=True)
         ],
+        "legend": list(dict.fromkeys((item.name, item.colour) for item in shown)),
         "collisions": [
-            {"at": float(pace.playback_at(item.t)),
+            {"at": float(pace.playback_at(item.t)), "stop": item.stop,
              "text": collision_text(mechanism, item)}
             for item in solution.collisions if item.t <= last
         ],
+        "ticks": [
+            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}"}
+            for t in _ticks(last)
+        ],
+        "curves": [
+            {"label": curve.label, "stop": curve.stop, "text": digits(curve.most),
+             "most": curve.most, "colour": curve.colour, "values": _numbers(curve.values)}
+            for curve in curves(film)
+        ],
+        "names": names(mechanism),
+        "arrows": [arrow_path(mechanism, stop).split("/") for stop in arrow_stops(mechanism)],
+        "lips": None if lips is None else lips.record(),
     }  # fmt: skip
+
+
+def _ticks(end: float) -> FloatArray:
+    """Times of the scale from the start of the window [s]: multiples of a round step."""
+    step = 10.0 ** math.floor(math.log10(end / _TICKS))
+    step *= next(part for part in (1.0, 2.0, 5.0, 10.0) if part * step >= end / _TICKS)
+    return np.asarray(step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1))
 
 
 def collision_text(mechanism: Mechanism, hit: Collision) -> str:
@@ -96,8 +124,9 @@ def note(film: Film) -> str:
     if film.look.exaggerate > 1.0:
         stop = film.solution.mechanism.transition_stop
         said += (
-            f" The {stop} gap is drawn {film.look.exaggerate:g} times as large, up to "
-            f"{_limit(film)}, and the other links follow it; numbers are those of the machine."
+            f" Rebounds of the {stop} are drawn {film.look.exaggerate:g} times as large, each up to "
+            f"{_limit(film)}, and the other links follow; closing, opening and all numbers are "
+            "those of the machine."
         )
     return said
 

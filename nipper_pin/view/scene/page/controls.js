@@ -1,0 +1,91 @@
+// Texts, names, buttons and keys, and what is written in every frame.
+byId("title").textContent = film.title;
+byId("case").textContent = film.case;
+byId("note").textContent = film.note;
+const cells = film.columns.map((column) => {
+  const row = byId("numbers").insertRow();
+  row.insertCell().textContent = column.label;
+  const value = row.insertCell();
+  row.insertCell().textContent = column.unit;
+  return value;
+});
+for (const [name, colour] of film.legend) {
+  const item = document.createElement("span"), box = document.createElement("i");
+  box.style.background = colour;
+  item.append(box, name);
+  byId("legend").append(item);
+}
+const names = film.names.map((name) => {
+  const label = document.createElement("span");
+  label.textContent = name.text;
+  byId("labels").append(label);
+  return { label, ...name };
+});
+byId("names").checked = byId("pane").clientWidth > 600;
+byId("names").addEventListener("change", () => { written = null; });
+
+const scrub = byId("scrub");
+scrub.max = film.duration;
+scrub.addEventListener("input", () => go(Number(scrub.value)));
+const toggle = () => (animator.playing ? animator.pause() : animator.play());
+byId("play").addEventListener("click", toggle);
+byId("start").addEventListener("click", () => go(0));
+byId("pace").addEventListener("change", () => { animator.mixer.timeScale = Number(byId("pace").value); });
+function step(by) {
+  animator.pause();
+  const at = Math.max(last(film.playback, animator.time + 1e-6), 0) + by;
+  go(film.playback[Math.min(Math.max(at, 0), film.playback.length - 1)]);
+}
+document.addEventListener("keydown", (event) => {
+  if (event.target.tagName === "SELECT" || event.ctrlKey || event.altKey || event.metaKey) return;
+  const keys = {
+    " ": toggle, ArrowRight: () => step(event.shiftKey ? 10 : 1), Home: () => go(0),
+    ArrowLeft: () => step(event.shiftKey ? -10 : -1), End: () => go(film.duration),
+  };
+  if (!(event.key in keys)) return;
+  event.preventDefault();
+  keys[event.key]();
+});
+
+const hitTimes = hits.map((hit) => hit.at);
+function write(time) {
+  const frame = Math.max(last(film.playback, time + 1e-6), 0);
+  film.columns.forEach((column, place) => {
+    const value = column.values[frame];
+    cells[place].textContent = value === 0 ? "0" : Math.abs(value) < 1e-3
+      ? value.toExponential(2) : String(Number(value.toPrecision(4)));
+  });
+  const phase = film.phases[film.phase_of_frame[frame]];
+  byId("phase").textContent = phase.name;
+  byId("phase").style.borderColor = phase.colour;
+  const hit = last(hitTimes, time + 1e-6);
+  byId("hit").textContent = hit >= 0 ? film.collisions[hit].text : "";
+  byId("play").textContent = animator.playing ? "pause" : "play";
+  if (document.activeElement !== scrub || animator.playing) scrub.value = time;
+}
+function drawNames() {
+  byId("labels").hidden = !byId("names").checked;
+  if (byId("labels").hidden) return;
+  const pane = viewer.renderer.domElement;
+  for (const name of names) {
+    const node = viewer.scene_tree.find(name.path).object;
+    const place = viewer.camera.position.clone().set(...name.place);
+    place.applyMatrix4(node.matrixWorld).project(viewer.camera);
+    name.label.style.left = `${(0.5 + 0.5 * place.x) * pane.clientWidth}px`;
+    name.label.style.top = `${(0.5 - 0.5 * place.y) * pane.clientHeight}px`;
+  }
+}
+let written = null;
+function follow() {
+  requestAnimationFrame(follow);
+  const eye = viewer.camera.position, at = [eye.x, eye.y, eye.z, window.innerWidth, window.innerHeight];
+  const now = `${animator.time} ${animator.playing} ${at} ${byId("names").checked}`;
+  if (now === written) return;
+  written = now;
+  write(animator.time);
+  drawStrip();
+  drawCurves();
+  drawNames();
+}
+follow();
+new ResizeObserver(() => { viewer.set_3d_pane_size(); written = null; }).observe(byId("picture"));

@@ -1,0 +1,110 @@
+// Curves over the film's time with a cursor, and the strip of phases with a scale.
+const LEFT = 112, RIGHT = 8, hits = film.collisions;
+const across = (canvas, time) => LEFT + (time / film.duration) * (canvas.clientWidth - LEFT - RIGHT);
+
+function go(time) {
+  const to = Math.min(Math.max(time, 0), film.duration);
+  animator.seek(to);
+  animator.display_progress(to);
+}
+function ticks(canvas, pen, top, bottom) {
+  let free = -1;
+  pen.font = "11px system-ui, sans-serif";
+  pen.textAlign = "center";
+  for (const tick of film.ticks) {
+    const x = across(canvas, tick.at), half = pen.measureText(tick.text).width / 2;
+    pen.fillStyle = "#8a93a0";
+    pen.fillRect(x, top, 1, 4);
+    if (x - half <= free || x + half > canvas.clientWidth) continue;
+    pen.fillStyle = "#1c2430";
+    pen.fillText(tick.text, x, bottom);
+    free = x + half + 6;
+  }
+}
+function drawStrip() {
+  const canvas = document.querySelector("#line canvas"), pen = sized(canvas);
+  pen.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+  film.phases.forEach((phase, place) => {
+    const end = place + 1 < film.phases.length ? film.phases[place + 1].start : film.duration;
+    pen.fillStyle = phase.colour;
+    pen.fillRect(across(canvas, phase.start), 2, across(canvas, end) - across(canvas, phase.start), 13);
+  });
+  pen.strokeStyle = "#8a93a0";
+  pen.strokeRect(LEFT, 2, canvas.clientWidth - LEFT - RIGHT, 13);
+  ticks(canvas, pen, 15, 28);
+  pen.textAlign = "left";
+  pen.fillText("time [ms]", 0, 28);
+  pen.fillRect(across(canvas, animator.time) - 1, 0, 2, 18);
+}
+function drawCurves() {
+  const canvas = document.querySelector("#curves canvas"), pen = sized(canvas);
+  pen.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+  const lane = canvas.clientHeight / film.curves.length;
+  film.curves.forEach((curve, place) => {
+    const top = place * lane + 5, bottom = (place + 1) * lane - 5;
+    const y = (value) => bottom - Math.min(value / curve.most, 1) * (bottom - top);
+    pen.strokeStyle = "#dde2e9";
+    pen.strokeRect(LEFT, top, canvas.clientWidth - LEFT - RIGHT, bottom - top);
+    pen.fillStyle = "#1c2430";
+    pen.font = "11px system-ui, sans-serif";
+    pen.textAlign = "left";
+    curve.label.forEach((text, row) => pen.fillText(text, 0, top + 10 + 12 * row));
+    pen.textAlign = "right";
+    pen.fillText(curve.text, LEFT - 3, top + 6);
+    pen.fillText("0", LEFT - 3, bottom + 1);
+    pen.strokeStyle = curve.colour;
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
+    let drawing = false;
+    curve.values.forEach((value, frame) => {
+      const inside = value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
+      if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
+      drawing = inside;
+    });
+    pen.stroke();
+    pen.lineWidth = 1;
+    pen.fillStyle = "#d55e00";
+    for (const hit of hits) {
+      if (hit.stop !== curve.stop) continue;
+      const x = across(canvas, hit.at);
+      pen.beginPath();
+      pen.moveTo(x, bottom - 7);
+      pen.lineTo(x - 3.5, bottom);
+      pen.lineTo(x + 3.5, bottom);
+      pen.fill();
+    }
+  });
+  pen.fillStyle = "#1c2430";
+  pen.fillRect(across(canvas, animator.time) - 1, 0, 2, canvas.clientHeight);
+}
+// A click near a collision goes to it; elsewhere the cursor follows the pointer.
+function timeAt(canvas, x) {
+  const wide = canvas.clientWidth - LEFT - RIGHT;
+  return Math.min(Math.max((x - LEFT) / wide, 0), 1) * film.duration;
+}
+function nearest(canvas, x) {
+  let found = null;
+  for (const hit of hits) {
+    const off = Math.abs(across(canvas, hit.at) - x);
+    if (off <= 6 && (found === null || off < Math.abs(across(canvas, found) - x))) found = hit.at;
+  }
+  return found === null ? timeAt(canvas, x) : found;
+}
+for (const id of ["curves", "line"]) {
+  const holder = byId(id), canvas = holder.querySelector("canvas");
+  const place = (event) => event.clientX - canvas.getBoundingClientRect().left;
+  let dragged = false;
+  holder.addEventListener("pointerdown", (event) => {
+    animator.pause();
+    dragged = true;
+    holder.setPointerCapture(event.pointerId);
+    go(nearest(canvas, place(event)));
+    event.preventDefault();
+    byId("scrub").focus();
+  });
+  holder.addEventListener("pointermove", (event) => {
+    if (dragged) go(timeAt(canvas, place(event)));
+  });
+  for (const end of ["pointerup", "pointercancel"]) holder.addEventListener(end, () => { dragged = false; });
+}

@@ -1,0 +1,53 @@
+// The lips close up: the same scene through a second camera, which follows the lower lip.
+const lips = film.lips, FIELD = 1.0;
+if (!lips) {
+  byId("lips").remove();
+  byId("near").remove();
+} else {
+  const canvas = document.querySelector("#lips canvas"), unit = Math.PI / 180;
+  const distance = lips.height / 2 / Math.tan(FIELD / 2 * unit);
+  // What is nearer than the cut is not drawn, nor the arrows of impulses, which are larger than lips.
+  const arrows = film.arrows.map((path) => viewer.scene_tree.find(path).object);
+  const camera = new viewer.camera.constructor(FIELD, 4 / 3, distance, distance + 10);
+  const times = film.exaggerate === 1 ? "true size" : `rebounds x ${film.exaggerate}`;
+  document.querySelector("#lips figcaption").textContent =
+    `${lips.stop} along its hinge, near half cut away; ${times}`;
+
+  function drawLips() {
+    const pen = sized(canvas), renderer = viewer.renderer, time = animator.time;
+    const pane = renderer.domElement, ratio = renderer.getPixelRatio();
+    const x = between(lips.x, time), z = between(lips.z, time), angle = between(lips.angle, time);
+    const wide = canvas.clientWidth, high = canvas.clientHeight;
+    const shrink = Math.min(1, pane.clientWidth / wide, pane.clientHeight / high);
+    const w = Math.floor(wide * shrink), h = Math.floor(high * shrink);
+    if (w < 1 || h < 1) return;
+    camera.aspect = w / h;
+    camera.up.set(...upright([Math.cos(angle), 0, Math.sin(angle)]));
+    camera.position.set(...upright([x, lips.across - distance, z]));
+    camera.lookAt(...upright([x, lips.across, z]));
+    camera.updateProjectionMatrix();
+    renderer.setScissorTest(true);
+    renderer.setScissor(0, 0, w, h);
+    renderer.setViewport(0, 0, w, h);
+    for (const arrow of arrows) arrow.visible = false;
+    renderer.render(viewer.scene, camera);
+    for (const arrow of arrows) arrow.visible = true;
+    pen.clearRect(0, 0, wide, high);
+    pen.drawImage(pane, 0, pane.height - h * ratio, w * ratio, h * ratio, 0, 0, wide, high);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, pane.clientWidth, pane.clientHeight);
+    const long = lips.scale_mm / 1000 / lips.height * high;
+    pen.fillStyle = "#1c2430";
+    pen.fillRect(12, high - 14, long, 3);
+    pen.fillRect(12, high - 18, 1, 11);
+    pen.fillRect(12 + long, high - 18, 1, 11);
+    pen.font = "12px system-ui, sans-serif";
+    pen.fillText(`${lips.scale_mm} mm`, 16, high - 20);
+  }
+  const drawWhole = viewer.render.bind(viewer);
+  viewer.render = () => { drawLips(); drawWhole(); };
+  byId("near").addEventListener("click", () => {
+    const time = animator.time, target = [between(lips.x, time), lips.across, between(lips.z, time)];
+    look([target[0] + 0.01, target[1] - 25 * lips.height, target[2] + 0.02], target);
+  });
+}

@@ -1,0 +1,79 @@
+"""Rebounds that are drawn larger: flights of the transition stop from one collision to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.event import EventKind
+from ...hybrid.result.solution import Solution
+from ...mechanism import Stop
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A rebound, or the last ones of a series together.
+
+    Attributes:
+        begin: Time at which it begins [s].
+        end: Time at which the stop is closed again [s].
+        highest: Largest gap [rad or m].
+    """
+
+    begin: float
+    end: float
+    highest: float
+
+
+def rebound_flights(solution: Solution) -> list[Flight]:
+    """Flights between a collision of the transition stop and its next one, or its rest.
+
+    The closing before the first collision and the opening after the last are none.
+
+    Args:
+        solution: The solution.
+    """
+    stop = solution.mechanism.transition_stop
+    closes = [
+        event
+        for event in solution.events
+        if stop in event.stops and event.kind in (EventKind.COLLISION, EventKind.REST)
+    ]
+    heights = {hit.event.number: hit.rebound_amplitude or 0.0 for hit in solution.collisions}
+    return [
+        Flight(first.t, second.t, heights.get(first.number, 0.0))
+        for first, second in pairwise(closes)
+        if first.kind is EventKind.COLLISION
+    ]
+
+
+def factors(
+    solution: Solution, stop: Stop, t: FloatArray, gap: FloatArray, factor: float, limit: float
+) -> FloatArray:
+    """Factor on the gap of the transition stop in every frame.
+
+    A rebound has one factor from its begin to its end, at both of which the gap is zero, so the
+    drawing does not jump. A rebound that would be drawn beyond the limit has a smaller factor; all
+    else is drawn as it is.
+
+    Args:
+        solution: The solution.
+        stop: The transition stop.
+        t: Times of the frames [s], shape (K,).
+        gap: Gaps there, shape (K,) [rad or m].
+        factor: Factor on rebounds [-].
+        limit: Largest gap of a rebound that is drawn [rad or m].
+
+    Returns:
+        Shape (K,), at least 1.
+    """
+    found = np.ones(len(t))
+    for flight in rebound_flights(solution):
+        inside = (t >= flight.begin) & (t <= flight.end)
+        highest = max(flight.highest, float(gap[inside].max(initial=0.0)))
+        most = limit / highest if highest > 0.0 else factor
+        found[inside] = max(1.0, min(factor, most))
+    return found
