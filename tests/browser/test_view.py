@@ -16,6 +16,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from nipper_pin import Case, Solution, load, simulate
+from nipper_pin.hybrid.result.tables import PhaseInterval
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.colours import channels, phase_colour
 from nipper_pin.view.scene.page import write_page
@@ -60,12 +61,14 @@ def page(open_page, page_file: Path) -> Iterator[Page]:
         assert opened.requests == [page_file.resolve().as_uri()]
 
 
-def picture(page: Page) -> np.ndarray:
-    """What the canvas shows between the texts, shape (height, width, 3), 0 to 255."""
-    size = page.viewport_size
-    clip = {"x": 430, "y": 30, "width": size["width"] - 430, "height": size["height"] - 200}
-    image = Image.open(io.BytesIO(page.screenshot(clip=clip)))
-    return np.asarray(image.convert("RGB"), dtype=float)
+def picture(page: Page, of: str = "#pane") -> np.ndarray:
+    """What a part of the page shows, without names, shape (height, width, 3), 0 to 255."""
+    page.locator("#names").uncheck()
+    page.evaluate("() => new Promise(done => requestAnimationFrame(done))")
+    image = Image.open(io.BytesIO(page.locator(of).screenshot()))
+    found = np.asarray(image.convert("RGB"), dtype=float)
+    # Buttons stand in the lower corner of the machine's picture.
+    return found[20:-45] if of == "#pane" else found
 
 
 def seek(page: Page, time: float) -> None:
@@ -83,6 +86,12 @@ def numbers(page: Page) -> dict[str, float]:
         "[row.cells[0].textContent, row.cells[1].textContent])"
     )
     return {label: float(value) for label, value in rows}
+
+
+def elsewhere(solution: Solution, item: PhaseInterval) -> bool:
+    """A phase without closed stops in which no collision of the jaw falls."""
+    jaw = [hit.t for hit in solution.collisions if hit.stop == "jaw"]
+    return not item.closed and not any(item.t_start <= t < item.t_end for t in jaw)
 
 
 def tinted(image: np.ndarray, colour: str) -> int:
@@ -134,14 +143,16 @@ def test_numbers_follow_the_time(page: Page, shown: Film) -> None:
         assert read["jaw angle"] == pytest.approx(angle, rel=1e-3, abs=1e-9)
         force = shown.force["jaw"][k]
         assert read["jaw clamping force"] == pytest.approx(force, rel=1e-3, abs=1e-6)
-        number = shown.solution.phases[int(shown.phase[k])].number
-        assert page.text_content("#phase").startswith(f"phase {number}")
+        item = shown.solution.phases[int(shown.phase[k])]
+        wanted = "jaw open" if elsewhere(shown.solution, item) else f"phase {item.number}"
+        assert page.text_content("#phase").startswith(wanted)
 
 
 def test_colour_tells_the_phase(page: Page, shown: Film) -> None:
     """In the middle of each phase its own colour covers more than the others' do."""
     mechanism = shown.solution.mechanism
-    for item in shown.solution.phases[-4:]:
+    bouncing = [item for item in shown.solution.phases if not elsewhere(shown.solution, item)]
+    for item in bouncing[-3:]:
         seek(page, float(shown.pace.playback_at(0.5 * (item.t_start + item.t_end))))
         image = picture(page)
         own = tinted(image, phase_colour(mechanism, item.closed))
@@ -193,8 +204,9 @@ def test_the_line_scrubs(page: Page) -> None:
     box = page.locator("#scrub").bounding_box()
     page.evaluate("animator.pause()")
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
-    time, duration = page.evaluate("[animator.time, film.duration]")
-    assert time == pytest.approx(0.6 * duration, rel=0.02)
+    time, duration, left, right = page.evaluate("[animator.time, film.duration, LEFT, RIGHT]")
+    share = (0.6 * box["width"] - left) / (box["width"] - left - right)
+    assert time == pytest.approx(share * duration, rel=0.02)
 
 
 def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
@@ -215,3 +227,126 @@ def test_the_live_server_shows_the_same(chromium: Browser, watch) -> None:
         assert server.wait(timeout=60) == 0
     assert (image.max(axis=-1) - image.min(axis=-1) > 60.0).mean() > 0.05
     assert found.complaints == []
+
+
+def between(hits: list, number: int) -> float:
+    """Time of the machine in the middle of a rebound."""
+    hit = hits[number]
+    return hit.t + 0.5 * hit.rebound_time
+
+
+@pytest.mark.parametrize("factor", [1.0, 10.0])
+def test_both_lips_are_seen_close_up(
+    open_page, solution: Solution, tmp_path: Path, factor: float
+) -> None:
+    """Apart by the gap that is drawn, to the scale that is shown; and together at rest.
+
+    The distance between the upper lip's lowest pixel and the row of the contact point, the middle
+    of the picture, is the gap: 0.47 mm in the first rebound, or ten times that.
+    """
+    path = write_page(solution, tmp_path / "lips.html", Look(exaggerate=factor))
+    hits = [hit for hit in solution.collisions if hit.stop == "jaw"]
+    lever = solution.mechanism.stop("jaw").lever
+    shown = film(solution, Look(exaggerate=factor))
+    closed = next(item for item in solution.phases if item.number == 2)
+    rest = 0.5 * (closed.t_start + closed.t_end)
+    with open_page(path) as opened:
+        page = opened.page
+        until(page, "animator.time > 0.2")
+        high, scale = page.evaluate("[lips.height, lips.scale_mm]")
+        assert scale / 1e3 < 0.5 * high
+        for t in (between(hits, 0), rest):
+            seek(page, float(shown.pace.playback_at(t)))
+            image = picture(page, "#lips canvas")
+            gap = factor * lever * float(solution.trajectory.evaluate(t).q[0, 2])
+            # Just behind the contact point: farther back the gap of a turned lip is smaller.
+            wide = image.shape[1]
+            middle = image[:, int(0.46 * wide) : int(0.5 * wide)]
+            saturation = middle.max(axis=-1) - middle.min(axis=-1)
+            amber = (saturation > 120.0) & (middle[..., 0] > middle[..., 2] + 100.0)
+            blue = (saturation > 60.0) & (middle[..., 2] > middle[..., 0] + 60.0)
+            upper = np.flatnonzero((amber if t != rest else blue).any(axis=1))
+            pixels = image.shape[0] / high
+            lowest = 0.5 * image.shape[0] - upper.max() - 0.5
+            assert upper.size
+            assert lowest == pytest.approx(gap * pixels, abs=4.0)
+            # Something is under it: the lower lip, from the contact point downwards.
+            under = middle[int(0.5 * image.shape[0]) + 2 : int(0.5 * image.shape[0]) + 8]
+            assert (under.max(axis=-1) < 215.0).mean() > 0.3
+
+
+def test_the_cursor_follows_and_a_click_goes_to_a_collision(page: Page, solution: Solution) -> None:
+    """The curves' dark line stands at the film's time; a click on a mark shows its impulse."""
+    canvas = page.locator("#curves canvas")
+    box = canvas.bounding_box()
+    duration, left, right = page.evaluate("[film.duration, LEFT, RIGHT]")
+
+    def across(time: float) -> float:
+        return left + time / duration * (box["width"] - left - right)
+
+    for share in (0.2, 0.7):
+        seek(page, share * duration)
+        image = picture(page, "#curves canvas")
+        dark = (image.max(axis=-1) < 90.0).mean(axis=0)
+        assert abs(int(dark.argmax()) - across(share * duration)) < 3.0
+        assert dark.max() > 0.9
+    hit = next(item for item in solution.collisions if item.stop == "jaw")
+    at = page.evaluate("number => film.collisions[number - 1].at", hit.number)
+    page.mouse.click(box["x"] + across(at) + 3.0, box["y"] + 10.0)
+    assert page.evaluate("animator.time") == pytest.approx(at, abs=1e-9)
+    until(page, f"byId('hit').textContent.includes('collision {hit.number} ')")
+    assert f"{hit.impulse:.4g}" in page.text_content("#hit")
+    # Dragged from there, the cursor stays under the pointer.
+    page.mouse.move(box["x"] + across(at), box["y"] + 10.0)
+    page.mouse.down()
+    page.mouse.move(box["x"] + across(0.5 * duration), box["y"] + 10.0)
+    page.mouse.up()
+    assert page.evaluate("animator.time") == pytest.approx(0.5 * duration, rel=0.01)
+
+
+def test_keys_buttons_and_speed(page: Page) -> None:
+    """Space plays, arrows step a frame, the views move the camera, names can be switched off."""
+    seek(page, 1.0)
+    page.keyboard.press("Space")
+    until(page, "animator.playing")
+    page.keyboard.press("ArrowRight")
+    until(page, "!animator.playing")
+    before = page.evaluate("last(film.playback, animator.time + 1e-6)")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("last(film.playback, animator.time + 1e-6)") == before + 1
+    page.keyboard.press("Home")
+    assert page.evaluate("animator.time") == 0.0
+    places = []
+    for button in ("whole", "side", "near"):
+        page.click(f"#{button}")
+        places.append(page.evaluate("viewer.camera.position.toArray()"))
+    assert len({tuple(place) for place in places}) == 3
+    page.select_option("#pace", "2")
+    assert page.evaluate("animator.mixer.timeScale") == 2.0
+    page.locator("#names").check()
+    until(page, "!byId('labels').hidden")
+    assert "top nipper" in page.locator("#labels span").all_text_contents()
+    page.locator("#names").uncheck()
+    until(page, "byId('labels').hidden")
+
+
+@pytest.mark.parametrize(("width", "height"), [(900, 700), (390, 844)])
+def test_nothing_covers_the_machine_on_small_screens(
+    chromium: Browser, watch, page_file: Path, width: int, height: int
+) -> None:
+    """Picture, close-up, numbers and curves stand beside or below one another, within the width."""
+    page = chromium.new_page(viewport={"width": width, "height": height})
+    watch(page)
+    page.goto(page_file.resolve().as_uri())
+    until(page, "animator.time > 0.2")
+    boxes = [page.locator(item).bounding_box()
+             for item in ("#pane", "#lips", "#numbers", "#line", "#curves")]  # fmt: skip
+    for place, one in enumerate(boxes):
+        assert one["x"] >= 0.0
+        assert one["x"] + one["width"] <= width + 0.5
+        for other in boxes[:place]:
+            beside = one["x"] >= other["x"] + other["width"] - 1.0
+            assert beside or one["y"] >= other["y"] + other["height"] - 1.0
+    page.close()

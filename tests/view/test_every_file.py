@@ -374,8 +374,8 @@ def test_motion_of_a_run_leaves_empty_stretches_out(
 def test_gaps_that_cannot_be_drawn_larger(
     transition: Solution, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    q = np.zeros((2, 7))
-    assert film.exaggerated(transition, q, 1.0) is q
+    q, t = np.zeros((2, 7)), np.zeros(2)
+    assert film.exaggerated(transition, t, q, 1.0) is q
 
     def fails(*_: Any) -> Any:
         message = "a dead centre"
@@ -384,11 +384,11 @@ def test_gaps_that_cannot_be_drawn_larger(
     monkeypatch.setattr(film, "close_positions", fails)
     words = "gap of stop jaw cannot be drawn 12 times as large, .* .a dead centre.; use a smaller"
     with pytest.raises(InputError, match=words) as caught:
-        film.exaggerated(transition, q, 12.0)
+        film.exaggerated(transition, t, q, 12.0)
     assert caught.value.evidence == {"exaggerate": 12.0}
     monkeypatch.setattr(film, "bouncing_stop", lambda _: None)
     with pytest.raises(InputError, match="e62 has no transition stop whose gap") as caught:
-        film.exaggerated(transition, q, 12.0)
+        film.exaggerated(transition, t, q, 12.0)
     assert caught.value.evidence == {"exaggerate": 12.0}
 
 
@@ -407,7 +407,7 @@ def test_struts_and_solids_of_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
         _base=Image.new("RGB", (8 * gif._SHARP, 4 * gif._SHARP)), _phases={7: "phase"},
         _shown=SimpleNamespace(phase=[None, 7]), _pixels=lambda points: points,
         _seen=SimpleNamespace(items=[(0, 1, 2), (2, 3)]), _colours={"phase": ["red", "blue"]},
-        _struts=[[], ["one", "two"]], _arrows=lambda *words: drawn.append(words[1:]),
+        _struts=[[], ["one", "two"]], _lips=None, _arrows=lambda *words: drawn.append(words[1:]),
         _say=lambda *words: drawn.append(words[1:]),
     )  # fmt: skip
     picture = gif._Painter.picture(painter, 1)

@@ -18,7 +18,7 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import find_model, known_models
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.colours import ARROW, channels, phase_colour
+from nipper_pin.view.scene.colours import ARROW, ELSEWHERE, channels, phase_colour
 from nipper_pin.view.scene.flat import Flat, flat, moved
 from nipper_pin.view.scene.gif import PER_SECOND, write_gif
 from nipper_pin.view.scene.solids import CYLINDER, Solid, cylinder_axis, solids
@@ -151,12 +151,16 @@ def test_the_file_is_the_film_ten_times_a_second(cycle: Solution, tmp_path: Path
     assert path.stat().st_size < 3_000_000
     machine, line = np.s_[60:465, 290:790], np.s_[481:491, 16:784]
     mechanism = cycle.mechanism
-    every = {phase_colour(mechanism, item.closed) for item in mechanism.phases}
-    assert len(every) == 3
+    every = {phase_colour(mechanism, item.closed) for item in mechanism.phases} | {ELSEWHERE}
+    assert len(every) == 4
+    jaw = [hit.t for hit in cycle.collisions if hit.stop == "jaw"]
     own = np.searchsorted(shown.pace.playback, times)
     shows = set()
     for picture, frame in zip(pictures, own, strict=True):
-        phase = phase_colour(mechanism, cycle.phases[shown.phase[frame]].closed)
+        item = cycle.phases[shown.phase[frame]]
+        phase = phase_colour(mechanism, item.closed)
+        if not item.closed and not any(item.t_start <= t < item.t_end for t in jaw):
+            phase = ELSEWHERE
         assert has(picture, phase, machine) > 20
         assert all(has(picture, other, machine) == 0 for other in every - {phase})
         assert all(has(picture, colour, line) > 20 for colour in every)

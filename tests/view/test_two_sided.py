@@ -88,9 +88,11 @@ def test_an_exaggerated_gap_opens_away_from_its_stop() -> None:
     plain, large = film(solution, Look()), film(solution, Look(exaggerate=5.0))
     end = mechanism.stop("end")
     gap, drawn = end.gaps(plain.drawn), end.gaps(large.drawn)
-    small = (gap > 1e-5) & (5.0 * gap < 0.02 * mechanism.reach_m)
-    assert small.any()
-    assert drawn[small] == pytest.approx(5.0 * gap[small], rel=1e-9)
+    t, limit = plain.pace.machine, 0.03 * mechanism.reach_m
+    for hit in solution.collisions[:2]:
+        rebound = (t >= hit.t) & (t <= hit.t + hit.rebound_time)
+        assert 0.0 < hit.rebound_amplitude < limit / 5.0
+        assert drawn[rebound] == pytest.approx(5.0 * gap[rebound], rel=1e-9, abs=1e-15)
     assert drawn.min() >= -1e-15
 
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import Stop
-from ...mechanism.build.placements import joint_placements
 from ...units import MM_PER_M
 from .arrows import arrow_body, arrow_place
 from .film import Film, bouncing_stop

@@ -133,9 +133,7 @@ def drawn_limit(mechanism: Mechanism) -> float:
     return _DRAWN_ANGLE if kind == "revolute" else _DRAWN_STROKE * mechanism.reach_m
 
 
-def exaggerated(
-    solution: Solution, t: FloatArray, q: FloatArray, factor: float
-) -> FloatArray:
+def exaggerated(solution: Solution, t: FloatArray, q: FloatArray, factor: float) -> FloatArray:
     """Configurations with the rebounds of the transition stop enlarged and the loops closed again.
 
     A rebound is drawn so many times as large, or less if it would exceed 6 degrees or 3 % of the
@@ -164,7 +162,7 @@ def exaggerated(
         raise InputError(message, exaggerate=factor)
     gap = stop.gaps(q)
     guess = q.copy()
-    drawn = gap * factors(solution, stop, t, gap, factor, drawn_limit(mechanism))
+    drawn = gap * factors(solution, t, gap, factor, drawn_limit(mechanism))
     guess[:, stop.index] = stop.at + stop.sense * drawn
     given = [*(drive.index for drive in mechanism.drives), stop.index]
     try:

@@ -66,7 +66,7 @@ def flat(shown: Film, drawn: Sequence[Solid]) -> Flat:
     solid, light, depth = [], [], []
     first = 0
     for place, item in enumerate(drawn):
-        corners, faces = _mesh(item)
+        corners, faces = mesh_of(item)
         turned = item.placement[:3, :3]
         at = (corners * item.scale) @ turned.T + item.placement[:3, 3]
         if np.prod(item.scale) < 0.0:
@@ -169,8 +169,15 @@ def _border(faces: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.asarray(unique[count == 1])
 
 
-def _mesh(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside."""
+def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside.
+
+    Args:
+        solid: The solid.
+
+    Raises:
+        InputError: Its mesh cannot be read.
+    """
     if solid.path is not None:
         return read_mesh(solid.path)
     corners = _surface(solid)

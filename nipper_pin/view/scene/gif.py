@@ -15,7 +15,7 @@ from ...errors import InputError
 from ...hybrid.result.solution import Solution
 from ...mechanism import Stop
 from ...outputs import complete_file
-from ..reading import case_text, digits, phase_name
+from ..reading import case_text, digits
 from .arrows import (
     FADE,
     HELD,
@@ -26,9 +26,12 @@ from .arrows import (
     arrow_stops,
     drawn_collisions,
 )
-from .colours import ARROW, LINE, channels, phase_colour
+from .closeup import close_up
+from .colours import ARROW, LINE, channels
 from .film import Film, Look, bouncing_stop, film
 from .flat import colours, flat, moved, placed
+from .flat_lips import LipsPainter
+from .intervals import intervals
 from .readings import collision_text, columns, note
 from .solids import solids
 
@@ -38,6 +41,7 @@ _SIZE = (800, 560)
 _SHARP = 2  # pixels drawn for each one of the file, along each side
 _BOX = (290, 66, 784, 462)  # of the mechanism
 _BAR = (16, 480, 784, 492)  # of the phases
+_LIPS = (16, 308, 272, 462)  # of the lips close up
 _TEXT = 13
 _SMALL = 11
 _LEFT = 16
@@ -130,15 +134,23 @@ class _Painter:
         self.frames = np.searchsorted(pace.playback, times)
         drawn = solids(mechanism)
         self._seen = flat(shown, drawn)
-        self._phases = [phase_colour(mechanism, item.closed) for item in shown.solution.phases]
+        self._intervals = intervals(shown.solution)
+        self._phases = [item.colour for item in self._intervals]
         self.exact = ["#ffffff", ARROW, *sorted(set(self._phases))]
         stop = bouncing_stop(mechanism)
-        opening = [place for place, joint in enumerate(mechanism.joints)
+        self._drawn = drawn
+        self._opening = opening = [place for place, joint in enumerate(mechanism.joints)
                    if stop is not None and joint.index == stop.index]  # fmt: skip
         self._colours = {
             colour: colours(self._seen, drawn, opening, channels(colour)) for colour in self._phases
         }
         self._columns = list(columns(shown))
+        lips = close_up(shown)
+        left, top, right, bottom = (_SHARP * part for part in _LIPS)
+        self._lips = lips and LipsPainter(shown, drawn, lips, (right - left, bottom - top))
+        self._caption = (
+            "" if lips is None else f"{lips.stop} cut along its hinge; bar {lips.scale_mm:g} mm"
+        )
         self._struts, _ = shown.solution.system.body.points(shown.drawn)
         corners = np.concatenate(
             [moved(self._seen, shown, int(place)) for place in self.frames[::20]]
@@ -173,8 +185,20 @@ class _Painter:
         for ends in self._struts[frame]:
             draw.line(self._pixels(ends), fill=LINE, width=2 * _SHARP)
         self._arrows(draw, frame)
+        if self._lips:
+            left, top, _, _ = _LIPS
+            close = self._lips.picture(frame, self._solid_colours(colour))
+            image.paste(close, (_SHARP * left, _SHARP * top))
         self._say(draw, frame, colour)
         return image.reduce(_SHARP)
+
+    def _solid_colours(self, phase: str) -> list[str]:
+        """Colours of the solids as in #RRGGBB, in a phase of a colour."""
+        found = []
+        for item in self._drawn:
+            own = channels(phase) if item.body in self._opening else item.colour
+            found.append("#" + "".join(f"{round(255.0 * part):02x}" for part in own))
+        return found
 
     def _common(self) -> Image.Image:
         """Draw title, phases along the film, and note."""
@@ -185,12 +209,14 @@ class _Painter:
         self._put(draw, (_LEFT, 12), self._title(mechanism.title or mechanism.name), self._strong)
         self._put(draw, (_LEFT, 34), case_text(solution), self._small, _PALE)
         left, top, right, bottom = _BAR
-        starts = pace.playback_at(np.array([item.t_start for item in solution.phases]))
+        starts = pace.playback_at(np.array([item.start for item in self._intervals]))
         for start, colour in zip(starts, self._phases, strict=True):
             at = left + (right - left) * float(start / pace.playback[-1])
             draw.rectangle([_SHARP * part for part in (at, top, right, bottom)], fill=colour)
         for line, text in enumerate(textwrap.wrap(note(shown), _NOTE_COLUMNS)):
             self._put(draw, (_LEFT, bottom + 8 + 14 * line), text, self._small, _PALE)
+        if self._caption:
+            self._put(draw, (_LIPS[0], _LIPS[3] + 1), self._caption, self._small, _PALE)
         return image
 
     def _title(self, text: str) -> str:
@@ -207,8 +233,8 @@ class _Painter:
         mechanism, pace = solution.mechanism, shown.pace
         top = _BOX[1]
         draw.rectangle([_SHARP * part for part in (_LEFT, top, _LEFT + 16, top + 16)], fill=colour)
-        name = phase_name(mechanism, solution.phases[shown.phase[frame]].closed)
-        self._put(draw, (_LEFT + 24, top), f"phase {name}", self._strong)
+        name = self._intervals[shown.phase[frame]].name
+        self._put(draw, (_LEFT + 24, top), name, self._strong)
         for row, (label, unit, values) in enumerate(self._columns, 1):
             at = top + 8 + _ROW * row
             self._put(draw, (_LEFT, at), label, self._small)

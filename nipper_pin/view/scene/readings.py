@@ -124,7 +124,7 @@ def note(film: Film) -> str:
     if film.look.exaggerate > 1.0:
         stop = film.solution.mechanism.transition_stop
         said += (
-            f" Rebounds of the {stop} are drawn {film.look.exaggerate:g} times as large, each up to "
+            f" Rebounds of the {stop} are drawn {film.look.exaggerate:g} times as large, up to "
             f"{_limit(film)}, and the other links follow; closing, opening and all numbers are "
             "those of the machine."
         )

@@ -10,7 +10,6 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
-from ...mechanism import Stop
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ def rebound_flights(solution: Solution) -> list[Flight]:
 
 
 def factors(
-    solution: Solution, stop: Stop, t: FloatArray, gap: FloatArray, factor: float, limit: float
+    solution: Solution, t: FloatArray, gap: FloatArray, factor: float, limit: float
 ) -> FloatArray:
     """Factor on the gap of the transition stop in every frame.
 
@@ -61,9 +60,8 @@ def factors(
 
     Args:
         solution: The solution.
-        stop: The transition stop.
         t: Times of the frames [s], shape (K,).
-        gap: Gaps there, shape (K,) [rad or m].
+        gap: Gaps of the transition stop there, shape (K,) [rad or m].
         factor: Factor on rebounds [-].
         limit: Largest gap of a rebound that is drawn [rad or m].
 

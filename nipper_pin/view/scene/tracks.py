@@ -13,8 +13,9 @@ import umsgpack
 
 from ...arrays import FloatArray
 from .arrows import FADE, HELD, arrow_scale, arrow_stops, drawn_collisions
-from .colours import channels, phase_colour
+from .colours import channels
 from .film import Film, bouncing_stop
+from .intervals import intervals
 from .objects import arrow_path, body_path, solid_path, strut_path
 from .solids import CYLINDER, Solid, cylinder_axis
 
@@ -117,8 +118,9 @@ def _phases(film: Film, solids: Sequence[Solid]) -> Iterator[dict[str, object]]:
     if stop is None:
         return
     body = next(place for place, item in enumerate(mechanism.joints) if item.index == stop.index)
-    colours = [channels(phase_colour(mechanism, item.closed)) for item in film.solution.phases]
-    starts = film.pace.playback_at(np.array([item.t_start for item in film.solution.phases]))
+    shown = intervals(film.solution)
+    colours = [channels(item.colour) for item in shown]
+    starts = film.pace.playback_at(np.array([item.start for item in shown]))
     end = float(film.pace.playback[-1])
     t, values = [0.0], [colours[int(film.phase[0])]]
     for before, after, start in zip(colours, colours[1:], starts[1:], strict=False):
