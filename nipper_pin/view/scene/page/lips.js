@@ -1,5 +1,6 @@
 // The lips close up: the same scene through a second camera, which follows the lower lip.
-const lips = film.lips, FIELD = 1.0;
+// From far away with a long lens: what lies behind the cut is to have the same scale.
+const lips = film.lips, FIELD = 0.05;
 if (!lips) {
   byId("lips").remove();
   byId("near").remove();
