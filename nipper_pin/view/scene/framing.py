@@ -9,7 +9,7 @@ from ...mechanism import Mechanism
 from ...mechanism.build.placements import joint_placements
 from .solids import Solid, plain_solids
 
-_LOWER = 0.08
+_LOWER = 0.1
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
 """Directions from the mechanism to the camera: from the front and above, and along the hinges."""
 

@@ -52,7 +52,7 @@ def scene_page(shown: Film) -> str:
     Returns:
         HTML with script, scene and animation inside.
     """
-    here = resources.files(__package__) / "page"
+    here = resources.files(__package__) / "page_files"
     viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
     script = "".join((here / name).read_text(encoding="utf-8") for name in _SCRIPTS)
     parts = {

@@ -21,7 +21,7 @@ from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.page import write_page
 
 SPEED, EXAGGERATE = 650.0, 10.0
-VIEW, LIVE = (1120, 720), (1100, 760)  # pixels
+VIEW, LIVE = (1120, 860), (1100, 760)  # pixels
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -66,7 +66,9 @@ def view_pictures(browser: Browser, folder: Path) -> None:
         file = write_page(solution, Path(place) / "view.html", look)
         page = browser.new_page(viewport={"width": VIEW[0], "height": VIEW[1]})
         page.goto(file.as_uri())
-        page.wait_for_function("animator.time > 0.1")
+        # The page runs no text but its own, which the browser's own waiting would need.
+        while not page.evaluate("animator.time > 0.1"):
+            page.wait_for_timeout(50)
         for name, time in moments(film(solution, look)).items():
             page.evaluate(
                 "time => { animator.pause(); animator.seek(time);"
