@@ -23,7 +23,7 @@ from .tracks import animation
 
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
 _SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
-_NEAR = 1.45  # distance of the camera by the size of the mechanism
+_NEAR = 1.55  # distance of the camera by the size of the mechanism
 
 
 def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
