@@ -5,7 +5,7 @@
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
-# make figures the pictures of the documents and the pages of tolerances, made anew (some minutes; needs Chromium)
+# make pictures    the pictures of the documents and the pages of tolerances, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
@@ -24,7 +24,7 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
 
-.PHONY: demo test test-slow test-all lint types docs check figures benchmark clean
+.PHONY: demo test test-slow test-all lint types docs check pictures benchmark clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -60,17 +60,17 @@ benchmark: $(DEV)
 	cp out/benchmark/work_precision.png $(IMAGES)/work_precision.png
 
 # work_precision.png is a measurement of one machine: `make benchmark` draws it.
-figures: $(DEV)
-	rm -rf out/figures
+pictures: $(DEV)
+	rm -rf out/pictures
 	$(FIGURES)/draw_gallery.py docs
-	$(FIGURES)/draw_side_view.py e62 $(IMAGES)/side_view.png
-	$(SIMULATE) --window cycle --out out/figures/cycle
-	cp out/figures/cycle/motion.png $(IMAGES)/cycle_650.png
+	$(BIN)/nipper-pin check e62 --drawing $(IMAGES)/mechanism.svg
+	$(SIMULATE) --window cycle --out out/pictures/cycle
+	cp out/pictures/cycle/motion.png $(IMAGES)/cycle_650.png
 	$(BIN)/nipper-pin study speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
 	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
-	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/figures/front
-	cp out/figures/front/front.png $(IMAGES)/front_e62.png
+	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/pictures/front
+	cp out/pictures/front/front.png $(IMAGES)/front_e62.png
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 	$(FIGURES)/write_tolerance_pages.py docs
 

@@ -158,6 +158,9 @@ CHECK = {
                      moves=("next_steps.given.",)),
     "--start-index": Entry("--start-index 20", {"check_model.start_index": 20.0},
                            moves=("next_steps.start.",)),
+    "--drawing": Entry("--drawing machine.svg", {
+        "write_sketch called": True, "write_sketch.path": "machine.svg", **files("machine.svg"),
+    }, moves=("write_sketch.mechanism.",)),
     "--json": Entry("--json -", DOCUMENT | {"next_steps called": GONE, "next_steps.model": GONE,
                                             "print_report called": GONE}),
 }  # fmt: skip

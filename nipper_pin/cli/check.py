@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
+from ..extras import require
 from ..hybrid.case import START_INDEX
+from ..outputs import check_file
 from .arguments import (
     MODEL,
     add_model,
@@ -21,6 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     add_model(parser)
     add_start(parser)
+    parser.add_argument(
+        "--drawing",
+        metavar="FILE",
+        help="draw the mechanism with the names of its parts: NAME.svg, NAME.png or NAME.pdf",
+    )
     parser.set_defaults(run=_run)
 
 
@@ -28,9 +36,19 @@ def _run(options: argparse.Namespace) -> None:
     from ..study.check import check_model
 
     check_outputs(None, options.json)
+    if options.drawing is not None:
+        require("view", "matplotlib", what="the drawing")
+        check_file(options.drawing)
+        from ..view.sketch import drawing_format
+
+        drawing_format(Path(options.drawing))
     mechanism = load_mechanism(options)
     start = getattr(options, "start_index", START_INDEX)
     report = check_model(mechanism, speed(options, mechanism), start)
+    if options.drawing is not None:
+        from ..view.sketch import write_sketch
+
+        write_sketch(mechanism, options.drawing)
     if options.json is not None:
         write_json(report.record(), options.json)
     if options.json != "-":
@@ -46,3 +64,5 @@ def _run(options: argparse.Namespace) -> None:
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
         for step in next_steps(report, options.model or MODEL, machine_words(options), begin):
             paste(console, step)
+        if options.drawing is not None:
+            paste(console, f"drawing: {options.drawing}")

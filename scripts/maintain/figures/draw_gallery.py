@@ -76,7 +76,7 @@ press = Drawing(
 write_drawing(press, "press")
 ```
 
-The drawings of the gallery are in `nipper_pin/mechanism/gallery/`; `make figures` writes these
+The drawings of the gallery are in `nipper_pin/mechanism/gallery/`; `make pictures` writes these
 pages.
 """
 # Pages of the machines: their title, and the first kind on each.

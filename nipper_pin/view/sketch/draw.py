@@ -1,0 +1,215 @@
+"""A drawing of a mechanism by the symbols of textbooks: links, joints, springs, drives, stops."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon, Rectangle
+from matplotlib.transforms import Affine2D
+from scipy.spatial import ConvexHull, QhullError
+
+from ...arrays import FloatArray
+from ...errors import InputError
+from ...mechanism import Mechanism
+from ...outputs import complete_file
+from ...units import MM_PER_M
+from ..scene.colours import link_colour
+from ..style import SMALL, TEXT, WIDTH_IN
+from .labels import Label, placed
+from .places import Node, Sketch, sketch
+
+FORMATS = ("svg", "png", "pdf")
+"""Suffixes of files that a drawing can be written to."""
+_INK, _STOP, _DRIVE, _SPRING = "#1c2430", "#D55E00", "#0072B2", "#B00020"
+# The same model gives the same file.
+_UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+# Sizes of symbols by that of the mechanism.
+_PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
+
+
+def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
+    """Write the labelled drawing of a mechanism in its touch configuration.
+
+    Args:
+        mechanism: The mechanism.
+        path: File to write, ``NAME.svg``, ``.png`` or ``.pdf``; it appears when it is complete.
+
+    Returns:
+        The file.
+
+    Raises:
+        InputError: The file cannot be written, or its suffix names no format.
+    """
+    target = Path(path)
+    kind = drawing_format(target)
+    figure = drawn(sketch(mechanism))
+    with complete_file(target) as partial:
+        figure.savefig(partial, format=kind, dpi=160, metadata=_UNDATED.get(kind))
+    return target
+
+
+def drawing_format(path: Path) -> str:
+    """The format of a drawing, by the suffix of its file.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InputError: It is none of svg, png and pdf.
+    """
+    kind = path.suffix[1:].lower()
+    if kind not in FORMATS:
+        message = f"{path}: a drawing is written as NAME.{', NAME.'.join(FORMATS)}"
+        raise InputError(message, file=str(path))
+    return kind
+
+
+def drawn(shown: Sketch) -> Figure:
+    """The figure of a sketch.
+
+    Args:
+        shown: What it shows.
+    """
+    figure = Figure(figsize=(WIDTH_IN, WIDTH_IN), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    points = np.concatenate(
+        [link.points for link in shown.links] + [ends for _, ends in shown.struts]
+    )
+    if shown.crank is not None:
+        axis, radius = shown.crank
+        points = np.concatenate([points, axis + radius * np.array([[-1, -1], [1, 1]])])
+    points = MM_PER_M * points
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    labels = [*_links(axes, shown), *_crank(axes, shown), *_struts(axes, shown, size)]
+    for node in shown.nodes:
+        labels += _node(axes, node, size)
+    labels += _stops(axes, shown, size)
+    low, high = points.min(axis=0) - 0.16 * size, points.max(axis=0) + 0.16 * size
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [mm]", fontsize=SMALL)
+    axes.set_ylabel("z [mm]", fontsize=SMALL)
+    axes.tick_params(labelsize=SMALL)
+    for label in placed(labels, low, high):
+        line = {"arrowstyle": "-", "color": label.colour, "lw": 0.5}
+        paper = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.8}
+        axes.annotate(
+            label.text, (label.at[0], label.at[1]), label.text_at, fontsize=SMALL, ha="center",
+            va="center", color=label.colour, arrowprops=line, bbox=paper, parse_math=False,
+        )  # fmt: skip
+    title = textwrap.fill(f"{shown.title}: touch configuration", 80)
+    axes.set_title(title, fontsize=TEXT, parse_math=False)
+    figure.supxlabel(
+        "circle: pin; dashed circle: pin that closes a loop; box: slide; hatched: joint with the "
+        "frame;\nblue: driven; red: spring; orange: stop, the arrow shows how it opens",
+        fontsize=SMALL,
+    )
+    return figure
+
+
+def _links(axes: Axes, shown: Sketch) -> list[Label]:
+    """Bars and plates through the points of each link."""
+    found = []
+    for link in shown.links:
+        colour = link_colour(link.body)
+        corners = MM_PER_M * np.unique(link.points.round(9), axis=0)
+        if len(corners) > 2:
+            try:
+                corners = corners[ConvexHull(corners).vertices]
+            except QhullError:
+                # Points on one line: a bar between the outermost ones.
+                along = corners[-1] - corners[0]
+                corners = corners[np.argsort(corners @ along)][[0, -1]]
+        # Paler by itself: what is transparent would show where the edge covers the face.
+        pale = tuple(0.45 + 0.55 * part for part in colour)
+        axes.add_patch(Polygon(corners, closed=len(corners) > 2, fc=pale, ec=pale, lw=_BAR,
+                               joinstyle="round", capstyle="round", zorder=1))  # fmt: skip
+        found.append(Label(link.name.replace("_", " "), corners.mean(axis=0), _INK))
+    return found
+
+
+def _node(axes: Axes, node: Node, size: float) -> list[Label]:
+    """The symbol of a joint, and of what acts on it."""
+    at, radius = MM_PER_M * node.place, _PIN * size
+    colour = _DRIVE if node.driven else _INK
+    if node.ground:
+        foot = np.array([[0.0, 0.0], [-2.0, -3.0], [2.0, -3.0]]) * radius + at
+        axes.add_patch(Polygon(foot, fc="white", ec=_INK, lw=0.8, hatch="////", zorder=3))
+    if node.kind in ("slide", "slot"):
+        _box(axes, at, node.along, radius, colour)
+    else:
+        style = "--" if node.kind == "cut pin" else "-"
+        axes.add_patch(
+            Circle((at[0], at[1]), radius, fc="white", ec=colour, lw=1.4, ls=style, zorder=5)
+        )
+    if node.spring and node.along.any():
+        _coil(axes, at, at + _COIL * size * node.along, radius)
+    name = node.name.replace("_", " ")
+    if node.driven:
+        name = f"{name}\ndriven: {node.driven}"
+    if node.spring:
+        name = f"{name}\nspring: {node.spring}"
+    return [Label(name, at, colour)]
+
+
+def _box(axes: Axes, at: FloatArray, along: FloatArray, radius: float, colour: str) -> None:
+    """A block that slides along a direction."""
+    turned = Affine2D().rotate(float(np.arctan2(along[1], along[0]))).translate(*at)
+    box = Rectangle((-2.0 * radius, -radius), 4.0 * radius, 2.0 * radius, fc="white", ec=colour,
+                    lw=1.4, zorder=5)  # fmt: skip
+    box.set_transform(turned + axes.transData)
+    axes.add_patch(box)
+
+
+def _coil(axes: Axes, begin: FloatArray, end: FloatArray, radius: float) -> None:
+    """A zigzag between two points."""
+    share = np.linspace(0.0, 1.0, 14)
+    along = end - begin
+    across = np.array([-along[1], along[0]]) / np.hypot(*along)
+    swing = np.where(np.arange(14) % 2 == 0, 1.0, -1.0)
+    swing[[0, -1]] = 0.0
+    line = begin + share[:, None] * along + 0.8 * radius * swing[:, None] * across
+    axes.plot(*line.T, color=_SPRING, lw=1.0, zorder=4)
+
+
+def _struts(axes: Axes, shown: Sketch, size: float) -> list[Label]:
+    """Springs and dampers between two points."""
+    found = []
+    for name, ends in shown.struts:
+        begin, end = MM_PER_M * ends
+        _coil(axes, begin, end, _PIN * size)
+        found.append(Label(name, 0.5 * (begin + end), _SPRING))
+    return found
+
+
+def _stops(axes: Axes, shown: Sketch, size: float) -> list[Label]:
+    """Contact points of stops, and how they open."""
+    found = []
+    for stop in shown.stops:
+        at = MM_PER_M * stop.place
+        axes.plot(*at, marker="x", color=_STOP, ms=7, mew=2, zorder=6)
+        if stop.along.any():
+            tip = at + _ARROW * size * stop.along / np.hypot(*stop.along)
+            arrow = {"arrowstyle": "->", "color": _STOP, "lw": 1.4}
+            axes.annotate("", (tip[0], tip[1]), (at[0], at[1]), arrowprops=arrow, zorder=6)
+        found.append(Label(f"stop: {stop.name}", at, _STOP))
+    return found
+
+
+def _crank(axes: Axes, shown: Sketch) -> list[Label]:
+    """The circle of the cylinder's crank pin."""
+    if shown.crank is None:
+        return []
+    axis, radius = MM_PER_M * shown.crank[0], MM_PER_M * shown.crank[1]
+    axes.add_patch(
+        Circle((axis[0], axis[1]), radius, fc="none", ec=_DRIVE, lw=0.9, ls=":", zorder=2)
+    )
+    axes.plot(*axis, marker="+", color=_DRIVE, ms=8, zorder=2)
+    return [Label("crank pin of the cylinder", axis + radius * np.array([0.7, -0.7]), _DRIVE)]

@@ -1,0 +1,202 @@
+"""What a drawing of a mechanism shows, as names and places in the touch configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ...arrays import FloatArray
+from ...mechanism import Mechanism
+from ...mechanism.build.placements import joint_placements
+from ...mechanism.drives import OscillatingGuide
+
+
+@dataclass(frozen=True)
+class Link:
+    """A moving link.
+
+    Attributes:
+        name: Its name.
+        body: Its place in ``mechanism.joints``.
+        points: Where something is joined to it or touches it, shape (K, 2) [m].
+    """
+
+    name: str
+    body: int
+    points: FloatArray
+
+
+@dataclass(frozen=True)
+class Node:
+    """A joint.
+
+    Attributes:
+        name: Its name.
+        kind: "pin", "slide", "slot" or "cut pin": a pin that the tree leaves open and a closure
+            closes.
+        place: Its place, shape (2,) [m].
+        along: Direction of a slide or slot, shape (2,); zero for a pin.
+        ground: Whether one of its links is the frame.
+        driven: Name of the drive that moves it; empty without one.
+        spring: Name of a spring on it; empty without one.
+    """
+
+    name: str
+    kind: str
+    place: FloatArray
+    along: FloatArray
+    ground: bool
+    driven: str = ""
+    spring: str = ""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A stop, or an end of the crank.
+
+    Attributes:
+        name: Its name.
+        place: Its place, shape (2,) [m].
+        along: Direction in which the stop opens, shape (2,); zero for a hinge without contact.
+    """
+
+    name: str
+    place: FloatArray
+    along: FloatArray
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """Everything that a drawing shows.
+
+    Attributes:
+        title: Title of the model.
+        links: The moving links.
+        nodes: Joints of the tree, then closures.
+        stops: The stops.
+        struts: Springs and dampers between two points: name, and both ends, shape (2, 2) [m].
+        crank: Axis of the cylinder's crank and its radius [m]; None if no drive has one.
+    """
+
+    title: str
+    links: tuple[Link, ...]
+    nodes: tuple[Node, ...]
+    stops: tuple[Mark, ...]
+    struts: tuple[tuple[str, FloatArray], ...]
+    crank: tuple[FloatArray, float] | None
+
+
+def sketch(mechanism: Mechanism) -> Sketch:
+    """Names and places of all parts with every coordinate at zero.
+
+    Args:
+        mechanism: The mechanism.
+    """
+    model = mechanism.model
+    world = joint_placements(model)
+    order = [model.getJointId(joint.name) for joint in mechanism.joints]
+    nodes = [_tree_node(mechanism, place, world) for place in range(len(order))]
+    nodes += [_cut_node(mechanism, place, world) for place in range(len(mechanism.closures))]
+    stops = tuple(_mark(mechanism, place, world) for place in range(len(mechanism.stops)))
+    links = []
+    for body, joint in enumerate(mechanism.joints):
+        points = [world[order[body]].translation[[0, 2]]]
+        points += [
+            world[order[place]].translation[[0, 2]]
+            for place in range(len(order))
+            if model.parents[order[place]] == order[body]
+        ]
+        for closure in mechanism.closures:
+            for frame in (closure.frame_a, closure.frame_b):
+                if model.frames[model.getFrameId(frame)].parentJoint == order[body]:
+                    points.append(_frame(model, frame, world)[[0, 2]])
+        for stop, mark in zip(mechanism.stops, stops, strict=True):
+            hinge = next(item for item in mechanism.joints if item.index == stop.index)
+            if stop.contact is not None and joint.child in (hinge.parent, hinge.child):
+                points.append(mark.place)
+        links.append(Link(joint.child, body, np.array(points)))
+    struts = tuple(
+        (item.name, np.array([_frame(model, name, world)[[0, 2]]
+                              for name in (item.frame_a, item.frame_b)]))
+        for item in mechanism.struts
+    )  # fmt: skip
+    return Sketch(
+        mechanism.title or mechanism.name, tuple(links), tuple(nodes), stops, struts,
+        _crank(mechanism),
+    )  # fmt: skip
+
+
+def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
+    """A joint of the tree."""
+    model, joint = mechanism.model, mechanism.joints[place]
+    identity = model.getJointId(joint.name)
+    along, at = np.zeros(2), world[identity].translation[[0, 2]]
+    if joint.kind == "prismatic":
+        along, at = _slide(mechanism, place, world)
+    springs = {item.index: item.name for item in mechanism.springs}
+    springs |= {item.index: item.name for item in mechanism.tabulated_springs}
+    return Node(
+        joint.name,
+        "pin" if joint.kind == "revolute" else "slide",
+        at,
+        along,
+        model.parents[identity] == 0,
+        next((item.name for item in mechanism.drives if item.index == joint.index), ""),
+        springs.get(joint.index, ""),
+    )
+
+
+def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
+    """A joint that closes a loop."""
+    model, closure = mechanism.model, mechanism.closures[place]
+    frames = (closure.frame_a, closure.frame_b)
+    parents = [model.frames[model.getFrameId(name)].parentJoint for name in frames]
+    along, kind = np.zeros(2), "cut pin"
+    if closure.slot_frame is not None:
+        kind = "slot"
+        frame = model.frames[model.getFrameId(closure.slot_frame)]
+        rotation = (world[frame.parentJoint] * frame.placement).rotation
+        along = rotation[[0, 2], 0 if closure.slot_axis == "x" else 2]
+    return Node(closure.name, kind, _frame(model, closure.frame_a, world)[[0, 2]], along,
+                0 in parents)  # fmt: skip
+
+
+def _mark(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Mark:
+    """A stop at its contact point, or at its joint."""
+    stop = mechanism.stops[place]
+    if stop.contact is not None:
+        return Mark(stop.name, stop.contact.point[[0, 2]], stop.contact.normal[[0, 2]])
+    number, joint = next(
+        (number, item) for number, item in enumerate(mechanism.joints) if item.index == stop.index
+    )
+    if joint.kind == "prismatic":
+        along, at = _slide(mechanism, number, world)
+        return Mark(stop.name, at, stop.sense * along)
+    at = world[mechanism.model.getJointId(joint.name)].translation[[0, 2]]
+    return Mark(stop.name, at, np.zeros(2))
+
+
+def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[FloatArray, FloatArray]:
+    """Direction of a slide and where it is drawn: half-way to the joint of the link before it."""
+    model, joint = mechanism.model, mechanism.joints[place]
+    identity = model.getJointId(joint.name)
+    jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
+    along, at = jacobian[[0, 2], joint.index], world[identity].translation[[0, 2]]
+    before = model.parents[identity]
+    if before:
+        at = at + 0.5 * float((world[before].translation[[0, 2]] - at) @ along) * along
+    return along, at
+
+
+def _frame(model: pin.Model, name: str, world: list[pin.SE3]) -> FloatArray:
+    frame = model.frames[model.getFrameId(name)]
+    return np.asarray((world[frame.parentJoint] * frame.placement).translation)
+
+
+def _crank(mechanism: Mechanism) -> tuple[FloatArray, float] | None:
+    for drive in mechanism.drives:
+        if isinstance(drive.law, OscillatingGuide):
+            return np.array(drive.law.crank_axis), drive.law.crank_radius_m
+    return None
