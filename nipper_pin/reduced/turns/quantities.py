@@ -16,14 +16,16 @@ from ...errors import InputError
 from ...extras import require
 from ...mechanism import Mechanism
 from ...units import S_PER_MIN
-from ..inputs import check_run, column, spring_rows
+from ..inputs import check_run, column, number, spring_rows, whole
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
 from .model import START_INDEX, TurnModel
 from .results import TurnStatus
-from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model
+from .turn import BESIDE, ROOMS, STRETCHES, by_stop, check_size, scratch, turn_model
 
 _LEFT_GAP = int(TurnStatus.LEFT_GAP)
+# Quantities of a batch; they and a copy of them take 400 MB.
+_MOST_NUMBERS = 25_000_000
 
 
 class _Column:
@@ -160,13 +162,15 @@ def turn_quantities(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    _check_counts(turns, 1 if last is None else last)
+    check_size("turns", turns, max_collisions)
+    start_index = number("start_index", start_index, -math.inf, math.inf)
+    least_force = number("least_force", least_force, -math.inf, math.inf)
     settings = _Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = _cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases[0])
     told = np.zeros((n, 3), dtype=np.int64)
-    found = np.empty((n, last or 1, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
+    found = _room(n, last, len(model.stops))
     left = np.arange(n)
     for room in ROOMS:
         model = turn_model(mechanism, start_index, room)
@@ -181,12 +185,12 @@ def turn_quantities(
     return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], table)
 
 
-def _check_counts(turns: int, last: int) -> None:
-    """Refuse less than one turn."""
-    for key, value in (("turns", turns), ("last", last)):
-        if value < 1:
-            message = f"{key} = {value!r} cannot be used: a whole number from 1"
-            raise InputError(message, key=key, value=value)
+def _room(cases: int, last: int | None, stops: int) -> FloatArray:
+    """Room for the quantities of the last turns of all cases."""
+    columns = rows.TURN_NUMBERS + rows.PER_STOP * stops
+    if last is not None:
+        whole("last", last, max(1, _MOST_NUMBERS // (columns * max(1, cases))))
+    return np.empty((cases, last or 1, columns))
 
 
 @dataclass(frozen=True)
@@ -238,12 +242,9 @@ def _cases(
 ) -> list[FloatArray]:
     """Speeds [rad/s], restitutions, spring rates and deflections of n cases."""
     speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
-    if restitution is None:
-        restitution = {}
-    if not isinstance(restitution, Mapping):
-        restitution = {model.transition_stop: restitution}
+    given = {} if restitution is None else by_stop(model, restitution)
     columns = [
-        column(f"restitution of {name}", restitution.get(name, own), 0.0, 1.0)
+        column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
         for name, own in zip(model.stops, model.restitution, strict=True)
     ]
     springs = len(model.springs)

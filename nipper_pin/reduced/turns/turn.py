@@ -17,7 +17,7 @@ from ...errors import InputError, SimulationError, UnknownNameError
 from ...extras import require
 from ...mechanism import Mechanism
 from ...units import S_PER_MIN
-from ..inputs import check_run, number, one_row
+from ..inputs import check_run, number, one_row, whole
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
 from ..kernels.turn_layout import EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
 from .model import START_INDEX, TurnModel, build_turns
@@ -28,6 +28,9 @@ BESIDE = 64
 # Stretches of a turn on which a stop is closed.
 STRETCHES = 64
 ROOMS = (1.0, 2.0, 4.0, 8.0)
+_MOST_TURNS = 10_000
+# Rooms for events, which take 104 bytes each.
+_MOST_EVENTS = 4_000_000
 _KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TurnModel]] = WeakKeyDictionary()
 
 
@@ -88,9 +91,8 @@ def turns(
         SimulationError: The turns cannot be followed; the reason says why.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    if cycles < 1:
-        message = f"cycles = {cycles!r} cannot be used: a whole number from 1"
-        raise InputError(message, cycles=cycles)
+    check_size("cycles", cycles, max_collisions)
+    start_index = number("start_index", start_index, -math.inf, math.inf)
     case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
                  max_collisions)  # fmt: skip
     for room in ROOMS:
@@ -104,6 +106,26 @@ def turns(
         message = f"{model.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
     return found
+
+
+def check_size(key: str, turns: int, most: int) -> None:
+    """Refuse more turns than there is memory for.
+
+    Args:
+        key: Name of the number of turns, for messages.
+        turns: The number.
+        most: Largest number of collisions in one.
+
+    Raises:
+        InputError: It is no whole number, or too large.
+    """
+    whole(key, turns, _MOST_TURNS)
+    if turns * (most + BESIDE) > _MOST_EVENTS:
+        message = (
+            f"{key} = {turns} with max_collisions = {most} cannot be used: together at most "
+            f"{_MOST_EVENTS:,} events"
+        )
+        raise InputError(message, key=key, value=turns, max_collisions=most)
 
 
 @dataclass(frozen=True)
@@ -153,13 +175,23 @@ def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | N
     found = model.restitution.copy()
     if restitution is None:
         return found
-    if not isinstance(restitution, Mapping):
-        restitution = {model.transition_stop: restitution}
-    for name, value in restitution.items():
-        if name not in model.stops:
-            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+    for name, value in by_stop(model, restitution).items():
         found[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
     return found
+
+
+def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
+    """Restitutions by the names of stops; one alone is that of the transition stop.
+
+    Raises:
+        UnknownNameError: There is no stop of a name.
+    """
+    if not isinstance(restitution, Mapping):
+        return {model.transition_stop: restitution}
+    for name in restitution:
+        if name not in model.stops:
+            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+    return restitution
 
 
 def scratch(model: TurnModel, most: int) -> TurnWork:
