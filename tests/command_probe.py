@@ -195,6 +195,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: report)
     note("nipper_pin.view.studies.speed_limit_plot.plot_speed_limit",
          lambda _result, path: _write(Path(path), done))  # fmt: skip
+    note("nipper_pin.view.studies.speed_limit_plot.check_figure", lambda _: "json")
     note("nipper_pin.view.studies.speed_limit_plot.print_speed_limit", lambda *_: None)
     note("nipper_pin.bench.run_time.benchmark.benchmark", lambda **_: report)
     note("nipper_pin.bench.views.benchmark_files.write_benchmark",

@@ -202,6 +202,7 @@ SPEED_LIMIT = {
     "--least-force": Entry("--least-force 5", {"speed_limit.least_force": 5.0}),
     "--plot": Entry("--plot limit.json", {
         "plot_speed_limit called": True, "plot_speed_limit.path": "limit.json", "stdout": "lines",
+        "check_figure called": True, "check_figure.path": "limit.json",
         **files("limit.json")}, moves=("in limit.json",)),
     "--json": Entry("--json -", DOCUMENT | {"print_speed_limit called": GONE}),
 }  # fmt: skip

@@ -41,20 +41,20 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
     "guide": [
         ("", "pendulum\nangle [deg]", "linear", "linear", "(a)"),
         ("", "pendulum\nrate [rad/s]", "linear", "linear", "(b)", *SPEEDS),
-        (_TURN, "pendulum\nacceleration [rad/s$^2$]", "linear", "linear", "(c)"),
+        (_TURN, "pendulum\nacceleration [rad/s²]", "linear", "linear", "(c)"),
     ],
     "links": [
         ("", "rotation [deg]", "linear", "linear", "(a)"),
         ("", "angular rate\n[rad/s]", "linear", "linear", "(b)"),
-        (_TURN, "angular acceleration\n[rad/s$^2$]", "linear", "linear", "(c)"),
+        (_TURN, "angular acceleration\n[rad/s²]", "linear", "linear", "(c)"),
     ],
     "both_stops": [
         ("", "jaw angle\n[deg]", "linear", "linear", "(a)"),
         ("", "stroke s\n[mm]", "linear", "linear", "(b)"),
         ("", "rate of jaw angle\n[rad/s]", "linear", "linear", "(c)"),
         ("", "rate of stroke s\n[m/s]", "linear", "linear", "(d)"),
-        (_INDEX, "acceleration of jaw angle\n[rad/s$^2$]", "linear", "linear", "(e)"),
-        (_INDEX, "acceleration of stroke s\n[m/s$^2$]", "linear", "linear", "(f)"),
+        (_INDEX, "acceleration of jaw angle\n[rad/s²]", "linear", "linear", "(e)"),
+        (_INDEX, "acceleration of stroke s\n[m/s²]", "linear", "linear", "(f)"),
     ],
     "thresholds": [
         ("threshold [rad/s]", "collisions", "log", "linear", "(a)", "e = 0.05", "e = 0.15",
@@ -77,8 +77,8 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
     ],
     "shares": [
         ("restitution e [-]", "share of the first two rebounds [-]", "linear", "linear", "(a)",
-         "$1 - e^2$", *SPEEDS, "published"),
-        ("restitution e [-]", "difference from $1 - e^2$\n[points of %]", "linear", "linear",
+         "1 - e²", *SPEEDS, "published"),
+        ("restitution e [-]", "difference from 1 - e²\n[points of %]", "linear", "linear",
          "(b)"),
     ],
     "designs": [

@@ -30,7 +30,7 @@ from nipper_pin.study.folders import alone_in
 
 BY_NAME = {item.name: item for item in COMMANDS}
 # Every so many calls: all of a run, and some of what is the same code or takes longer.
-STEPS = {"simulate --out": 1, "new": 1, "simulate --json": 1, "sweep": 7}
+STEPS = {"simulate --out": 1, "new": 1, "simulate --json": 1, "sweep": 23}
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 
 from ..extras import require
-from ..outputs import check_file
 from .arguments import check_outputs, load_mechanism, write_json
 
 # Speeds by the rated one where none are given.
@@ -50,8 +49,10 @@ def run(options: argparse.Namespace) -> None:
     """Follow the turns, and tell how fast the machine can run."""
     check_outputs(None, options.json)
     require("study", "numba", what="the speed limit")
+    from ..view.studies.speed_limit_plot import check_figure, plot_speed_limit, print_speed_limit
+
     if options.plot is not None:
-        check_file(options.plot)
+        check_figure(options.plot)
         require("study", "matplotlib", what="the figure of the speed limit")
     mechanism = load_mechanism(options)
     rated = mechanism.cylinder.rated_speed_rpm
@@ -66,8 +67,6 @@ def run(options: argparse.Namespace) -> None:
         turns=options.turns,
         least_force=options.least_force,
     )
-    from ..view.studies.speed_limit_plot import plot_speed_limit, print_speed_limit
-
     if options.plot is not None:
         plot_speed_limit(result, options.plot)
     if options.json is not None:

@@ -11,6 +11,9 @@ from ..arrays import FloatArray
 from ..errors import InputError
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 
+# Scratch of so many collisions takes 24 MB.
+_MOST_COLLISIONS = 1_000_000
+
 
 def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) -> None:
     """Check what all cases of a call share.
@@ -23,12 +26,22 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
     Raises:
         InputError: One of them is out of range.
     """
-    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE or max_collisions < 1:
-        message = "tolerance must lie in 1e-13 to 1e-3, and max_collisions be at least 1"
-        raise InputError(message, tolerance=tolerance, max_collisions=max_collisions)
+    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE:
+        message = f"tolerance = {tolerance!r} cannot be used: 1e-13 to 1e-3"
+        raise InputError(message, tolerance=tolerance)
+    whole("max_collisions", max_collisions, _MOST_COLLISIONS)
     if rest_rate is not None and not (math.isfinite(rest_rate) and rest_rate > 0.0):
         message = f"rest_rate = {rest_rate!r} cannot be used: a finite rate above 0, or none"
         raise InputError(message, rest_rate=rest_rate)
+
+
+def whole(key: str, value: int, most: int) -> None:
+    """Refuse what is no whole number from 1 to the largest one allowed."""
+    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not (right and 1 <= value <= most):
+        allowed = f"a whole number from 1 to {most:,}"
+        message = f"{key} = {value!r} cannot be used: {allowed}"
+        raise InputError(message, key=key, value=value, allowed=allowed)
 
 
 def number(key: str, value: float, low: float, high: float, *, open_low: bool = False) -> float:
@@ -44,7 +57,7 @@ def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) 
         return default
     if isinstance(value, float) and low <= value < math.inf:
         return np.full(len(default), value)
-    given = np.asarray(value, dtype=np.float64)
+    given = _numbers(key, value)
     row: FloatArray = spring_rows(
         key, given if given.ndim == 0 else given[None], len(default), low
     )[0]
@@ -69,7 +82,7 @@ def column(
     Raises:
         InputError: A value is out of range, or the array has another shape.
     """
-    found = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    found = np.atleast_1d(_numbers(key, value))
     right = np.isfinite(found) & (found <= high) & ((found > low) if open_low else (found >= low))
     if found.ndim != 1 or not right.all():
         bound = "above" if open_low else "from"
@@ -95,7 +108,7 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
     Raises:
         InputError: A value is out of range, or the array has another shape.
     """
-    found = np.asarray(value, dtype=np.float64)
+    found = _numbers(key, value)
     if found.ndim == 0:
         found = np.full((1, springs), float(found))
     elif found.ndim == 1:
@@ -110,3 +123,11 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
         message = f"{key} = {value!r} cannot be used: {allowed}"
         raise InputError(message, key=key, value=value, allowed=allowed)
     return found
+
+
+def _numbers(key: str, value: ArrayLike) -> FloatArray:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        message = f"{key} = {value!r} cannot be used: numbers"
+        raise InputError(message, key=key, value=value) from error

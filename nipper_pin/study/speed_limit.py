@@ -4,21 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray
-from ..errors import InputError
+from ..errors import InputError, SimulationError
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import INDEX_PER_TURN
-from ..reduced.turns import START_INDEX, TurnQuantities, TurnStatus, turn_quantities
+from ..reduced.inputs import whole
+from ..reduced.turns import (
+    START_INDEX,
+    TURN_REASONS,
+    TurnQuantities,
+    TurnStatus,
+    turn_quantities,
+)
 
 # Turns that are shown of each speed, and halvings of the step of a limit.
 _LAST, _HALVINGS = 32, 12
+_MOST_SPEEDS = 10_000
+# Speeds that are followed without a look at what the user wants, an interrupt for example.
+_BLOCK = 64
+# As of a case of the direct engine.
+_FASTEST_RPM = 1e9
 _NAMES = {int(status): status.name.lower() for status in TurnStatus}
+_FOLLOWED = _NAMES[TurnStatus.FOLLOWED]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +46,8 @@ class SpeedLimit:
         title: Its title.
         stop: The clamping stop.
         speed_rpm: Cylinder speeds, increasing [r/min].
-        status: How the turns of each speed ended; "followed" is the usual one.
+        status: How the turns of each speed ended; "followed" is the usual one. The limits below
+            are sought below the first speed of another one.
         turns: Turns that were followed.
         repeats_after: After how many turns the last one repeats an earlier one, 0: it does not.
         closing: Index of the first collision of the clamping stop.
@@ -65,6 +79,18 @@ class SpeedLimit:
     touches: FloatArray = field(repr=False)
     settles_rpm: float | None
     repeats_rpm: float | None
+
+    @property
+    def lost(self) -> str:
+        """Where turns could not be followed, and why; empty if they could at every speed."""
+        places = [i for i, status in enumerate(self.status) if status != _FOLLOWED]
+        if not places:
+            return ""
+        why = TURN_REASONS[TurnStatus[self.status[places[0]].upper()]]
+        return (
+            f"At {len(places)} of {len(self.status)} speeds, the first of them "
+            f"{self.speed_rpm[places[0]]:.5g} r/min, turns cannot be followed: {why}."
+        )
 
     def record(self) -> dict[str, Any]:
         """The study as plain data; what is not a number is None."""
@@ -114,22 +140,19 @@ def speed_limit(
 
     Raises:
         InputError: The range is none, or the reduced engine cannot follow the machine's turns.
-        SimulationError: A point of the turn cannot be reached or is singular.
+        SimulationError: A point of the turn cannot be reached or is singular, or turns can be
+            followed at no speed.
     """
-    if not 0.0 < low_rpm < high_rpm < math.inf or speeds < 2:
-        message = (
-            f"speeds from {low_rpm!r} to {high_rpm!r} r/min, {speeds!r} of them, cannot be used: "
-            "two or more, from a speed above 0 to a larger one"
-        )
-        raise InputError(message, low_rpm=low_rpm, high_rpm=high_rpm, speeds=speeds)
-    speed = np.linspace(low_rpm, high_rpm, speeds)
+    speed = _speeds(low_rpm, high_rpm, speeds)
 
     def followed(rpm: FloatArray) -> TurnQuantities:
         return turn_quantities(
             mechanism, speed_rpm=rpm, turns=turns, least_force=least_force, last=_LAST
         )
 
-    found = followed(speed)
+    blocks = [followed(speed[i : i + _BLOCK]) for i in range(0, speeds, _BLOCK)]
+    found = _joined(blocks)
+    known = _known(found)
     settled, single = _settled(found), found.repeats_after == 1
     goes_on, closing = _goes_on(found), _index(found.closed_at)
     rest, opening = _index(found.rests_at), _index(np.fmin(found.lost_at, found.opened_at))
@@ -148,8 +171,44 @@ def speed_limit(
         margin=(opening - rest)[:, 0],
         rests=np.where(goes_on, rest, np.nan),
         touches=np.where(goes_on, closing, np.nan),
-        settles_rpm=_limit(speed, settled, lambda rpm: bool(_settled(followed(rpm))[0])),
-        repeats_rpm=_limit(speed, single, lambda rpm: followed(rpm).repeats_after[0] == 1),
+        settles_rpm=_limit(speed[:known], settled, lambda rpm: bool(_settled(followed(rpm))[0])),
+        repeats_rpm=_limit(speed[:known], single, lambda rpm: followed(rpm).repeats_after[0] == 1),
+    )
+
+
+def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:
+    """The speeds of a range, checked."""
+    whole("speeds", speeds, _MOST_SPEEDS)
+    if not 0.0 < low_rpm < high_rpm <= _FASTEST_RPM or speeds < 2:
+        message = (
+            f"speeds from {low_rpm!r} to {high_rpm!r} r/min, {speeds!r} of them, cannot be used: "
+            f"two or more, from a speed above 0 to a larger one, at most {_FASTEST_RPM:g}"
+        )
+        raise InputError(message, low_rpm=low_rpm, high_rpm=high_rpm, speeds=speeds)
+    return np.linspace(low_rpm, high_rpm, speeds)
+
+
+def _known(found: TurnQuantities) -> int:
+    """How many speeds there are below the first at which turns cannot be followed."""
+    lost = found.status != TurnStatus.FOLLOWED
+    if lost.all():
+        status = TurnStatus(int(found.status[0]))
+        message = (
+            f"{found.model}: turns can be followed at none of these speeds: {TURN_REASONS[status]}"
+        )
+        raise SimulationError(message, status=_NAMES[status])
+    return int(np.argmax(lost)) if lost.any() else len(lost)
+
+
+def _joined(parts: list[TurnQuantities]) -> TurnQuantities:
+    """Quantities of all speeds in one."""
+    return replace(
+        parts[0],
+        status=np.concatenate([part.status for part in parts]),
+        turns=np.concatenate([part.turns for part in parts]),
+        repeats_after=np.concatenate([part.repeats_after for part in parts]),
+        speed=np.concatenate([part.speed for part in parts]),
+        table=np.concatenate([part.table for part in parts]),
     )
 
 
@@ -175,6 +234,7 @@ def _limit(
     speed: FloatArray, good: NDArray[np.bool_], ask: Callable[[FloatArray], bool]
 ) -> float | None:
     """The first speed that is no longer good, between two of those that were computed."""
+    good = good[: len(speed)]
     if good.all():
         return None
     first = int(np.argmin(good))

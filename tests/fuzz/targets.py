@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 CORPUS = HERE / "corpus"
 _BASES = {"parts": HERE / "bases" / "parts", "e62": find_model("e62")}
-# One of so many models that can be used is simulated as well.
+# One of so many models that can be used is simulated as well, and another one followed by turns.
 _SIMULATED = 50
 _COLLISIONS = 8
 _VERIFIED = 5
@@ -81,8 +81,20 @@ def _used(mechanism: Mechanism, data: bytes) -> None:
     repr(mechanism)
     mechanism._repr_html_()
     solids(mechanism)
-    if zlib.crc32(data) % _SIMULATED == 0:
+    chance = zlib.crc32(data) % _SIMULATED
+    if chance == 0:
         simulated(mechanism)
+    elif chance == 1:
+        turned(mechanism)
+
+
+def turned(mechanism: Mechanism) -> None:
+    """A few turns of the reduced engine at three speeds, which may fail in one line."""
+    from nipper_pin.reduced.turns import turn_quantities
+
+    rated = mechanism.cylinder.rated_speed_rpm
+    speeds = [0.5 * rated, rated, 3.0 * rated]
+    judged(lambda: turn_quantities(mechanism, speed_rpm=speeds, turns=4, last=2))
 
 
 def simulated(mechanism: Mechanism) -> None:

@@ -137,6 +137,7 @@ def _edited(text: str, data: st.DataObject) -> str:
 
 
 @pytest.mark.slow
+@settings(max_examples=50)
 @given(st.data())
 def test_any_study_of_a_sweep(data: st.DataObject) -> None:
     pytest.importorskip("pyarrow")

@@ -8,10 +8,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
+import nipper_pin
 from nipper_pin import Case, InputError, NipperError, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
+from nipper_pin.view.plain_texts import plain
 from nipper_pin.view.run.plots import plot_solution
 
 LIP = '<box size="0.012 0.2 0.0003"/>'
@@ -100,6 +103,48 @@ def test_markup_in_names_is_printed_as_it_is(
         said = capsys.readouterr().out
         assert said.startswith("[bold]t[/y]")
         assert "[/x]jaw" in said
+
+
+def test_dollars_in_names_are_no_formulas(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nor in any figure: each is made plain before it is written."""
+    folder = tmp_path / "m"
+    folder.mkdir()
+    model = find_model("hanging_pendulum")
+    name = r"$\\frac{$jaw"
+    for suffix in ("urdf", "toml"):
+        text = (model / f"hanging_pendulum.{suffix}").read_text(encoding="utf-8")
+        text = text.replace('"jaw"', f'"{name}"' if suffix == "toml" else '"$\\frac{$jaw"')
+        text = text.replace("stops.jaw]", f'stops."{name}"]').partition("[shortcuts]")[0]
+        (folder / f"m.{suffix}").write_text(text)
+    run = ["simulate", str(folder), "--speed", "300", "--window", "cycle"]
+    assert main([*run, "--out", str(tmp_path / "run")]) == 0
+    assert "$\\frac{$jaw" in capsys.readouterr().out
+    saved = [
+        line.strip()
+        for file in Path(nipper_pin.__file__).parent.rglob("*.py")
+        for line in file.read_text(encoding="utf-8").splitlines()
+        if ".savefig(" in line
+    ]
+    assert len(saved) >= 7
+    assert all(line.startswith("plain(") for line in saved if "document," not in line), saved
+
+
+def test_plain_texts(tmp_path: Path) -> None:
+    """Titles, labels, legends and names beside an axis; powers of ten stay formulas."""
+    figure = Figure()
+    axes = figure.subplots()
+    axes.semilogy([0.0, 1.0], [1.0, 100.0], label="$\\frac{$")
+    axes.legend(title="$\\frac{$")
+    axes.set_xticks([0.0, 1.0], ["$\\frac{$", "b"])
+    for write in (axes.set_title, axes.set_xlabel, axes.set_ylabel, figure.suptitle):
+        write("$\\frac{$")
+    figure.text(0.5, 0.5, "$\\frac{$")
+    with pytest.raises(ValueError, match="frac"):
+        figure.savefig(tmp_path / "figure.svg")
+    plain(figure).savefig(tmp_path / "figure.svg")
+    assert "10^{2}" in (tmp_path / "figure.svg").read_text(encoding="utf-8")
 
 
 def test_links_in_a_circle_are_no_model(tmp_path: Path) -> None:

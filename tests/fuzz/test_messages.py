@@ -27,6 +27,7 @@ WRONG: list[Any] = [
     {**CAMERA, "more": 1}, {**CAMERA, "position": [0.0, math.nan, 0.0]},
     {**UPDATE, "uuid": 1}, {**UPDATE, "updates": [1]}, {**UPDATE, "more": 1}, {"type": 1}, [], 1,
     {"type": "GuiButtonHoldMessage", "uuid": "a"}, {"type": "FileTransferPart"},
+    {"type": "ShareUrlRequest"},
 ]  # fmt: skip
 
 

@@ -250,8 +250,8 @@ class Trial:
 @pytest.mark.parametrize(
     ("noun", "wanted"),
     [
-        ("angle", ("flap angle", "deg", "rad/s", "rad/s$^2$", 57.0, 1.0)),
-        ("stroke", ("stroke s", "deg", "m/s", "m/s$^2$", 57.0, 1.0)),
+        ("angle", ("flap angle", "deg", "rad/s", "rad/s²", 57.0, 1.0)),
+        ("stroke", ("stroke s", "deg", "m/s", "m/s²", 57.0, 1.0)),
     ],
 )
 def test_the_other_stop_of_the_kinematic_figure(noun: str, wanted: Any) -> None:

@@ -329,7 +329,7 @@ def test_figure_of_shares(study: PaperStudy) -> None:
     axes, difference = question_figures._shares(study).figure.axes
     ballistic = [1.0 - e * e for e in SHARES]
     lines = {line.get_label(): line for line in axes.lines}
-    np.testing.assert_allclose(lines["$1 - e^2$"].get_ydata(), ballistic, rtol=1e-12)
+    np.testing.assert_allclose(lines["1 - e²"].get_ydata(), ballistic, rtol=1e-12)
     curves = [line for line in difference.lines if len(line.get_xdata()) > 1]
     marks = [line for line in difference.lines if len(line.get_xdata()) == 1]
     crosses = [line for line in axes.lines if line.get_marker() == "x" and len(line.get_xdata())]
@@ -363,7 +363,7 @@ def test_kinematic_figures(study: PaperStudy, e62: Mechanism) -> None:
         return math.atan2(arm[1] + r * math.sin(psi), arm[0] + r * math.cos(psi))
 
     touch = math.radians(judge.document["cylinder"]["angle_at_touch_deg"])
-    units = ("deg", "rad/s", "rad/s$^2$")
+    units = ("deg", "rad/s", "rad/s²")
     for axes, unit, order in zip(guide.axes, units, range(3), strict=True):
         assert unit_in(axes.get_ylabel()) == unit
         for line, rpm in zip(axes.lines, GIVEN.speeds_rpm, strict=True):
@@ -410,7 +410,7 @@ def test_kinematic_figures(study: PaperStudy, e62: Mechanism) -> None:
                     drawn = float(np.interp(place, line.get_xdata(), line.get_ydata()))
                     assert drawn == pytest.approx(wanted, abs=2e-3 * size), (name, row)
     shown = [unit_in(axes.get_ylabel()) for axes in stops.axes]
-    assert shown == ["deg", "mm", "rad/s", "m/s", "rad/s$^2$", "m/s$^2$"]
+    assert shown == ["deg", "mm", "rad/s", "m/s", "rad/s²", "m/s²"]
 
 
 def unit_in(label: str) -> str:

@@ -173,6 +173,30 @@ def random_message(rng: random.Random, controls: list[str]) -> bytes | str:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("size", "closed"), [(64 * 1024, False), (64 * 1024 + 1, True)])
+def test_a_message_has_a_largest_size(
+    served: tuple[int, subprocess.Popen[str]], size: int, *, closed: bool
+) -> None:
+    """A longer one ends its own connection, before it is read."""
+    port, process = served
+
+    async def sent() -> bool:
+        async with page(port, f"http://127.0.0.1:{port}") as socket:
+            await socket.send(bytes(size))
+            with contextlib.suppress(TimeoutError):
+                while True:
+                    await asyncio.wait_for(socket.recv(), 3.0)
+        return False
+
+    if closed:
+        with pytest.raises(WebSocketException, match="1009"):
+            finished(sent())
+    else:
+        assert not finished(sent())
+    assert process.poll() is None
+
+
+@pytest.mark.slow
 def test_an_attacked_page_goes_on_for_others(served: tuple[int, subprocess.Popen[str]]) -> None:
     """A thousand random messages by one browser; another moves its slider and reads the answer."""
     port, process = served

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from ...outputs import complete_folder
 from ...tolerances.bench import LEAST_SHOWN_ERROR
+from ...view.plain_texts import plain
 from ...view.style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 from ..run_time.benchmark import Benchmark
 from ..run_time.work_precision import Row
@@ -37,7 +38,7 @@ def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
         texts = (document, markdown(result))
         for name, text in zip(_FILES, texts, strict=False):
             (new / name).write_text(text, encoding="utf-8")
-        work_precision_figure(result).savefig(new / _FILES[-1], format="png")
+        plain(work_precision_figure(result)).savefig(new / _FILES[-1], format="png")
     return [Path(folder) / name for name in _FILES]
 
 

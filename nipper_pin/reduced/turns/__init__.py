@@ -3,11 +3,12 @@
 from .model import START_INDEX, TurnModel, build_turns
 from .peak_torques import TurnTorques, turn_torques
 from .quantities import TurnQuantities, turn_quantities
-from .results import ReducedTurns, TurnStatus
+from .results import TURN_REASONS, ReducedTurns, TurnStatus
 from .turn import turn_model, turns
 
 __all__ = [
     "START_INDEX",
+    "TURN_REASONS",
     "ReducedTurns",
     "TurnModel",
     "TurnQuantities",

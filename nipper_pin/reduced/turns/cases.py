@@ -4,31 +4,81 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
-from ...errors import InputError
+from ...errors import InputError, UnknownNameError
 from ...units import S_PER_MIN
-from ..inputs import column, spring_rows
+from ..inputs import column, spring_rows, whole
 from .model import TurnModel
 
+# Events of a turn that there is room for beyond its collisions.
+BESIDE = 64
+_MOST_TURNS = 10_000
+# Rooms for events, which take 104 bytes each.
+_MOST_EVENTS = 4_000_000
+# Numbers of a batch; they and a copy of them take 400 MB.
+_MOST_NUMBERS = 25_000_000
 
-def check_counts(turns: int, last: int) -> None:
-    """Refuse less than one turn.
+
+def check_size(key: str, turns: int, most: int) -> None:
+    """Refuse more turns than there is memory for.
 
     Args:
-        turns: Largest number of turns that are followed.
-        last: Number of those that are reported.
+        key: Name of the number of turns, for messages.
+        turns: The number.
+        most: Largest number of collisions in one.
 
     Raises:
-        InputError: One of them is below 1.
+        InputError: It is no whole number, or too large.
     """
-    for key, value in (("turns", turns), ("last", last)):
-        if value < 1:
-            message = f"{key} = {value!r} cannot be used: a whole number from 1"
-            raise InputError(message, key=key, value=value)
+    whole(key, turns, _MOST_TURNS)
+    if turns * (most + BESIDE) > _MOST_EVENTS:
+        message = (
+            f"{key} = {turns} with max_collisions = {most} cannot be used: together at most "
+            f"{_MOST_EVENTS:,} events"
+        )
+        raise InputError(message, key=key, value=turns, max_collisions=most)
+
+
+def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
+    """Room for what is told of the last turns of all cases.
+
+    Args:
+        cases: Number of cases.
+        last: Number of turns that are reported; None for the last one alone.
+        columns: Numbers of each.
+
+    Returns:
+        Shape (cases, turns, columns), not written yet.
+
+    Raises:
+        InputError: ``last`` is no whole number, or too large.
+    """
+    if last is not None:
+        whole("last", last, max(1, _MOST_NUMBERS // (columns * max(1, cases))))
+    return np.empty((cases, last or 1, columns))
+
+
+def by_stop(model: TurnModel, restitution: Any) -> Mapping[str, Any]:
+    """Restitutions by the names of stops; one alone is that of the transition stop.
+
+    Args:
+        model: The model of the turns.
+        restitution: A number, an array, or those by name.
+
+    Raises:
+        UnknownNameError: There is no stop of a name.
+    """
+    if not isinstance(restitution, Mapping):
+        return {model.transition_stop: restitution}
+    for name in restitution:
+        if name not in model.stops:
+            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+    return restitution
 
 
 def turn_cases(
@@ -55,12 +105,9 @@ def turn_cases(
         InputError: A number is out of range, or the arrays have different lengths.
     """
     speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
-    if restitution is None:
-        restitution = {}
-    if not isinstance(restitution, Mapping):
-        restitution = {model.transition_stop: restitution}
+    given = {} if restitution is None else by_stop(model, restitution)
     columns = [
-        column(f"restitution of {name}", restitution.get(name, own), 0.0, 1.0)
+        column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
         for name, own in zip(model.stops, model.restitution, strict=True)
     ]
     springs = len(model.springs)

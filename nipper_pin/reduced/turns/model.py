@@ -150,6 +150,9 @@ def surroundings(
 
 def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, FloatArray, bool]:
     """The stop that turns start from, the configuration with it closed, and whether it is."""
+    if not mechanism.stops:
+        message = f"{mechanism.name}: turns of the reduced engine need a stop, and there is none"
+        raise InputError(message)
     closed = mechanism.phase(mechanism.initial_phase).closed
     if len(closed) > 1:
         message = f"{mechanism.name}: turns of the reduced engine start with one stop closed"
@@ -213,4 +216,10 @@ def _reach(
             gaps[number] = _SHARE_OF_WIDTH * item.width
             a, _ = item.acceleration(0.0, 0)
             rates[number] = math.sqrt(2.0 * abs(a) * gaps[number])
+        if not gaps[number] > 0.0:
+            message = (
+                f"{mechanism.name}: nothing tells how far stop {item.arc.stop.name!r} opens, so "
+                "that the reduced engine cannot follow turns; use the direct engine"
+            )
+            raise InputError(message, stop=item.arc.stop.name)
     return list(zip(gaps.tolist(), rates.tolist(), strict=True))

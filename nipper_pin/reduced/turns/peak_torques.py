@@ -5,6 +5,7 @@ They cost about as much as the turns themselves, so they are computed where they
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,14 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...arrays import FloatArray
 from ...extras import require
 from ...mechanism import Mechanism
-from ..inputs import check_run
+from ..inputs import check_run, number
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
-from .cases import check_counts, turn_cases
+from .cases import BESIDE, check_size, room_for, turn_cases
 from .model import START_INDEX
 from .results import TurnStatus
 from .torques import torque_model, torque_scratch
-from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model
+from .turn import ROOMS, STRETCHES, scratch, turn_model
 
 # Panels of a turn that there is room for, by its collisions and other events.
 _PANELS = 2
@@ -90,13 +91,14 @@ def turn_torques(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    check_counts(turns, 1 if last is None else last)
+    check_size("turns", turns, max_collisions)
+    start_index = number("start_index", start_index, -math.inf, math.inf)
     numbers = turn_cases(turn_model(mechanism, start_index), speed_rpm, restitution, stiffness,
                          preload)  # fmt: skip
     n = len(numbers[0])
     drives = tuple(item.name for item in mechanism.drives)
     told, left = np.zeros(n, dtype=np.int64), np.arange(n)
-    found = np.empty((n, last or 1, 2, len(drives)))
+    found = room_for(n, last, 2 * len(drives)).reshape(n, -1, 2, len(drives))
     run = _Run(mechanism, start_index, turns, rest_rate or 0.0, tolerance, max_collisions)
     for room in ROOMS:
         here = told[left], found[left]

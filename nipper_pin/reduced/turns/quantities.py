@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from ...arrays import FloatArray
 from ...extras import require
 from ...mechanism import Mechanism
-from ..inputs import check_run
+from ..inputs import check_run, number
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
-from .cases import check_counts, turn_cases
+from .cases import BESIDE, check_size, room_for, turn_cases
 from .model import START_INDEX, TurnModel
 from .results import TurnStatus
-from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model
+from .turn import ROOMS, STRETCHES, scratch, turn_model
 
 _LEFT_GAP = int(TurnStatus.LEFT_GAP)
 
@@ -159,13 +159,15 @@ def turn_quantities(
         SimulationError: A point of the turn cannot be reached or is singular.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    check_counts(turns, 1 if last is None else last)
+    check_size("turns", turns, max_collisions)
+    start_index = number("start_index", start_index, -math.inf, math.inf)
+    least_force = number("least_force", least_force, -math.inf, math.inf)
     settings = _Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases[0])
     told = np.zeros((n, 3), dtype=np.int64)
-    found = np.empty((n, last or 1, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
+    found = room_for(n, last, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops))
     left = np.arange(n)
     for room in ROOMS:
         model = turn_model(mechanism, start_index, room)

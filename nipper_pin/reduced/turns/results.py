@@ -33,7 +33,7 @@ class TurnStatus(IntEnum):
 
 
 TURN_REASONS = {
-    TurnStatus.LEFT_GAP: "a flight leaves the tables; build them with a larger room",
+    TurnStatus.LEFT_GAP: "a flight goes higher than the widest tables",
     TurnStatus.OTHER_STOP: "a stop closes where the tables do not hold it",
     TurnStatus.TOO_MANY_COLLISIONS: "there are more collisions than max_collisions allows",
     TurnStatus.UNRESOLVED: "a flight cannot be resolved",

@@ -13,18 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
-from ...errors import InputError, SimulationError, UnknownNameError
+from ...errors import SimulationError
 from ...extras import require
 from ...mechanism import Mechanism
 from ...units import S_PER_MIN
 from ..inputs import check_run, number, one_row
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
 from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
+from .cases import BESIDE, by_stop, check_size
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
-# Events of a turn that there is room for beyond its collisions.
-BESIDE = 64
 # Stretches of a turn on which a stop is closed.
 STRETCHES = 64
 ROOMS = (1.0, 2.0, 4.0, 8.0)
@@ -88,9 +87,8 @@ def turns(
         SimulationError: The turns cannot be followed; the reason says why.
     """
     check_run(rest_rate, tolerance, max_collisions)
-    if cycles < 1:
-        message = f"cycles = {cycles!r} cannot be used: a whole number from 1"
-        raise InputError(message, cycles=cycles)
+    check_size("cycles", cycles, max_collisions)
+    start_index = number("start_index", start_index, -math.inf, math.inf)
     case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
                  max_collisions)  # fmt: skip
     for room in ROOMS:
@@ -153,11 +151,7 @@ def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | N
     found = model.restitution.copy()
     if restitution is None:
         return found
-    if not isinstance(restitution, Mapping):
-        restitution = {model.transition_stop: restitution}
-    for name, value in restitution.items():
-        if name not in model.stops:
-            raise UnknownNameError(kind="stop", name=name, known=model.stops)
+    for name, value in by_stop(model, restitution).items():
         found[model.stops.index(name)] = number(f"restitution of {name}", value, 0.0, 1.0)
     return found
 

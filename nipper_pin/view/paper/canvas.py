@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..plain_texts import plain
 from ..style import SMALL, WIDTH_IN
 
 # Of the height, for the line that says so.
@@ -63,7 +64,7 @@ def plate(name: str, title: str, caption: str, figure: Figure) -> Plate:
     """
     picture, document = io.StringIO(), io.BytesIO()
     with rc_context({"svg.fonttype": "path", "svg.hashsalt": name, "pdf.fonttype": 42}):
-        figure.savefig(picture, format="svg", metadata={"Date": None, "Title": title})
+        plain(figure).savefig(picture, format="svg", metadata={"Date": None, "Title": title})
         # The layout of the first drawing holds for the second.
         figure.set_layout_engine("none")
         figure.savefig(document, format="pdf", metadata={"CreationDate": None})

@@ -34,7 +34,7 @@ def _guide(study: PaperStudy) -> Plate:
         for axes, values in zip(panels, rows, strict=True):
             axes.plot(index, values[order, 0], color=LINES[i], linestyle=_DASHES[i], linewidth=1.3,
                       label=f"{guide.speed_rpm:g} r/min")  # fmt: skip
-    names = ("angle [deg]", "rate [rad/s]", "acceleration [rad/s$^2$]")
+    names = ("angle [deg]", "rate [rad/s]", "acceleration [rad/s²]")
     for number, (axes, name) in enumerate(zip(panels, names, strict=True)):
         _phases(study, axes)
         letter(axes, f"({'abc'[number]})")
@@ -61,7 +61,7 @@ def _links(study: PaperStudy) -> Plate:
     panels = figure.subplots(3, 1, sharex=True)
     order, index = _order(study)
     rows = (DEG_PER_RAD * turn.link_angles, turn.link_rates, turn.link_accelerations)
-    names = ("rotation [deg]", "angular rate\n[rad/s]", "angular acceleration\n[rad/s$^2$]")
+    names = ("rotation [deg]", "angular rate\n[rad/s]", "angular acceleration\n[rad/s²]")
     for number, (axes, values, name) in enumerate(zip(panels, rows, names, strict=True)):
         for i, link in enumerate(study.mechanism.links):
             shown = values[order, i]
@@ -93,7 +93,7 @@ def _stops(study: PaperStudy) -> Plate:
     panels = figure.subplots(3, 2, sharex=True)
     order, index = _order(study)
     words = terms(study)
-    columns = (("jaw angle", "deg", "rad/s", "rad/s$^2$", DEG_PER_RAD, 1.0, turn.stop_jaw),
+    columns = (("jaw angle", "deg", "rad/s", "rad/s²", DEG_PER_RAD, 1.0, turn.stop_jaw),
                (*_other_stop(words), turn.stop_steeve))  # fmt: skip
     for column, (name, unit, rate, acceleration, factor, other, place) in enumerate(columns):
         rows = (("q", unit, factor), ("v", rate, other), ("a", acceleration, other))
@@ -126,8 +126,8 @@ def _other_stop(words: Terms) -> tuple[str, str, str, str, float, float]:
     """Name, units and factors of the coordinate of the stop that is closed with the jaw open."""
     unit, factor = words.stroke.coordinate, words.stroke.coordinate_factor
     if words.stroke.noun == "angle":
-        return f"{words.stop} angle", unit, "rad/s", "rad/s$^2$", factor, 1.0
-    return "stroke s", unit, "m/s", "m/s$^2$", factor, 1.0
+        return f"{words.stop} angle", unit, "rad/s", "rad/s²", factor, 1.0
+    return "stroke s", unit, "m/s", "m/s²", factor, 1.0
 
 
 def _order(study: PaperStudy) -> tuple[np.ndarray, FloatArray]:

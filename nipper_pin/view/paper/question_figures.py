@@ -180,7 +180,7 @@ def _shares(study: PaperStudy) -> Plate:
     figure = new_figure(3.5, terms(study).mark)
     axes, rest = figure.subplots(1, 2)
     axes.plot(data.restitutions, data.ballistic, color="black", linestyle="--", linewidth=1.2,
-              label="$1 - e^2$")  # fmt: skip
+              label="1 - e²")  # fmt: skip
     for i, speed in enumerate(data.speeds_rpm):
         axes.plot(data.restitutions, data.shares[i], color=LINES[i], linewidth=1.2,
                   label=f"{speed:g} r/min")  # fmt: skip
@@ -194,7 +194,7 @@ def _shares(study: PaperStudy) -> Plate:
         axes.plot([], [], "x", color="0.3", label="published")
     axes.legend(fontsize=SMALL, frameon=False)
     tidy(axes, "restitution e [-]", "share of the first two rebounds [-]")
-    tidy(rest, "restitution e [-]", "difference from $1 - e^2$\n[points of %]")
+    tidy(rest, "restitution e [-]", "difference from 1 - e²\n[points of %]")
     for panel, text in ((axes, "(a)"), (rest, "(b)")):
         letter(panel, text)
         grid(panel)

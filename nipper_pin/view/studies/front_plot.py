@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from ...outputs import complete_file
 from ...study.optimise.problem.quantities import label
 from ...study.optimise.result import Optimum
+from ..plain_texts import plain
 from ..style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 
 _COLUMNS = 92
@@ -33,7 +34,7 @@ def plot_front(optimum: Optimum, path: str | Path) -> Path:
     """
     target = Path(path)
     with complete_file(target) as partial:
-        front_figure(optimum).savefig(partial, format=target.suffix.removeprefix("."))
+        plain(front_figure(optimum)).savefig(partial, format=target.suffix.removeprefix("."))
     return target
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...outputs import complete_file
+from ...errors import InputError
+from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit
 
 if TYPE_CHECKING:
@@ -15,6 +16,24 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 _ROWS = 12
+_FORMATS = ("png", "svg", "pdf")
+
+
+def check_figure(path: str | Path) -> str:
+    """Return the format of a figure's file by its suffix, if it can be written.
+
+    Args:
+        path: The file.
+
+    Raises:
+        InputError: It cannot be written, or has another suffix.
+    """
+    kind = Path(path).suffix.removeprefix(".").lower()
+    if kind not in _FORMATS:
+        message = f"{path}: a figure is written as .png, .svg or .pdf; end its name so"
+        raise InputError(message, file=str(path), formats=_FORMATS)
+    check_file(path)
+    return kind
 
 
 def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
@@ -25,11 +44,13 @@ def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
         path: The file, in the format of its suffix.
 
     Raises:
-        InputError: The file cannot be written.
+        InputError: The file cannot be written, or is none of a figure.
     """
-    target = Path(path)
+    from ..plain_texts import plain
+
+    target, kind = Path(path), check_figure(path)
     with complete_file(target) as partial:
-        speed_limit_figure(result).savefig(partial, format=target.suffix.removeprefix("."))
+        plain(speed_limit_figure(result)).savefig(partial, format=kind)
     return target
 
 
@@ -107,8 +128,10 @@ def _index(value: float) -> str:
 
 def _sentence(result: SpeedLimit) -> str:
     settles, repeats = result.settles_rpm, result.repeats_rpm
+    lost = f" {result.lost}" if result.lost else ""
+    every = "at every speed below the first that cannot be followed" if lost else "at every speed"
     first = (
-        f"The {result.stop} comes to rest before it opens at every speed."
+        f"The {result.stop} comes to rest before it opens {every}."
         if settles is None
         else f"From {settles:.5g} r/min on the {result.stop} is not at rest before it opens."
     )
@@ -117,4 +140,4 @@ def _sentence(result: SpeedLimit) -> str:
         if repeats is None
         else f"From {repeats:.5g} r/min on turns do not repeat the one before."
     )
-    return f"{first} {second}"
+    return f"{first} {second}{lost}"

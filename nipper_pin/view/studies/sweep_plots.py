@@ -21,6 +21,7 @@ from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
 from ...outputs import complete_folder
 from ...study.sweep import SweepTable, read_sweep
+from ..plain_texts import plain
 from ..style import LINES, SMALL, TEXT, WIDTH_IN, tidy
 
 # Rows that are read, and lines that are drawn of them.
@@ -83,7 +84,7 @@ def plot_sweep(
                 figures["level_lines"] = level_lines(sweep, *pair, name, y)
             for subject, figure in figures.items():
                 file = new / f"{subject}_{name}.{kind}"
-                figure.savefig(file, format=kind)
+                plain(figure).savefig(file, format=kind)
                 written.append(home / file.name)
     return written
 

@@ -222,9 +222,10 @@ def _names(home: Path) -> list[str]:
 _EARLY = (
     "nipper_pin.cli.optimise", "nipper_pin.cli.simulate", "nipper_pin.study.identify",
     "nipper_pin.study.optimise", "nipper_pin.study.sweep", "nipper_pin.view.paper.files",
-    "nipper_pin.view.run.export", "nipper_pin.view.scene.gif", "nipper_pin.view.scene.page",
-    "nipper_pin.view.studies.front_plot", "nipper_pin.view.studies.sweep_plots",
-    "pyarrow.parquet", "rich.progress",
+    "nipper_pin.reduced.kernels.turn_quantities", "nipper_pin.view.run.export",
+    "nipper_pin.view.scene.gif", "nipper_pin.view.scene.page",
+    "nipper_pin.view.studies.front_plot", "nipper_pin.view.studies.speed_limit_plot",
+    "nipper_pin.view.studies.sweep_plots", "pyarrow.parquet", "rich.progress",
 )  # fmt: skip
 
 

@@ -36,6 +36,8 @@ _RUN = ["simulate", "e62", "--speed"]
 _FIT = ["identify", "{in}/identify_camera.toml", "--starts", "1", "--profiles", "0"]
 _FRONT = ["optimise", "{in}/design.toml", "--no-check", "--starts", "1", "--workers", "1"]
 _FILM = ["view", "hanging_pendulum", "--window", "transition", "--slow"]
+_LIMIT = ["study", "speed-limit", "--speeds", "2", "--turns", "2", "--json", "limit.json",
+          "--plot", "limit.svg"]  # fmt: skip
 _STRESS = ["stress", "--seed", "3", "--family", "speed", "--workers", "1", "--out", "out"]
 
 
@@ -95,6 +97,11 @@ COMMANDS = (
         name="study paper", words=["study", "paper", "--out", "out"],
         before=(["study", "paper", "e62_identified", "--out", "out"],),
         pair=["study", "paper", "e62_identified", "--out", "out"], kills=4, step=3,
+    ),
+    Command(
+        name="study speed-limit", words=[*_LIMIT, "--from", "600", "--to", "700"],
+        before=([*_LIMIT, "--from", "500", "--to", "550"],), targets=("limit.json", "limit.svg"),
+        pair=[*_LIMIT, "--from", "650", "--to", "700"], kills=2,
     ),
     Command(
         name="view --html", words=[*_FILM, "10", "--html", "a.html"],

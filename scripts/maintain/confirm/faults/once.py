@@ -40,6 +40,10 @@ class _Drawn:
         figure.savefig(picture, format="png")
         self._content = picture.getvalue()
 
+    def get_children(self) -> tuple[()]:
+        """Nothing that could still be changed."""
+        return ()
+
     def savefig(self, path: Path, **_: object) -> None:
         """Write it, in two parts as a large one is."""
         half = len(self._content) // 2

@@ -27,6 +27,9 @@ _KEPT = 2  # inputs of one kind of failure
 _PLAIN = 0.1  # part of the inputs that the fuzzer's own mutator makes
 _RIGHT = 0.5  # sum of this part, and of that which is made of an input that is taken
 _TOLD = 100  # inputs between two records
+# What numba compiles can have no counters in it.
+_KERNELS = ROOT / "nipper_pin" / "reduced" / "kernels"
+_COMPILED = [f"nipper_pin.reduced.kernels.{file.stem}" for file in _KERNELS.glob("*.py")]
 
 
 class Watched:
@@ -95,17 +98,19 @@ def main(name: str, folder: Path, options: list[str]) -> None:
     # A warning that a user would see beside a sentence is a failure, too.
     warnings.simplefilter("error", RuntimeWarning)
     with atheris.instrument_imports(
-        include=["nipper_pin", "viser.infra"], enable_loader_override=False
+        include=["nipper_pin", "viser.infra"], exclude=_COMPILED, enable_loader_override=False
     ):
         from mutators import MUTATORS
 
-        targets = import_module("targets").TARGETS
+        readers = import_module("targets")
+        targets = readers.TARGETS
 
         # The process ends without leave when the last input is done.
         last = next(int(item.partition("=")[2]) for item in options if item.startswith("-runs="))
         watched = Watched(targets[name], folder, last)
         mutate = MUTATORS[name]
-        # What is imported at its first use is no time of an input.
+        # What is imported or compiled at its first use is no time of an input.
+        readers.turned(readers.load("e62"))
         first = [file.read_bytes() for file in sorted(Path(options[1]).glob("*"))]
         right = [data for data in first if targets[name](data)]
 
