@@ -68,7 +68,7 @@ class _Columns:
         self.job = job
         # Rows that the direct engine had to serve, by the reason.
         self.direct: Counter[str] = Counter()
-        self.engine = np.full(n, _NO_ENGINE, dtype="U8")
+        self.engine = np.full(n, _NO_ENGINE, dtype="U12")
         self.outcome = np.full(n, FAILED, dtype="U24")
         self.message = [""] * n
         self.collisions = np.zeros(n, dtype=np.int32)

@@ -21,6 +21,9 @@ Engine = Literal["auto", "direct", "reduced"]
 # Tables cost 7 direct cases and loading compiled code 21 (measure_sweep.py). A fixed number: the
 # engine of a case does not depend on what the process computed before.
 REDUCED_PAYS_FROM = 32
+# Cases of one table whose premise does not hold: tables of turns cost as much as 2 to 15 direct
+# turns, by how high the flights go.
+TURNS_PAY_FROM = 16
 
 
 def transition_table(
@@ -54,9 +57,11 @@ def transition_table(
         max_collisions: Largest number of collisions of a case.
         drive: Behaviour of the driven shafts.
         engine: "auto": the reduced engine for ``REDUCED_PAYS_FROM`` cases or more of a
-            mechanism that it can represent, the direct one for all others; and whole turns of the
-            direct one where the premise of a transition does not hold. "direct" or "reduced": that
-            one alone, the transition as it is assumed.
+            mechanism that it can represent, the direct one for all others. Where the premise of a
+            transition does not hold, it is that of whole turns: of the reduced engine for
+            ``TURNS_PAY_FROM`` such cases or more, of the direct one for fewer, and for those that
+            the other cannot follow. "direct" or "reduced": that one alone, the transition as it is
+            assumed.
 
     Returns:
         The table. A case that cannot be simulated is marked in it.
@@ -103,11 +108,18 @@ def table_of(
     run = Run(mechanism, cases, settings)
     model, why = _chosen(mechanism, settings.drive, len(cases.speed_rpm), engine)
     left = list(range(len(cases.speed_rpm)))
+    turns = engine == "auto" and unfit(mechanism, settings.drive) is None and installed("numba")
     if model is not None:
         left = run.reduced(model, keep_all=engine == "reduced")
+        if turns and len(left) >= TURNS_PAY_FROM:
+            left, turns = run.turns(left), False
         if left:
             why += f"; {len(left)} that its tables do not cover: direct"
-    for number in left:
+    turns = turns and len(left) >= TURNS_PAY_FROM
+    late = [number for number in left if run.direct(number, put_off=turns)]
+    if len(late) >= TURNS_PAY_FROM:
+        late = run.turns(late)
+    for number in late:
         run.direct(number)
     return run.table(why)
 
