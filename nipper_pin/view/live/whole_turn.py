@@ -1,0 +1,183 @@
+"""The whole turn of a setting, followed beside the page by the reduced engine.
+
+Its tables and its machine code are made in a thread of its own, so that the page starts and answers
+without them. From then on a turn takes less than a millisecond and comes with the other numbers;
+where wider tables have to be made first, it comes after them.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from ...errors import NipperError
+from ...extras import installed
+from ...mechanism import INDEX_PER_TURN, Mechanism
+from ...reduced import unfit
+from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
+from ...reduced.turns.results import TURN_REASONS
+from ...units import MS_PER_S
+from ..reading import digits
+from .settings import RESTITUTION, SPEED, Knob, changed
+
+Rows = tuple[tuple[str, str, str], ...]
+"""Key, label and value of numbers."""
+
+# Turns until they repeat, and collisions of a turn.
+_TURNS, _MOST_COLLISIONS = 32, 400
+# Seconds that numbers wait for the turn that belongs to them.
+_PATIENCE = 0.02
+_PENDING = "its tables are being made"
+
+
+class WholeTurns:
+    """Turns of the latest setting that was asked for.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        controls: The knobs.
+        told: Called, in another thread, when rows have come.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, controls: Sequence[Knob], told: Callable[[], None]
+    ) -> None:
+        """Prepare; nothing is computed before :meth:`start`."""
+        self._mechanism, self._controls, self._told = mechanism, controls, told
+        self._lock = threading.Condition()
+        self._asked: Mapping[str, float] | None = None
+        self._found: tuple[Mapping[str, float], Rows] | None = None
+        self._ready = False
+
+    def start(self) -> None:
+        """Make the tables and answer, in a thread that ends with the process."""
+        threading.Thread(target=self._work, daemon=True).start()
+
+    def ask(self, shown: Mapping[str, float]) -> Rows:
+        """Rows of a setting, or that they are to come.
+
+        Args:
+            shown: Values of the knobs in their units, by key.
+        """
+        with self._lock:
+            self._asked = shown
+            self._lock.notify_all()
+            if self._ready:
+                self._lock.wait_for(lambda: self._found_for(shown) is not None, _PATIENCE)
+            return self.rows(shown)
+
+    def rows(self, shown: Mapping[str, float]) -> Rows:
+        """Rows of a setting as far as they are known.
+
+        Args:
+            shown: Values of the knobs in their units, by key.
+        """
+        return self._found_for(shown) or (("turn", "whole turn", _PENDING),)
+
+    def _found_for(self, shown: Mapping[str, float]) -> Rows | None:
+        found = self._found
+        return found[1] if found is not None and found[0] == shown else None
+
+    def _work(self) -> None:
+        why = unusable(self._mechanism)
+        while True:
+            with self._lock:
+                self._ready = True
+                self._lock.wait_for(
+                    lambda: self._asked is not None and self._found_for(self._asked) is None
+                )
+                shown = dict(self._asked or {})
+            rows = turn_rows(self._mechanism, self._controls, shown, why)
+            with self._lock:
+                self._found = shown, rows
+                self._lock.notify_all()
+            self._told()
+
+
+def unusable(mechanism: Mechanism) -> str:
+    """Make the tables of a mechanism's turns and load compiled code, or say why there are none.
+
+    Args:
+        mechanism: The mechanism.
+    """
+    if not installed("numba"):
+        return "it needs numba (extra study)"
+    reason = unfit(mechanism)
+    if reason is None:
+        try:
+            turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
+        except NipperError as error:
+            reason = error.message
+    return reason or ""
+
+
+def turn_rows(
+    mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, float], why: str = ""
+) -> Rows:
+    """Numbers of the whole turn of one setting.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        controls: The knobs.
+        shown: Values of the knobs in their units, by key.
+        why: Why there are no tables; empty if there are.
+
+    Returns:
+        The rows; a turn that cannot be followed gives its reason instead of numbers.
+    """
+    if why:
+        return _nothing(why)
+    values = {item.key: item.factor * shown[item.key] for item in controls}
+    springs = changed(mechanism, values).springs
+    began = time.perf_counter()
+    try:
+        found = turn_quantities(
+            mechanism,
+            speed_rpm=values[SPEED],
+            turns=_TURNS,
+            restitution=values[RESTITUTION],
+            stiffness=np.array([[spring.stiffness for spring in springs]]),
+            preload=np.array([[spring.preload for spring in springs]]),
+            max_collisions=_MOST_COLLISIONS,
+        )
+    except NipperError as error:
+        return _nothing(error.message)
+    status = TurnStatus(int(found.status[0]))
+    if status is not TurnStatus.FOLLOWED:
+        return _nothing(TURN_REASONS[status])
+    return _numbers(turn_model(mechanism), found, MS_PER_S * (time.perf_counter() - began))
+
+
+def _nothing(why: str) -> Rows:
+    return (
+        ("turn", "whole turn", f"not followed: {why}"),
+        ("turn_engine", "engine of the turn", "none; simulate --window cycle takes the direct one"),
+    )
+
+
+def _numbers(model: TurnModel, found: TurnQuantities, wall_ms: float) -> Rows:
+    """Rows of the last turn that was followed."""
+    clamp, period = model.transition_stop, int(found.repeats_after[0])
+    share, held = float(found.clamped_share[0]), MS_PER_S * float(found.clamped_time[0])
+    again = {0: f"not within {_TURNS} turns", 1: "every turn"}.get(period, f"after {period} turns")
+    return (
+        ("clamped", f"{clamp} pressed shut, share of the turn", digits(share)),
+        ("held", f"{clamp} pressed shut, time of a turn [ms]", digits(held)),
+        ("closing", "index of the first touch", _index(model, found.closed_at[0], "none")),
+        ("rest", "index of rest", _index(model, found.rests_at[0], "no rest before it opens")),
+        ("opening", "index of opening by a stop", _index(model, found.opened_at[0], "none")),
+        ("lost", "index at which clamping is lost", _index(model, found.lost_at[0], "not lost")),
+        ("repeats", "the turn repeats", again),
+        ("turn_engine", "engine of the turn", f"{found.engine}, {wall_ms:.1f} ms"),
+    )
+
+
+def _index(model: TurnModel, travel: float, otherwise: str) -> str:
+    """Index at a travel from the start of the turn [rad]."""
+    if not np.isfinite(travel):
+        return otherwise
+    return f"{(model.start_index + INDEX_PER_TURN * travel / math.tau) % INDEX_PER_TURN:.3f}"
