@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -73,7 +74,7 @@ class _Piece:
 
     def extremes(self) -> tuple[float, float]:
         """Least and largest force."""
-        x = [-1.0, *_roots(chebyshev.chebder(self.coefficients)), 1.0]
+        x = [-1.0, *_roots(_array(chebyshev.chebder(self.coefficients))), 1.0]
         force = chebyshev.chebval(np.array(x), self.coefficients)
         return float(force.min()), float(force.max())
 
@@ -122,13 +123,17 @@ def _resolved(
         for low, high in left:
             t = 0.5 * (low + high) + 0.5 * (high - low) * x
             force = forces_at(system, phase, panel, t)[3].la_N[:, place] / lever
-            coefficients = np.asarray(chebyshev.chebfit(x, force, _PLACES - 1))
+            coefficients = _array(chebyshev.chebfit(x, force, _PLACES - 1))
             if halving < _HALVINGS and _rough(coefficients):
                 middle = 0.5 * (low + high)
                 rough += [(low, middle), (middle, high)]
             else:
                 yield _Piece(low, high, coefficients)
         left = rough
+
+
+def _array(values: Any) -> FloatArray:
+    return np.asarray(values, dtype=np.float64)
 
 
 def _rough(coefficients: FloatArray) -> bool:

@@ -41,7 +41,7 @@ def repetition(solution: Solution) -> Repetition:
     """
     turns = solution.repeated_from or solution.case.cycles
     period = solution.shaft.period
-    ends = np.arange(turns + 1) * period
+    ends: FloatArray = np.arange(turns + 1.0) * period
     before = solution.trajectory.evaluate(ends[1:], left=True)
     first = solution.trajectory.evaluate(ends[:1])
     q, v = np.concatenate([first.q, before.q]), np.concatenate([first.v, before.v])
