@@ -8,6 +8,7 @@ and the result says which engine computed what.
 from __future__ import annotations
 
 from .engine_choice import MOST_TURNS, TURNS, TURNS_PAY_FROM, turn_table, turns_of
+from .run import Settings
 from .table import FOLLOWED, TurnTable
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "MOST_TURNS",
     "TURNS",
     "TURNS_PAY_FROM",
+    "Settings",
     "TurnTable",
     "turn_table",
     "turns_of",
