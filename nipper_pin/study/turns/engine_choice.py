@@ -18,8 +18,8 @@ from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
 from .table import TurnTable
 
-# A fixed number, as for transitions: the engine of a case does not depend on what the process
-# computed before. Tables cost X direct cases and loading compiled code Y (measure_turns.py).
+# Tables cost 4 direct cases and loading compiled code 12 (measure_sweep.py). A fixed number: the
+# engine of a case does not depend on what the process computed before.
 TURNS_PAY_FROM = 16
 TURNS = 20
 """Turns that are followed unless another number is given."""
@@ -49,14 +49,13 @@ def turn_table(
         mechanism: The mechanism.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are the restitutions.
         restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.
-        stiffness_N_per_m: Rates of the springs on slides [N/m], shape (n,) with one such spring or
-            (n, such springs), in the order of the mechanism; by default those of the mechanism.
-        preload_length_mm: Deflections in these springs at zero [mm], likewise.
-        stiffness_N_m_per_rad: Rates of the springs on hinges [N m/rad], likewise.
-        preload_deg: Deflections in these springs at zero [deg], likewise.
+        stiffness_N_per_m: Springs, all four as of :func:`~nipper_pin.transition_table`.
+        preload_length_mm: Likewise.
+        stiffness_N_m_per_rad: Likewise.
+        preload_deg: Likewise.
         turns: Largest number of turns of a case; fewer are computed where they repeat.
-        least_force_N: Force above which the transition stop clamps [N]; at a hinge's stop without
-            contact point [N m].
+        least_force_N: Force above which the transition stop clamps [N]; [N m] at a hinge's stop
+            without contact point.
         rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
         tolerance: Relative accuracy.
         max_collisions: Largest number of collisions of a turn.
@@ -76,17 +75,11 @@ def turn_table(
     need_mechanism(mechanism, "turn_table")
     given = (stiffness_N_per_m, preload_length_mm, stiffness_N_m_per_rad, preload_deg)
     springs = spring_values(mechanism, dict(zip(SPRING_KEYS, given, strict=True)))
-    settings = Settings(
-        turns=turns,
-        least_force=least_force_N,
-        drive=drive,
-        rest_rate=rest_rate,
-        tolerance=tolerance,
-        max_collisions=max_collisions,
-    )
+    settings = Settings(turns=turns, least_force=least_force_N, drive=drive, rest_rate=rest_rate,
+                        tolerance=tolerance, max_collisions=max_collisions)  # fmt: skip
     _need_clamp(mechanism)
-    return turns_of(mechanism, cases_of(mechanism, speed_rpm, restitution, *springs), settings,
-                    engine)  # fmt: skip
+    cases = cases_of(mechanism, speed_rpm, restitution, *springs)
+    return turns_of(mechanism, cases, settings, engine)
 
 
 def turns_of(

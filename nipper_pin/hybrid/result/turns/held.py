@@ -11,14 +11,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ....arrays import FloatArray
+from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
 from ...motion.panel import Panel, forces_at
 from ...segment import Segment
 from ..solution import Solution
 
-# Places of one polynomial, its neglected part by the largest force, and halvings until that is met.
-_PLACES, _RESOLVED, _HALVINGS = 24, 1e-11, 3
-# Roots on a polynomial's interval, whose ends they may miss by round-off.
-_BESIDE = 1e-9
+# Places of one polynomial, and halvings of what it does not hold.
+_PLACES, _HALVINGS = 24, 3
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def _roots(coefficients: FloatArray) -> list[float]:
     if not np.any(coefficients[1:]):
         return []
     found = chebyshev.chebroots(chebyshev.chebtrim(coefficients))
-    real = found.real[np.abs(found.imag) <= _BESIDE]
+    real = found.real[np.abs(found.imag) <= REAL_ROOT]
     return sorted(float(x) for x in real if -1.0 < x < 1.0)
 
 
@@ -139,4 +138,4 @@ def _array(values: Any) -> FloatArray:
 def _rough(coefficients: FloatArray) -> bool:
     """Whether the last coefficients are not small."""
     size = np.abs(coefficients)
-    return bool(size[-2:].max() > _RESOLVED * size.max())
+    return bool(size[-2:].max() > FORCE_RESOLVED * size.max())
