@@ -68,8 +68,9 @@ def pays(table: Callable[..., Any]) -> None:
     direct = min(seconds("direct", 16, 2.01 + 0.01 * k) for k in range(5)) / 16.0
     tables = min(seconds("reduced", 2, 2.01 + 0.01 * k) for k in range(5))
     print(
-        f"{table.__name__}: a direct case {1e3 * direct:.3g} ms; tables of a machine {tables / direct:.3g} and "
-        f"compiled code {(first - tables) / direct:.3g} times that: the reduced engine pays from "
+        f"{table.__name__}: a direct case {1e3 * direct:.3g} ms; tables of a machine "
+        f"{tables / direct:.3g} and compiled code {(first - tables) / direct:.3g} times that: the "
+        "reduced engine pays from "
         f"{first / direct:.0f} cases on, and from {tables / direct:.0f} where the code is loaded"
     )
 

@@ -22,20 +22,45 @@ _ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StopTurn:
-    """Collisions of one stop in one turn.
+    """Collisions of one stop in one turn, those that were computed: a series has infinitely many.
 
     Attributes:
-        collisions: How many were computed; a series that ends at its limit has infinitely many.
-        impulse_sum: Sum of their impulses at the contact point [N s]; along the joint of a stop
-            without one [N s or N m s].
-        impulse_sum_error: Estimated error of that.
-        largest_impulse: Largest of them, zero without any.
+        solution: The run.
+        stop: Name of the stop.
+        hits: Collisions in which it receives an impulse.
     """
 
-    collisions: int
-    impulse_sum: float
-    impulse_sum_error: float
-    largest_impulse: float
+    solution: Solution
+    stop: str
+    hits: tuple[Event, ...]
+
+    @property
+    def collisions(self) -> int:
+        """Their number."""
+        return len(self.hits)
+
+    @property
+    def impulse_sum(self) -> float:
+        """Sum of impulses at the contact point [N s]; without one along the joint, too [N m s]."""
+        return math.fsum(self._impulses)
+
+    @property
+    def impulse_sum_error(self) -> float:
+        """Estimated error of that."""
+        errors = (self.solution.errors[event.number - 1].impulse for event in self.hits)
+        return math.fsum(
+            error * impulse for error, impulse in zip(errors, self._impulses, strict=True)
+        )
+
+    @property
+    def largest_impulse(self) -> float:
+        """Largest of them, zero without any."""
+        return max(self._impulses, default=0.0)
+
+    @property
+    def _impulses(self) -> list[float]:
+        lever = self.solution.mechanism.stop(self.stop).lever
+        return [event.P_N[self.stop] / lever for event in self.hits]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,18 +153,8 @@ class Turn:
         Args:
             stop: Its name.
         """
-        lever = self.solution.mechanism.stop(stop).lever
-        hits = [event for event in self._collisions if event.P_N.get(stop, 0.0) > 0.0]
-        impulses = [event.P_N[stop] / lever for event in hits]
-        errors = (self.solution.errors[event.number - 1].impulse for event in hits)
-        return StopTurn(
-            collisions=len(hits),
-            impulse_sum=math.fsum(impulses),
-            impulse_sum_error=math.fsum(
-                error * impulse for error, impulse in zip(errors, impulses, strict=True)
-            ),
-            largest_impulse=max(impulses, default=0.0),
-        )
+        hits = (event for event in self._collisions if event.P_N.get(stop, 0.0) > 0.0)
+        return StopTurn(self.solution, stop, tuple(hits))
 
     @property
     def _stop(self) -> str:
