@@ -7,7 +7,8 @@ case, and the result says which engine computed what.
 
 from __future__ import annotations
 
-from .engine_choice import REDUCED_PAYS_FROM, TURNS_PAY_FROM, Engine, table_of, transition_table
+from ..engines import Engine
+from .engine_choice import REDUCED_PAYS_FROM, TURNS_PAY_FROM, table_of, transition_table
 from .retuned import retuned
 from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from numpy.typing import ArrayLike
 
 from ...dynamics.system import DriveMode
-from ...errors import InputError, NipperError
 from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
+from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
 from .table import TransitionTable
-
-Engine = Literal["auto", "direct", "reduced"]
 
 # Tables cost 7 direct cases and loading compiled code 21 (measure_sweep.py). A fixed number: the
 # engine of a case does not depend on what the process computed before.
@@ -95,12 +91,7 @@ def table_of(
     engine: Engine = "auto",
 ) -> TransitionTable:
     """Compute the transitions of cases; arguments and errors as for :func:`transition_table`."""
-    if engine not in ("auto", "direct", "reduced"):
-        message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
-        raise InputError(message, engine=engine)
-    if drive not in set(DriveMode):
-        message = f"drive = {drive!r} cannot be used: held or inertial"
-        raise InputError(message, drive=drive)
+    check_engine(engine, drive)
     check_run(rest_rate, tolerance, max_collisions)
     settings = Settings(
         DriveMode(drive), rest_rate, tolerance, max_collisions, true=engine == "auto"
@@ -128,18 +119,11 @@ def _chosen(
     mechanism: Mechanism, drive: DriveMode, count: int, engine: Engine
 ) -> tuple[ReducedModel | None, str]:
     """The reduced model, or None for the direct engine, and the reason."""
-    if engine == "direct":
-        return None, "direct: asked for"
-    if engine == "reduced":
-        return reduced_model(mechanism, drive), "reduced: asked for"
-    reason = unfit(mechanism, drive)
-    if reason is not None:
-        return None, f"direct: {reason}"
-    if count < REDUCED_PAYS_FROM:
-        return None, f"direct: the reduced engine pays from {REDUCED_PAYS_FROM} cases on"
-    if not installed("numba"):
-        return None, "direct: the reduced engine needs numba, which is not installed"
-    try:
-        return reduced_model(mechanism), f"reduced: {count} cases of one mechanism"
-    except NipperError as error:
-        return None, f"direct: {error.message}"
+    return chosen(
+        lambda: reduced_model(mechanism, drive),
+        engine=engine,
+        count=count,
+        pays_from=REDUCED_PAYS_FROM,
+        unfit=lambda: unfit(mechanism, drive),
+        numba=lambda: installed("numba"),
+    )
