@@ -121,34 +121,28 @@ def test_without_tables_the_reason_is_told(
     assert read(turn_rows(e62, controls, asked(controls)))["turn"] == "not followed: a dead centre"
 
 
-def test_a_turn_that_comes_later(
+def test_tables_are_made_beside_the_page(
     e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Rows are to come until the tables are made, and those of another setting are not shown."""
-    gate, made, told = threading.Event(), threading.Event(), threading.Event()
-    monkeypatch.setattr(whole_turn, "unusable", lambda _: (made.wait(), "")[1])
-
-    def rows(*told: Any) -> Rows:
-        gate.wait()
-        return (("turn", "whole turn", f"{told[2]['speed']:g}"),)
-
-    monkeypatch.setattr(whole_turn, "turn_rows", rows)
-    monkeypatch.setattr(whole_turn, "_PATIENCE", 0.01)
+    """In another thread, the wider ones too; then a turn comes at once, in the one that asks."""
+    gate, told = threading.Event(), threading.Event()
+    real = whole_turn.unusable
+    monkeypatch.setattr(whole_turn, "unusable", lambda machine: (gate.wait(), real(machine))[1])
     turns = WholeTurns(e62, controls, told.set)
     turns.start()
     one, other = asked(controls), asked(controls, speed=700.0)
-    pending = (("turn", "whole turn", "its tables are being made"),)
-    assert turns.ask(one) == pending
-    made.set()
-    assert turns.ask(one) == pending
+    assert turns.rows(one) == (("turn", "whole turn", "its tables are being made"),)
     gate.set()
-    assert told.wait(10.0)
-    assert turns.rows(one)[0][2] == "650"
-    assert turns.rows(other) == pending
-    # From now on a turn comes with the other numbers.
-    monkeypatch.setattr(whole_turn, "_PATIENCE", 10.0)
-    assert turns.ask(other)[0][2] == "700"
-    assert turns.ask(one)[0][2] == "650"
+    assert told.wait(60.0)
+
+    def built(*_: Any, **__: Any) -> Any:
+        message = "tables are made while a slider waits"
+        raise AssertionError(message)
+
+    monkeypatch.setattr("nipper_pin.reduced.turns.turn.build_turns", built)
+    assert read(turns.rows(one))["rest"] != read(turns.rows(other))["rest"]
+    high = asked(controls, speed=900.0, restitution=0.8, preload=0.0)
+    assert read(turns.rows(high))["rest"] == "no rest before it opens"
 
 
 def test_the_turn_has_a_table_of_its_own(e62: Mechanism, controls: tuple[Knob, ...]) -> None:

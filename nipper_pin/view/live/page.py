@@ -52,7 +52,7 @@ class Page:
         controls: What the sliders set.
 
     Attributes:
-        turns: Whole turns of the settings, once they are started.
+        turns: Whole turns of the settings, once their tables are made.
 
     Raises:
         InputError: The mechanism cannot be drawn.
@@ -139,7 +139,7 @@ class Page:
         self._wake.set()
 
     def _turned(self) -> None:
-        """Note that the whole turn of a setting has come."""
+        """Note that whole turns can be followed from now on."""
         self._came.set()
         self._wake.set()
 
@@ -147,7 +147,7 @@ class Page:
         """Answer the setting of the sliders, and show numbers and plots, or why there are none."""
         self._shown = self._stand()
         found = answer(self._mechanism, self._controls, self._shown)
-        self._write(found, self.turns.ask(self._shown))
+        self._write(found, self.turns.rows(self._shown))
         for plot, x, y in (
             (self._gap, found.time, found.gap),
             (self._impulse, found.hit_time, found.impulse),

@@ -1,8 +1,7 @@
-"""The whole turn of a setting, followed beside the page by the reduced engine.
+"""The whole turn of a setting, by the reduced engine.
 
 Its tables and its machine code are made in a thread of its own, so that the page starts and answers
-without them. From then on a turn takes less than a millisecond and comes with the other numbers;
-where wider tables have to be made first, it comes after them.
+without them. From then on a turn takes less than a millisecond, in the thread that asks for it.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from ...mechanism import INDEX_PER_TURN, Mechanism
 from ...reduced import unfit
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
+from ...reduced.turns.turn import ROOMS
 from ...units import MS_PER_S
 from ..reading import digits
 from .settings import RESTITUTION, SPEED, Knob, changed
@@ -29,73 +29,42 @@ Rows = tuple[tuple[str, str, str], ...]
 
 # Turns until they repeat, and collisions of a turn.
 _TURNS, _MOST_COLLISIONS = 32, 400
-# Seconds that numbers wait for the turn that belongs to them.
-_PATIENCE = 0.02
 _PENDING = "its tables are being made"
 
 
 class WholeTurns:
-    """Turns of the latest setting that was asked for.
+    """Turns of the settings of a page.
 
     Args:
         mechanism: The mechanism as loaded.
         controls: The knobs.
-        told: Called, in another thread, when rows have come.
+        told: Called, in another thread, when the tables are there.
     """
 
     def __init__(
         self, mechanism: Mechanism, controls: Sequence[Knob], told: Callable[[], None]
     ) -> None:
-        """Prepare; nothing is computed before :meth:`start`."""
+        """Prepare; nothing is made before :meth:`start`."""
         self._mechanism, self._controls, self._told = mechanism, controls, told
-        self._lock = threading.Condition()
-        self._asked: Mapping[str, float] | None = None
-        self._found: tuple[Mapping[str, float], Rows] | None = None
-        self._ready = False
+        self._why: str | None = None
 
     def start(self) -> None:
-        """Make the tables and answer, in a thread that ends with the process."""
-        threading.Thread(target=self._work, daemon=True).start()
+        """Make the tables, in a thread that ends with the process."""
+        threading.Thread(target=self._make, daemon=True).start()
 
-    def ask(self, shown: Mapping[str, float]) -> Rows:
+    def rows(self, shown: Mapping[str, float]) -> Rows:
         """Rows of a setting, or that they are to come.
 
         Args:
             shown: Values of the knobs in their units, by key.
         """
-        with self._lock:
-            self._asked = shown
-            self._lock.notify_all()
-            if self._ready:
-                self._lock.wait_for(lambda: self._found_for(shown) is not None, _PATIENCE)
-            return self.rows(shown)
+        if self._why is None:
+            return (("turn", "whole turn", _PENDING),)
+        return turn_rows(self._mechanism, self._controls, shown, self._why)
 
-    def rows(self, shown: Mapping[str, float]) -> Rows:
-        """Rows of a setting as far as they are known.
-
-        Args:
-            shown: Values of the knobs in their units, by key.
-        """
-        return self._found_for(shown) or (("turn", "whole turn", _PENDING),)
-
-    def _found_for(self, shown: Mapping[str, float]) -> Rows | None:
-        found = self._found
-        return found[1] if found is not None and found[0] == shown else None
-
-    def _work(self) -> None:
-        why = unusable(self._mechanism)
-        while True:
-            with self._lock:
-                self._ready = True
-                self._lock.wait_for(
-                    lambda: self._asked is not None and self._found_for(self._asked) is None
-                )
-                shown = dict(self._asked or {})
-            rows = turn_rows(self._mechanism, self._controls, shown, why)
-            with self._lock:
-                self._found = shown, rows
-                self._lock.notify_all()
-            self._told()
+    def _make(self) -> None:
+        self._why = unusable(self._mechanism)
+        self._told()
 
 
 def unusable(mechanism: Mechanism) -> str:
@@ -109,6 +78,9 @@ def unusable(mechanism: Mechanism) -> str:
     reason = unfit(mechanism)
     if reason is None:
         try:
+            # Also the wider ones: a slider must not wait for them.
+            for room in ROOMS:
+                turn_model(mechanism, room=room)
             turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
         except NipperError as error:
             reason = error.message
