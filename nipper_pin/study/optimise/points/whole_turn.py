@@ -1,9 +1,9 @@
 """Quantities of whole turns of the designs of one problem, by the engine that suits it.
 
-Tables of turns cost as much as ten turns of the direct engine (0.15 s of processor time against
-13 ms, the E62 at 650 r/min), so they are made where one machine serves all points: only speed,
-restitution, spring rates and preloads are free, and a turn then takes 0.2 ms. A geometry that
-changes with each point would need tables for each: those problems take the direct engine.
+Tables of turns cost as much as nine points by the direct engine (176 ms of processor time, and 20,
+the E62 at 650 r/min). They are made where one machine serves all points, since only speed,
+restitution, spring rates and preloads are free: a point then takes 1 ms. A geometry that changes
+with each point would need tables for each, so those problems take the direct engine.
 """
 
 from __future__ import annotations
