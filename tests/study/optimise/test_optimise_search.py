@@ -156,8 +156,8 @@ def test_turns_that_differ_are_no_usable_machine(
     monkeypatch.setattr(
         bounces, "turn_transition", lambda *words: replace(followed(*words), repeats=False)
     )
-    assert Evaluator(problem(tmp_path, text)).at(z).engine == "turn"
+    assert source.at(z).engine == "turn"
     monkeypatch.setattr(bounces, "transition_of_turns", drifting)
-    point = Evaluator(problem(tmp_path, text)).at(z)
+    point = source.at(z)
     assert not point.usable
     assert "turns differ from one another" in point.why

@@ -81,6 +81,7 @@ def test_a_machine_that_changes_takes_the_direct_engine(tmp_path: Path) -> None:
         assert abs(one.values[name] - other.values[name]) <= allowed, name
 
 
+@pytest.mark.slow
 def test_turns_without_a_quantity_or_a_period_are_no_usable_machine(tmp_path: Path) -> None:
     """Above 1,545 r/min the jaw has no rest; at 1,900 r/min every second turn is the same."""
     source = Evaluator(problem(tmp_path, HEAD + SPEED + LIMITS))
