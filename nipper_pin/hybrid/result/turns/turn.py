@@ -147,8 +147,8 @@ class Turn:
 
     @property
     def energy_lost(self) -> float:
-        """Kinetic energy lost in all collisions [J]."""
-        return math.fsum(event.energy_lost for event in self._events)
+        """Kinetic energy lost in all collisions that were computed [J]."""
+        return math.fsum(event.energy_lost for event in self._collisions)
 
     def at(self, stop: str) -> StopTurn:
         """Collisions of a stop.
