@@ -10,7 +10,7 @@ from judge import Judge, press
 from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, Mechanism, Solution, simulate
-from nipper_pin.hybrid.result.turns import of_turn, reported_turn, turn_names
+from nipper_pin.hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
 
@@ -121,6 +121,9 @@ def test_every_quantity_by_another_path(name: str, e62: Mechanism) -> None:
     mechanism = {"e62": e62, "press": press()}.get(word) or drawn_mechanism(GALLERY[word]())
     run = turns(mechanism, speed, cycles)
     turn = reported_turn(run, level)
+    if word != name:
+        # Its rebounds end in the turn that follows, where the jaw was thrown open before.
+        turn = Turn(run, 2, 0, level)
     expected = judged(run, turn.number, level)
     read = {}
     for item, stop in (of_turn(each, mechanism) for each in turn_names(mechanism)):
