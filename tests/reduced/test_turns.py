@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from itertools import groupby
 from typing import Any
 
@@ -21,9 +22,10 @@ from nipper_pin import (
     simulate,
 )
 from nipper_pin.bench.run_time.certified import certified_cycle
+from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.kernels.turn_layout import EVENT_COLUMNS, HOLD_COLUMNS
+from nipper_pin.reduced.kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS
 from nipper_pin.reduced.turns import ReducedTurns, TurnStatus, build_turns, turn_model, turns
 from nipper_pin.reduced.turns import turn as module
 
@@ -33,6 +35,7 @@ KINDS = {EventKind.COLLISION: "collision", EventKind.REST: "rest", EventKind.REL
 FEW = ("crank_rocker", "ratchet_feed", "door_closer", "jaw_crusher", "hoeken", "bell")
 # Turns that the reduced engine does not follow, of 47 machines at three speeds; see the test.
 REFUSED = 38
+ORIFICE = {"joint": "steeve", "law": "orifice", "c_N_s2_per_m2": 2e3}
 
 
 def series(stops: Any, *columns: Any) -> list[list[tuple[Any, ...]]]:
@@ -196,11 +199,37 @@ def test_arguments_and_machines_that_cannot_be_used(e62: Mechanism) -> None:
     for keys in ({"cycles": 0}, {"speed_rpm": -1.0}, {"restitution": 1.5}, {"tolerance": 1.0}):
         with pytest.raises(InputError):
             turns(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="one stop closed"):
+    with pytest.raises(InputError, match="2 are left"):
         turns(drawn_mechanism(GALLERY["needle_bar"]()), speed_rpm=60.0)
     with pytest.raises(SimulationError, match="max_collisions") as many:
         turns(e62, speed_rpm=450.0, max_collisions=3)
     assert many.value.evidence["status"] == TurnStatus.TOO_MANY_COLLISIONS.name
+
+
+@pytest.mark.parametrize(
+    ("section", "name", "key", "value", "reason"),
+    [
+        ("forces", "added", "", ORIFICE, "'added'"),
+        ("stops", "jaw", "restitution_law", {"law": "falling", "fast": 0.1, "scale": 1.0}, "a law"),
+    ],
+)  # fmt: skip
+def test_laws_that_tables_cannot_hold_are_refused(
+    e62: Mechanism, section: str, name: str, key: str, value: dict[str, Any], reason: str
+) -> None:
+    """Each changes the second collision of the direct engine; the tables are linear in rates."""
+    data = copy.deepcopy(dict(e62.description))
+    place = data.setdefault(section, {})
+    if key:
+        place[name][key] = value
+    else:
+        place[name] = value
+    changed = from_sources("e62", e62.urdf, data, e62.mesh_folder)
+    second, usual = (
+        simulate(item, Case(speed_rpm=650.0)).collisions[1].t for item in (changed, e62)
+    )
+    assert abs(second - usual) > 1e-7
+    with pytest.raises(InputError, match=reason):
+        turns(changed, speed_rpm=650.0)
 
 
 def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
@@ -211,8 +240,8 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
         status, count, _, _, _ = follow(
             grids, model.charts, module.scratch(model, 64), 650.0 * np.pi / 30.0, model.restitution,
-            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True),
-            model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, 5)),
+            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True, 0.0, 0.0),
+            model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, END_COLUMNS)),
         )  # fmt: skip
         assert count <= most
         assert (beside[most:] == 7.0).all()

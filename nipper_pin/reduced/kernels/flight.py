@@ -9,6 +9,7 @@ from ...tolerances.reduced import NEWTON_STEP, TRAVEL_END, ZERO_RESOLUTION
 from .compiled import compiled
 from .growth import begin_growth, grow
 from .hits import Held, first_hit
+from .kept import keep
 from .layout import (
     AT_REST,
     HIGH,
@@ -19,6 +20,7 @@ from .layout import (
     NODE_V,
     NODE_X,
     OTHER_STOP,
+    SCRATCH_ROWS,
     SERIES,
     SIGMA,
     SPAN,
@@ -201,6 +203,8 @@ def flight(grids: FloatArray, case: FloatArray, mixed: FloatArray, poly: FloatAr
         # The usual bounce ends on its first panel, and its errors are known by a formula.
         if case[TRACED] > 0.0 and (panel > 0 or end < 0.0 or x0 > 0.0):
             grow(held, until)
+        if nodes.shape[0] > SCRATCH_ROWS:
+            keep(held, until)
         top, highest_at = _highest(grids, nodes, level, h, x, v, until)
         if not top <= case[HIGH]:
             return LEFT_GAP, *failed

@@ -24,9 +24,10 @@ LEVELS = (4, 7, 13, 25)
     ONCE, TWICE, VALUE, INTEGRAL, DOUBLE, REFINE, PROBE, PROBE_ONCE, PROBE_TWICE, SIGMA,
 ) = range(10)  # fmt: skip
 PROBES = 3
-# Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion.
-NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH = range(8)
-SCRATCH_ROWS = 8
+# Rows of the scratch array: values at the nodes, and the coefficients of the panel's motion. A
+# block of the same rows follows for every panel that is kept; see the module that keeps them.
+NODE_A, NODE_NEW, NODE_X, NODE_V, SERIES, SERIES_ONCE, SERIES_TWICE, GROWTH, KEPT = range(9)
+SCRATCH_ROWS = 9
 # Numbers of a case and its domain. `SCALE` takes x - low to [0, 2]; `SPAN` is the length of all
 # cells, also beyond the end; `TRACED` is 1 where long flights tell how errors grow along them.
 SPEED, TRAVEL_MOST, LOW, HIGH, SCALE, SPAN, TRACED = range(7)

@@ -8,25 +8,28 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...tolerances.mechanics import EPS
-from ...tolerances.reduced import LIMIT_ERROR_SAFETY, SAME_TURN
+from ...tolerances.reduced import LIMIT_ERROR_SAFETY
 from .arrival_check import released
 from .compiled import compiled
 from .flight import flight
 from .flight_errors import flight_errors
+from .kept import describe, full, keep_rest, kept
 from .layout import (
     AT_REST,
     GROWTH,
     JAM,
     LEFT_TRAVEL,
     OTHER_STOP,
+    SCRATCH_ROWS,
     TOO_MANY,
     UNRESOLVED,
     UNTOLD,
 )
 from .panel import acceleration, contract
+from .repeats import mark, repeats
 from .series import settles
 from .turn_charts import chart_at, other_of, seen_by, surface, visit
-from .turn_events import collide, errors_after, note, release_error
+from .turn_events import collide, errors_after, missing, note, release_error
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -38,19 +41,18 @@ from .turn_layout import (
     HOLD_TURN,
     RELEASE,
     REST,
+    Begin,
     Charts,
     TurnWork,
 )
 
 _TURN = 2.0 * pi
-# Longest period that is looked for [turns].
-_MOST_PERIOD = 64
 
 
 @compiled
 def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
            restitution: FloatArray, stiffness: FloatArray, preload: FloatArray, gravity: float,
-           rest_rate: float, tolerance: float, turns: int, begin: tuple[int, float, float, bool],
+           rest_rate: float, tolerance: float, turns: int, begin: Begin,
            clamp: int, events: FloatArray, holds: FloatArray, ends: FloatArray,
            ) -> tuple[int, int, int, int, int]:  # fmt: skip
     """Follow whole turns from event to event.
@@ -67,12 +69,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         rest_rate: Threshold of rest, or 0 for the limit of series.
         tolerance: Relative accuracy.
         turns: Number of turns.
-        begin: Chart, gap, its rate and whether its stop is closed, at the start.
+        begin: Chart, gap, its rate, whether its stop is closed, and errors of gap and rate.
         clamp: Place of the clamping stop among the stops.
         events: Written, shape (most, EVENT_COLUMNS).
         holds: Written: stretches on which that stop is closed, shape (most, HOLD_COLUMNS).
-        ends: Written, shape (turns + 1, 5): of the start and of each turn, chart and travel of the
-            last rest's end (-1 without one), then chart, gap and rate at its end.
+        ends: Written, shape (turns + 1, END_COLUMNS): of the start and of each turn.
 
     Returns:
         Status, numbers of events, stretches and turns, and the number of turns after which the last
@@ -84,20 +85,20 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     cells, count_u = charts.equation.shape[2], charts.equation.shape[3]
     smallest = tolerance ** (1.0 / 3.0)
     most = work.series.shape[1]
-    c, x, v, resting = begin
-    u = t = dt = dx = dw = origin = fastest_rebound = 0.0
+    c, x, v, resting, dx, dw = begin
+    u = t = dt = origin = fastest_rebound = 0.0
     n = turn = bounces = hold = 0
     last = -1
-    touching = free = False
+    touching = free = settled = False
     rest_chart, rest_end = -1.0, 0.0
-    _mark(ends, 0, float(c) if resting else -1.0, np.inf, c, x, v)
+    mark(ends, 0, (float(c) if resting else -1.0, np.inf), (c, x, v, dx, dw))
     while True:
         visit(charts, work, c, speed, gravity, stiffness, preload)
         case, sizes = work.case[c], work.sizes[c]
         travel, span, stop = charts.travel[c], charts.span[c], charts.stop[c]
         at_end = False
         # A release and the collision after it are written in one pass.
-        if n + 2 > len(events) or hold == len(holds):
+        if n + 2 > len(events) or hold == len(holds) or full(work.nodes):
             return TOO_MANY, n, hold, turn, 0
         if resting:
             place = released(work.line[c], cells, count_u, span, u, travel)
@@ -110,12 +111,17 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 same = charts.stop[charts.after[c]] == stop
                 holds[hold, ENDED_BY] = RELEASE if not at_end else (REST if same else COLLISION)
                 hold += 1
+            late, since = dt, u
             u = travel if at_end else place
             t = (_TURN * turn + charts.begin[c] + u) / speed
             x = v = dx = dw = 0.0
             dt = 4.0 * EPS * t
             if not at_end:
                 dt += release_error(work.line[c], sizes, cells, count_u, span, u) / speed
+            if work.nodes.shape[0] > SCRATCH_ROWS:
+                keep_rest(work.nodes, c, since, u, speed, max(late, dt), settled)
+            settled = False
+            if not at_end:
                 note(events, n, RELEASE, stop, t, _TURN * turn + charts.begin[c] + u, dt)
                 n += 1
                 rest_chart, rest_end = float(c), u
@@ -146,10 +152,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 u += speed * ahead
                 note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
                 n += 1
-                resting = True
+                resting = settled = True
+                dt = late
                 continue
         if not resting:
-            begins_at_stop = x == 0.0
+            begins_at_stop, before = x == 0.0, kept(work.nodes)
             ended, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
                 grids, case, work.mixed[c], work.poly, work.nodes, degree, u, x, v, tolerance,
                 touching,
@@ -165,6 +172,10 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                         work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, a / rate
                     )
                     duration = height / abs(rate) + 4.0 * EPS * T
+                dx_most = max(dx, height, abs(rate) * duration)
+                dv_most = max(dw, dv + abs(a) * duration)
+                wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
+                describe(work.nodes, before, c, max(dt, duration), dx_most, dv_most, wrong_a)
                 dt += duration
                 if begins_at_stop and last >= 0:
                     events[last, AMPLITUDE] = top
@@ -178,9 +189,13 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 x, v, dx, dw = 0.0, -e_N * rate, 0.0, e_N * dv
                 continue
             if status == OTHER_STOP:
+                x_before, v_before = dx, dw
                 dx, dv = errors_after(
                     work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
                 )
+                dx_most, dv_most = max(dx, x_before), max(dv, v_before)
+                wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
+                describe(work.nodes, before, c, dt, dx_most, dv_most, wrong_a)
                 u += speed * T
                 t += T
                 s = int(hit)
@@ -204,9 +219,13 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 continue
             if status != LEFT_TRAVEL:
                 return status, n, hold, turn, 0
+            x_before, v_before = dx, dw
             dx, dw = errors_after(
                 work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
             )
+            dx_most, dv_most = max(dx, x_before), max(dw, v_before)
+            wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
+            describe(work.nodes, before, c, dt, dx_most, dv_most, wrong_a)
             dx, dw = dx + fastest * dt, dw + abs(a) * dt
             x, v, u, dt = gap, rate, travel, 0.0
         # The end of the arc.
@@ -225,7 +244,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             turn += 1
             if resting and ahead_of == stop:
                 rest_chart, rest_end = float(to), np.inf
-            _mark(ends, turn, rest_chart, rest_end, to, x, v)
+            mark(ends, turn, (rest_chart, rest_end), (to, x, v, dx, dw))
             rest_chart = -1.0
             again = repeats(charts, ends, turn)
             if turn == turns or again > 0:
@@ -246,35 +265,3 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
         if not resting:
             t = (_TURN * turn + charts.begin[to]) / speed
         c, u = to, 0.0
-
-
-@compiled
-def _mark(ends: FloatArray, turn: int, rest_chart: float, rest_end: float, c: int, x: float,
-          v: float) -> None:  # fmt: skip
-    """Write the end of a turn."""
-    ends[turn, 0], ends[turn, 1] = rest_chart, rest_end
-    ends[turn, 2], ends[turn, 3], ends[turn, 4] = float(c), x, v
-
-
-@compiled
-def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
-    """After how many turns one repeats an earlier one; 0 if it is not known to.
-
-    What follows a rest does not depend on what was before it, so two turns whose last rests end at
-    the same travel end alike. Without a rest their states at the end have to be the same.
-    """
-    now = ends[turn]
-    for back in range(1, min(turn, _MOST_PERIOD) + 1):
-        then = ends[turn - back]
-        if now[0] != then[0] or now[2] != then[2]:
-            continue
-        if now[0] >= 0.0:
-            if now[1] == then[1] or abs(now[1] - then[1]) <= SAME_TURN * _TURN:
-                return back
-            continue
-        c = int(now[2])
-        wide = charts.high[c] - charts.low[c]
-        fast = max(abs(now[4]), abs(then[4]))
-        if abs(now[3] - then[3]) <= SAME_TURN * wide and abs(now[4] - then[4]) <= SAME_TURN * fast:
-            return back
-    return 0

@@ -29,6 +29,11 @@ HOLD_COLUMNS = 5
 TURN_NUMBERS = 11
 COUNT, IMPULSE_SUM, IMPULSE_MOST, SUM_ERROR = range(4)
 PER_STOP = 4
+# Ends of turns: chart and travel of the last rest's end (-1 without one), then chart, gap and its
+# rate, and bounds on the errors of both.
+END_COLUMNS = 7
+Begin = tuple[int, float, float, bool, float, float]
+"""How turns begin: chart, gap, its rate, whether its stop is closed, and errors of gap and rate."""
 
 
 class Charts(NamedTuple):

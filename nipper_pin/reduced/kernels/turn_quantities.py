@@ -231,12 +231,12 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
         level: Force above which it clamps [N].
         events: Scratch, shape (most, EVENT_COLUMNS).
         holds: Scratch, shape (most, HOLD_COLUMNS).
-        ends: Scratch, shape (turns + 1, 5).
+        ends: Scratch, shape (turns + 1, END_COLUMNS).
         told: Written: status, turns, and after how many the last repeats, shape (n, 3).
         found: Written, shape (n, last, quantities): the last turn first; NaN before the first one.
     """
     for i in range(len(speed)):
-        start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4]
+        start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4], 0.0, 0.0
         status, count, hold, done, again = follow(
             grids, charts, work, speed[i], restitution[i], stiffness[i], preload[i], gravity[i],
             rest_rate, tolerance, turns, start, clamp, events, holds, ends,

@@ -8,8 +8,8 @@ it reads
 
     C x'' = n' tau - n' (M b + h),   C = n' M n,
 
-and the right side is a quadratic form of (w, x') plus gravity, taken apart by evaluating it at
-(1, 0), (0, 1), (1, 1) and (1, -1). Nothing is differentiated numerically.
+and the right side is a quadratic form of (w, x') plus gravity. Nothing is differentiated
+numerically.
 
 Source: R. E. Kalaba and F. E. Udwadia, Analytical Dynamics, 1996 (null-space form).
 """
@@ -25,8 +25,8 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_positions, close_velocities
 from ...dynamics.multibody import INFINITE_INERTIA
 from ...dynamics.system import System
-from ...mechanism import Mechanism, Stop
-from ...mechanism.cylinder import rad_s_from_rpm
+from ...mechanism import Stop
+from .resistance import Rates, inertial_forces, mass_times, resisted
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,6 @@ class Samples:
     gaps: FloatArray
     slopes: FloatArray
     inertia: FloatArray
-
-
-def has_elements(mechanism: Mechanism) -> bool:
-    """True for a machine with dampers, tabulated springs, or springs or dampers between points."""
-    return bool(mechanism.dampers or mechanism.tabulated_springs or mechanism.struts)
 
 
 class Sampler:
@@ -166,60 +161,56 @@ class Sampler:
             x: Coordinates of the transition stop, shape (N,).
             guess: Configurations near them, shape (N, nv).
         """
-        system, body = self._system, self._system.body
-        driven, rates, accelerations = system.shaft.driven(u)
-        q = guess.copy()
-        q[:, system.driven] = driven
-        q[:, self._column] = self._coordinate(x)
-        q, jacobian = close_positions(body, q, self._split)
-        zero = np.zeros_like(q)
+        _, rates, accelerations = self._system.shaft.driven(u)
+        q, jacobian = self._closed(u, x, guess)
         n, m = self._rates(rates, q, jacobian)
-        weight = body.inverse_dynamics(q, zero, zero)
-
-        # At the machine's speed: at 1 rad/s the round-off of the subtracted weight would exceed the
-        # inertial forces.
-        fast = rad_s_from_rpm(system.mechanism.cylinder.rated_speed_rpm)
-
-        def along(w: float, rate: float) -> FloatArray:
-            v = fast * (w * m + rate * n)
-            tau = zero.copy()
-            tau[:, system.driven] = INFINITE_INERTIA * (fast * w) ** 2 * accelerations
-            b = body.accelerations(q, v, tau, self._armature)
-            forces = body.inverse_dynamics(q, v, b) - weight
-            return np.asarray(np.einsum("ni,ni->n", n, forces)) / fast**2
-
-        both, against = along(1.0, 1.0), along(1.0, -1.0)
-        inertia = 2.0 * body.kinetic_energy(q, n)
-        terms = [
-            along(1.0, 0.0),
-            0.5 * (both - against),
-            along(0.0, 1.0),
-            np.einsum("ni,ni->n", n, weight),
-        ]
-        for spring in system.mechanism.springs:
-            terms += [n[:, spring.index], n[:, spring.index] * q[:, spring.index]]
-        terms += self._elements(q, n, m)
-        equation = -np.array(terms) / inertia
+        motion = Rates(q, n, m)
+        forces = inertial_forces(self._system, motion, accelerations, self._armature)
+        inertia = 2.0 * self._system.body.kinetic_energy(q, n)
+        equation = -resisted(self._system, n, forces, motion) / inertia
         size = (len(self._others), len(q))
         gaps = np.reshape([stop.gaps(q) for stop in self._others], size)
         slopes = np.reshape([stop.rates(by) for by in (n, m) for stop in self._others],
                             (2 * size[0], size[1]))  # fmt: skip
         return Samples(q, equation, gaps, slopes, inertia)
 
-    def _elements(self, q: FloatArray, n: FloatArray, m: FloatArray) -> list[FloatArray]:
-        """What resists x of tables, dampers and struts: at rest, by the cylinder's speed and x'."""
-        system = self._system
-        if not has_elements(system.mechanism):
-            return []
-        zero = np.zeros_like(q)
-        still = zero if system.elements is None else system.elements.forces(q, zero)
-        all_still = system.applied_forces(q, zero)
+    def torques(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> FloatArray:
+        """Evaluate the functions of the drives' torques, which are linear in x'', too.
 
-        def along(force: FloatArray) -> FloatArray:
-            return -np.asarray(np.einsum("ni,ni->n", n, force))
+        The direction k of one drive alone, with the stop and all others held and G k = 0, does no
+        work against closures, stops and other drives: T = k' (M a + h - tau).
 
-        by_rates = (along(system.applied_forces(q, v) - all_still) for v in (m, n))
-        return [along(still), *by_rates]
+        Args:
+            u: Travels, shape (N,) [rad].
+            x: Coordinates of the stop, shape (N,).
+            guess: Configurations near them, shape (N, nv).
+
+        Returns:
+            By drive the functions as of the equation of motion, and last the factor of x'', shape
+            (drives, functions + 1, N).
+        """
+        _, rates, accelerations = self._system.shaft.driven(u)
+        q, jacobian = self._closed(u, x, guess)
+        motion = Rates(q, *self._rates(rates, q, jacobian))
+        forces = inertial_forces(self._system, motion, accelerations, self._armature)
+        pushed = mass_times(self._system, q, motion.n, forces)
+        found = []
+        for index in self._system.driven:
+            k = np.zeros_like(q)
+            k[:, index] = 1.0
+            k = close_velocities(k, jacobian, self._split)
+            by_acceleration = np.einsum("ni,ni->n", k, pushed)
+            found.append([*resisted(self._system, k, forces, motion), by_acceleration])
+        return np.array(found)
+
+    def _closed(
+        self, u: FloatArray, x: FloatArray, guess: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Closed configurations and their closure Jacobians."""
+        q = guess.copy()
+        q[:, self._system.driven] = self._system.shaft.driven(u)[0]
+        q[:, self._column] = self._coordinate(x)
+        return close_positions(self._system.body, q, self._split)
 
     def opening_rates(self) -> FloatArray:
         """Rates of the other stops by that of x in the touch configuration, shape (others,)."""

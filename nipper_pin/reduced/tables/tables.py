@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -12,13 +13,23 @@ from ...errors import ConvergenceError
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import REFINEMENT_GAIN, TABLE_ERROR_SAFETY
 from . import series2d
-from .functions import Sampler, Samples
+from .functions import Samples
 
 CELL_RAD = 0.5
 _COUNT_U = 16
 _MOST_CELLS = 64
 _MOST_X = 40
 _CHECKS = 96
+
+
+class PointSampler(Protocol):
+    """Evaluates functions of travel and coordinate at points."""
+
+    def grid(self, u: FloatArray, x: FloatArray) -> FloatArray:
+        """Configurations on a grid, shape (U, X, nv)."""
+
+    def at(self, u: FloatArray, x: FloatArray, guess: FloatArray) -> Samples:
+        """The functions at points, from configurations near them, shape (N, nv)."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +84,7 @@ class Tables:
 
 
 def resolved(
-    sampler: Sampler, domain: Domain, weights: FloatArray, tolerance: float
+    sampler: PointSampler, domain: Domain, weights: FloatArray, tolerance: float
 ) -> tuple[Tables, int]:
     """Refine cells and degrees until the tails of all functions are below the tolerance.
 
@@ -135,7 +146,7 @@ class Checks:
     inertia: FloatArray
 
 
-def checks(sampler: Sampler, domain: Domain, tables: Tables) -> Checks:
+def checks(sampler: PointSampler, domain: Domain, tables: Tables) -> Checks:
     """Evaluate the functions at random points off the grid.
 
     Args:
@@ -215,7 +226,7 @@ def largest_error(
     return error
 
 
-def _sampled(sampler: Sampler, domain: Domain, cells: int, count_x: int) -> Tables:
+def _sampled(sampler: PointSampler, domain: Domain, cells: int, count_x: int) -> Tables:
     width = domain.travel / cells
     inner = 0.5 * width * (series2d.gauss_nodes(_COUNT_U) + 1.0)
     u = (width * np.arange(cells)[:, None] + inner).ravel()

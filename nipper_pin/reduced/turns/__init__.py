@@ -1,6 +1,7 @@
 """Whole turns: phases without freedom, flights, collisions at every stop, rests and releases."""
 
 from .model import START_INDEX, TurnModel, build_turns
+from .peak_torques import TurnTorques, turn_torques
 from .quantities import TurnQuantities, turn_quantities
 from .results import ReducedTurns, TurnStatus
 from .turn import turn_model, turns
@@ -11,8 +12,10 @@ __all__ = [
     "TurnModel",
     "TurnQuantities",
     "TurnStatus",
+    "TurnTorques",
     "build_turns",
     "turn_model",
     "turn_quantities",
+    "turn_torques",
     "turns",
 ]

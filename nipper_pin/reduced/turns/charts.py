@@ -101,16 +101,17 @@ class Surroundings:
 
     def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
         """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""
-        terms = self._weights(w) * self.along.equation[:, place]
+        terms = self.factors(w) * self.along.equation[:, place]
         return float(terms.sum()), terms
 
     def weights(self, w: float) -> FloatArray:
         """Weights of the functions in x'' by the size of x'', at rates up to w."""
-        weights = self._weights(w)
+        weights = self.factors(w)
         size = float((np.abs(weights[:, None] * self.along.equation)).sum(axis=0).mean())
         return np.abs(weights) / (size if size > 0.0 else 1.0)
 
-    def _weights(self, w: float) -> FloatArray:
+    def factors(self, w: float) -> FloatArray:
+        """Factors of the functions in x'' at a rate w of x and a lively speed."""
         mechanism = self.mechanism
         speed = _FAST * rad_s_from_rpm(mechanism.cylinder.rated_speed_rpm)
         weights = np.zeros(len(self.along.equation))
@@ -119,6 +120,9 @@ class Surroundings:
         for number, spring in enumerate(mechanism.springs):
             place = BY_SPRINGS + 2 * number
             weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
+        elements = BY_SPRINGS + 2 * len(mechanism.springs)
+        if len(weights) > elements:
+            weights[elements:] = 1.0, speed, w
         return weights
 
 

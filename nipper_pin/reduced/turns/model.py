@@ -18,6 +18,7 @@ from ...mechanism.cylinder import rad_s_from_rpm
 from ..kernels.turn_layout import Charts
 from .arcs import Arc, Walk, system_at
 from .charts import _FAST, _LIVELY, _ROOM, Surroundings, chart_of, stacked
+from .fit import unfit_turns
 
 START_INDEX = 24.0
 # Gap of a chart that no other meets, by the width of the flight between its stops.
@@ -85,6 +86,51 @@ def build_turns(
         InputError: The mechanism cannot be reduced.
         SimulationError: A point cannot be reached or is singular.
     """
+    around, after, (stop, q, closed) = surroundings(mechanism, start_index)
+    angle = mechanism.cylinder.angle_from_index(start_index)
+    reach = _reach(mechanism, around, after)
+    charts = [chart_of(item, room * gap, w, tolerance)
+              for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
+    return TurnModel(
+        name=mechanism.name,
+        stops=tuple(item.name for item in mechanism.stops),
+        springs=tuple(spring.name for spring in mechanism.springs),
+        transition_stop=mechanism.transition_stop,
+        start_index=start_index,
+        start_angle_rad=angle,
+        sense=mechanism.cylinder.sense,
+        charts=stacked(mechanism, charts, after),
+        begin=(0, stop.gap(q), *_rates(mechanism, angle, start_index, stop), closed),
+        restitution=np.array([stop.restitution for stop in mechanism.stops]),
+        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
+        preload=np.array([spring.preload for spring in mechanism.springs]),
+        gravity_m_s2=mechanism.gravity_m_s2,
+        samples=sum(chart.samples for chart in charts),
+    )
+
+
+def surroundings(
+    mechanism: Mechanism, start_index: float
+) -> tuple[list[Surroundings], list[int], tuple[Stop, FloatArray, bool]]:
+    """Follow the stops along a turn.
+
+    Args:
+        mechanism: The mechanism.
+        start_index: Index at which turns start.
+
+    Returns:
+        What is known around every arc; the number of the arc that follows each; and the start: the
+        stop whose gap is followed, the configuration, shape (nv,), and whether it is closed.
+
+    Raises:
+        InputError: The mechanism has something that the tables cannot hold, its drives do not come
+            back with the cylinder, or the start has no closed stop that can be followed.
+        SimulationError: A point of the turn cannot be reached or is singular.
+    """
+    reason = unfit_turns(mechanism)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}"
+        raise InputError(message, model=mechanism.name)
     angle = mechanism.cylinder.angle_from_index(start_index)
     system = system_at(mechanism, 0.0, angle)
     if not comes_back(system):
@@ -99,25 +145,7 @@ def build_turns(
         first = len(after)
         after += [*range(first + 1, first + len(chain)), first]
     around = [Surroundings(mechanism, arc, angle) for arc in arcs]
-    reach = _reach(mechanism, around, after)
-    charts = [chart_of(item, room * gap, w, tolerance)
-              for item, (gap, w) in zip(around, reach, strict=True)]  # fmt: skip
-    return TurnModel(
-        name=mechanism.name,
-        stops=tuple(item.name for item in mechanism.stops),
-        springs=tuple(spring.name for spring in mechanism.springs),
-        transition_stop=mechanism.transition_stop,
-        start_index=start_index,
-        start_angle_rad=angle,
-        sense=mechanism.cylinder.sense,
-        charts=stacked(mechanism, charts, after),
-        begin=(0, stop.gap(state.q), *_rates(mechanism, angle, start_index, stop), closed),
-        restitution=np.array([stop.restitution for stop in mechanism.stops]),
-        stiffness=np.array([spring.stiffness for spring in mechanism.springs]),
-        preload=np.array([spring.preload for spring in mechanism.springs]),
-        gravity_m_s2=mechanism.gravity_m_s2,
-        samples=sum(chart.samples for chart in charts),
-    )
+    return around, after, (stop, state.q, closed)
 
 
 def _standing(mechanism: Mechanism, angle: float, q: FloatArray) -> tuple[Stop, FloatArray, bool]:

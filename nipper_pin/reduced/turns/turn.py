@@ -19,7 +19,7 @@ from ...mechanism import Mechanism
 from ...units import S_PER_MIN
 from ..inputs import check_run, number, one_row
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
-from ..kernels.turn_layout import EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
+from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
@@ -139,11 +139,11 @@ def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
         float(case.rest_rate),
         float(case.tolerance),
         case.cycles,
-        (chart, gap, rate + by_speed * speed, closed),
+        (chart, gap, rate + by_speed * speed, closed, 0.0, 0.0),
         model.clamp,
         events,
         np.empty((case.cycles * STRETCHES, HOLD_COLUMNS)),
-        np.empty((case.cycles + 1, 5)),
+        np.empty((case.cycles + 1, END_COLUMNS)),
     )
     return status, ReducedTurns(model.name, model.stops, done, again, events[:count].copy())
 
@@ -162,8 +162,14 @@ def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | N
     return found
 
 
-def scratch(model: TurnModel, most: int) -> TurnWork:
-    """Scratch arrays of a call: no two threads share them."""
+def scratch(model: TurnModel, most: int, panels: int = 0) -> TurnWork:
+    """Scratch arrays of a call: no two threads share them.
+
+    Args:
+        model: The model.
+        most: Largest number of collisions of a series.
+        panels: Panels of the motion that are kept.
+    """
     count, _, cells, count_u, count_x = model.charts.equation.shape
     rows = (3 + model.charts.others.shape[1]) * count_x
     finest = LEVELS[-1]
@@ -174,7 +180,7 @@ def scratch(model: TurnModel, most: int) -> TurnWork:
         np.zeros((count, cells, count_u)),
         np.zeros(count, dtype=np.bool_),
         np.zeros((finest + 1, rows)),
-        np.zeros((SCRATCH_ROWS, finest + 2)),
+        np.zeros((SCRATCH_ROWS * (1 + panels), finest + 2)),
         np.zeros((3, most)),
     )
 

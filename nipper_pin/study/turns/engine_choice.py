@@ -49,7 +49,7 @@ def turn_table(
         mechanism: The mechanism.
         speed_rpm: Cylinder speeds [r/min], a number or shape (n,); so are the restitutions.
         restitution: e_N of the transition stop, or of stops by name; by default the mechanism's.
-        stiffness_N_per_m: Springs, all four as of :func:`~nipper_pin.transition_table`.
+        stiffness_N_per_m: Springs, all four as of `transition_table`.
         preload_length_mm: Likewise.
         stiffness_N_m_per_rad: Likewise.
         preload_deg: Likewise.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,8 @@ from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
 from ...errors import NipperError
 from ...hybrid.case import START_INDEX, Case, Resolution, Window
-from ...hybrid.result.turns import of_turn, reported_turn, turn_names
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
@@ -23,6 +24,8 @@ from ..transitions import FAILED, REDUCED, retuned
 from .table import FOLLOWED, TurnTable
 
 DIRECT = "direct"
+# Turns of the direct engine that are computed at first, and how many times as many then.
+_FIRST_TURNS, _MORE_TURNS = 5, 4
 _STATUS = {int(status): status.name.lower() for status in TurnStatus}
 
 
@@ -125,12 +128,11 @@ class Run:
             self._message[number] = error.message
 
     def _follow(self, number: int, mechanism: Mechanism, case: Case) -> None:
-        solution = simulate(mechanism, case)
-        if solution.outcome is Outcome.TOO_MANY_COLLISIONS:
+        solution, turn = _until_repeated(mechanism, case, self._settings.least_force)
+        if turn is None:
             self._outcome[number] = solution.outcome.name.lower()
             self._message[number] = solution.outcome.value
             return
-        turn = reported_turn(solution, self._settings.least_force)
         wanted = self._settings.wanted
         for name, (item, stop) in self._read.items():
             if item.read is None or not (wanted is None or name in wanted):
@@ -165,6 +167,22 @@ class Run:
             mechanism=self._mechanism,
             **columns,
         )
+
+
+def _until_repeated(
+    mechanism: Mechanism, case: Case, least_force: float
+) -> tuple[Solution, Turn | None]:
+    """Follow more and more turns until they repeat; no turn where there are too many collisions."""
+    cycles = min(_FIRST_TURNS, case.cycles)
+    while True:
+        solution = simulate(mechanism, replace(case, cycles=cycles))
+        if solution.outcome is Outcome.TOO_MANY_COLLISIONS:
+            return solution, None
+        turn = reported_turn(solution, least_force)
+        # Rebounds at the end of the last turn are only known from the next one.
+        if cycles == case.cycles or (turn.repeats_after and turn.number < cycles):
+            return solution, turn
+        cycles = min(_MORE_TURNS * cycles, case.cycles)
 
 
 def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:

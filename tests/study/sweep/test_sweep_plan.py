@@ -283,8 +283,11 @@ def test_unusable_studies_are_refused(
     assert not out.exists()
 
 
-@pytest.mark.parametrize("name", ["sweep_spring", "sweep_eccentric", "sweep_billion"])
+STUDIES = {"sweep_spring": 100_000, "sweep_turns": 100_000, "sweep_eccentric": 2000,
+           "sweep_billion": 10**9}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STUDIES)
 def test_studies_that_come_along_can_be_planned(name: str) -> None:
     found = read_plan(str(Path(__file__).parents[3] / "scripts" / f"{name}.toml"))
-    assert found.scenarios == {"sweep_spring": 100_000, "sweep_eccentric": 2000,
-                               "sweep_billion": 10**9}[name]  # fmt: skip
+    assert found.scenarios == STUDIES[name]

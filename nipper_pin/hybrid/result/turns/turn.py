@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ....errors import InputError
@@ -70,7 +70,7 @@ class Turn:
     What a turn does not have is None. Everything is computed when it is first asked for.
 
     Attributes:
-        solution: The run.
+        solution: The run, up to the turn that follows.
         number: Number of the turn, from 1.
         repeats_after: After how many turns it repeats an earlier one, so that turns go on like
             this; 0 if it does not.
@@ -132,7 +132,10 @@ class Turn:
 
     @property
     def largest_gap(self) -> float | None:
-        """Largest gap of its rebounds, those that end at the stop itself [rad or m]."""
+        """Largest gap of its rebounds, those that end at the stop itself [rad or m].
+
+        A rebound that is not followed, since rest is known or it is too slow, has none.
+        """
         hit = self._highest
         return None if hit is None else hit.rebound_amplitude
 
@@ -144,8 +147,8 @@ class Turn:
 
     @property
     def energy_lost(self) -> float:
-        """Kinetic energy lost in all collisions [J]."""
-        return math.fsum(event.energy_lost for event in self._events)
+        """Kinetic energy lost in all collisions that were computed [J]."""
+        return math.fsum(event.energy_lost for event in self._collisions)
 
     def at(self, stop: str) -> StopTurn:
         """Collisions of a stop.
@@ -192,9 +195,9 @@ class Turn:
         return max(known, key=lambda item: item[0])[1] if known else None
 
     def _ends_there(self, hit: Collision) -> bool:
-        """Whether no other stop is struck before the rebound ends."""
-        end, _ = hit.rebounds.until(hit.event)
-        if end is None:
+        """Whether a rebound was followed, and no other stop is struck before it ends."""
+        end, left_out = hit.rebounds.until(hit.event)
+        if end is None or end is hit.event or left_out is not None:
             return False
         between = self.solution.events[hit.event.number : end.number]
         return all(
@@ -240,4 +243,11 @@ def reported_turn(solution: Solution, least_force: float = 0.0) -> Turn:
         message = f"{solution.mechanism.name} has no stop that could clamp"
         raise InputError(message, model=solution.mechanism.name)
     found = repetition(solution)
-    return Turn(solution, found.turn, found.after, least_force)
+    # Errors of events far beyond the turn would cost as much as the turns.
+    end = (found.turn + 1) * solution.shaft.period
+    short = replace(
+        solution,
+        segments=tuple(item for item in solution.segments if item.t_start < end),
+        events=tuple(item for item in solution.events if item.t <= end),
+    )
+    return Turn(short, found.turn, found.after, least_force)

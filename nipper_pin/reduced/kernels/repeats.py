@@ -1,0 +1,63 @@
+"""Ends of turns, and whether one repeats an earlier one, compiled."""
+
+from __future__ import annotations
+
+from math import inf, pi
+
+from ...arrays import FloatArray
+from ...tolerances.reduced import SAME_TURN
+from .compiled import compiled
+from .turn_layout import Begin, Charts
+
+_TURN = 2.0 * pi
+# Longest period that is looked for [turns].
+_MOST_PERIOD = 64
+
+
+@compiled
+def mark(ends: FloatArray, turn: int, rest: tuple[float, float],
+         state: tuple[int, float, float, float, float]) -> None:  # fmt: skip
+    """Write the end of a turn.
+
+    Args:
+        ends: Ends of turns, shape (turns + 1, END_COLUMNS).
+        turn: Turns that are over.
+        rest: Chart and travel of the end of the last rest; -1 without one, and infinity at rest.
+        state: Chart, gap, its rate, and bounds on the errors of both.
+    """
+    row = ends[turn]
+    row[0], row[1] = rest
+    row[2], row[3], row[4], row[5], row[6] = state
+
+
+@compiled
+def begin_at(ends: FloatArray, turn: int) -> tuple[bool, Begin]:
+    """How the turn after ``turn`` others begins; False at a collision in that very instant."""
+    row = ends[turn]
+    resting = row[0] >= 0.0 and row[1] == inf
+    begin = int(row[2]), row[3], row[4], resting, row[5], row[6]
+    return resting or row[3] != 0.0, begin
+
+
+@compiled
+def repeats(charts: Charts, ends: FloatArray, turn: int) -> int:
+    """After how many turns one repeats an earlier one; 0 if it is not known to.
+
+    What follows a rest does not depend on what was before it, so two turns whose last rests end at
+    the same travel end alike. Without a rest their states at the end have to be the same.
+    """
+    now = ends[turn]
+    for back in range(1, min(turn, _MOST_PERIOD) + 1):
+        then = ends[turn - back]
+        if now[0] != then[0] or now[2] != then[2]:
+            continue
+        if now[0] >= 0.0:
+            if now[1] == then[1] or abs(now[1] - then[1]) <= SAME_TURN * _TURN:
+                return back
+            continue
+        c = int(now[2])
+        wide = charts.high[c] - charts.low[c]
+        fast = max(abs(now[4]), abs(then[4]))
+        if abs(now[3] - then[3]) <= SAME_TURN * wide and abs(now[4] - then[4]) <= SAME_TURN * fast:
+            return back
+    return 0

@@ -1,0 +1,282 @@
+"""Largest torques of the drives in a turn, compiled: from the panels of its motion."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FloatArray
+from .arrival_check import along
+from .compiled import compiled
+from .flight_errors import size
+from .kept import (
+    A_WRONG,
+    BOUNCED,
+    CHART,
+    COVERED,
+    FROM,
+    LENGTH,
+    NODES,
+    T_WRONG,
+    V_BEGIN,
+    V_WRONG,
+    X_BEGIN,
+    X_WRONG,
+    kept,
+)
+from .layout import (
+    AT_REST,
+    BY_U,
+    BY_V,
+    BY_X,
+    KEPT,
+    LOW,
+    RESIDUAL,
+    SCALE,
+    SCRATCH_ROWS,
+    SERIES,
+    UNTOLD,
+)
+from .panel import chebyshev, contract, position, rate_at
+from .repeats import begin_at
+from .turn import follow
+from .turn_charts import visit
+from .turn_layout import Charts, TurnWork
+
+# Places of a panel by its nodes, and of a rest by cells of its chart.
+_PER_NODE, _PER_CELL, _LEAST = 2, 24, 4
+_SEARCH_STEPS = 40
+
+
+@compiled
+def torque_at(torques: Charts, work: TurnWork, i: int, u: float, x: float, v: float,
+              a: float) -> tuple[float, float]:  # fmt: skip
+    """Torque of one drive in one chart, and its derivative by x''.
+
+    Args:
+        torques: The functions.
+        work: Combined for the case.
+        i: Place of chart and drive.
+        u: Travel in the chart [rad].
+        x: Gap.
+        v: Its rate.
+        a: Its acceleration.
+    """
+    row, degree = work.poly.shape[0] - 1, torques.equation.shape[4]
+    contract(work.mixed[i], work.poly, row, torques.span[i], u)
+    place = work.case[i, SCALE] * (x - work.case[i, LOW]) - 1.0
+    p0 = chebyshev(work.poly, row, 0, degree, place)
+    p1 = chebyshev(work.poly, row, degree, degree, place)
+    p2 = chebyshev(work.poly, row, 2 * degree, degree, place)
+    by_a = chebyshev(work.poly, row, 3 * degree, degree, place)
+    return p0 + v * (p1 + v * p2) + by_a * a, by_a
+
+
+@compiled
+def _value(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+           sigma: float) -> float:  # fmt: skip
+    """Torque at a part of a panel that is kept."""
+    numbers = block[KEPT]
+    h, order = numbers[LENGTH], int(numbers[NODES])
+    u = numbers[FROM] + speed * h * sigma
+    if order == 0:
+        return float(torque_at(torques, work, i, u, 0.0, 0.0, 0.0)[0])
+    x = position(block, order, h, numbers[X_BEGIN], numbers[V_BEGIN], sigma)
+    v = rate_at(block, order, h, numbers[V_BEGIN], sigma)
+    a = chebyshev(block, SERIES, 0, order, 2.0 * sigma - 1.0)
+    return float(torque_at(torques, work, i, u, x, v, a)[0])
+
+
+@compiled
+def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+             bracket: tuple[float, float], sign: float) -> float:  # fmt: skip
+    """Largest value of sign times the torque between two places that hold one."""
+    low, high = bracket
+    best = 0.0
+    for _ in range(_SEARCH_STEPS):
+        third = (high - low) / 3.0
+        left = sign * _value(torques, work, i, block, speed, low + third)
+        right = sign * _value(torques, work, i, block, speed, high - third)
+        best = max(best, left, right)
+        # Near an extreme the value is flat: a bracket of 1e-6 knows it to 1e-12.
+        if high - low < 1e-6:
+            break
+        if left < right:
+            low += third
+        else:
+            high -= third
+    return best
+
+
+@compiled
+def _panel(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float,
+           beaten: float) -> tuple[float, float]:  # fmt: skip
+    """Largest torque of a panel and a bound on its error; less may be returned than ``beaten``."""
+    numbers = block[KEPT]
+    order, end = int(numbers[NODES]), numbers[COVERED]
+    count = _PER_NODE * order
+    if order == 0:
+        width = torques.span[i] / torques.equation.shape[2]
+        count = max(_LEAST, int(_PER_CELL * speed * numbers[LENGTH] / width) + 1)
+    most, older = 0.0, 0.0
+    old = first = _value(torques, work, i, block, speed, 0.0)
+    slope = 0.0
+    for j in range(1, count + 1):
+        value = _value(torques, work, i, block, speed, end * j / count)
+        most = max(most, abs(value))
+        if j == 1:
+            slope = abs(value - first)
+        elif (old - older) * (value - old) <= 0.0:
+            # Between places it goes beyond them by less than it changes beside them.
+            reach = abs(old) + max(abs(old - older), abs(value - old))
+            if reach > max(most, beaten):
+                sign = 1.0 if old > 0.0 else -1.0
+                bracket = end * (j - 2) / count, end * j / count
+                most = max(most, _extreme(torques, work, i, block, speed, bracket, sign))
+        if j == count:
+            slope = max(slope, abs(value - old))
+        older, old = old, value
+    most = max(most, abs(first))
+    rate_of_change = slope * count / (end * numbers[LENGTH]) if numbers[LENGTH] > 0.0 else 0.0
+    return most, rate_of_change * numbers[T_WRONG]
+
+
+@compiled
+def _wrong(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: float) -> float:
+    """Bound on the error of the torque along a panel, by those of the functions and the motion."""
+    numbers, sizes = block[KEPT], work.sizes[i]
+    order, h = int(numbers[NODES]), numbers[LENGTH]
+    fastest = steepest = 0.0
+    for j in range(order + 1):
+        sigma = numbers[COVERED] * j / max(order, 1)
+        fastest = max(fastest, abs(rate_at(block, order, h, numbers[V_BEGIN], sigma)))
+        steepest = max(steepest, abs(chebyshev(block, SERIES, 0, order, 2.0 * sigma - 1.0)))
+    wrong = size(sizes, RESIDUAL, fastest) + torques.gap_residual[i, 0] * steepest
+    wrong += size(sizes, BY_U, fastest) * speed * numbers[T_WRONG]
+    wrong += size(sizes, BY_X, fastest) * numbers[X_WRONG]
+    wrong += size(sizes, BY_V, fastest) * numbers[V_WRONG]
+    return float(wrong + _largest_by_a(torques, i) * numbers[A_WRONG])
+
+
+@compiled
+def _largest_by_a(torques: Charts, i: int) -> float:
+    """Largest derivative of a torque by x''."""
+    largest = 0.0
+    _, _, cells, count_u, count_x = torques.gaps.shape
+    for cell in range(cells):
+        total = 0.0
+        for k in range(count_u):
+            for m in range(count_x):
+                total += abs(torques.gaps[i, 0, cell, k, m])
+        largest = max(largest, total)
+    return largest
+
+
+@compiled
+def _after_bounces(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork, c: int, i: int,
+                   block: FloatArray) -> float:  # fmt: skip
+    """Torque in bounces too small to be computed: at rest, but for the acceleration of a flight."""
+    cells, count = work.line.shape[1], work.line.shape[2]
+    width, u = charts.span[c] / cells, block[KEPT, FROM]
+    cell = min(max(int(u / width), 0), cells - 1)
+    still = along(work.line[c], cell, count, width, u)
+    return abs(torque_at(torques, mixed, i, u, 0.0, 0.0, still)[0])
+
+
+@compiled
+def largest_torques(charts: Charts, work: TurnWork, torques: Charts, mixed: TurnWork,
+                    case: tuple[float, float, FloatArray, FloatArray], most: FloatArray,
+                    wrong: FloatArray) -> None:  # fmt: skip
+    """Largest torque of each drive in the motion that is kept.
+
+    Args:
+        charts: The charts of the turn.
+        work: Combined for the case, with the motion.
+        torques: The functions of the torques.
+        mixed: Scratch arrays of these, none of them combined yet.
+        case: Cylinder speed [rad/s], gravity, spring rates and deflections at zero.
+        most: Written, shape (drives,).
+        wrong: Written: bounds on the errors, shape (drives,).
+    """
+    speed, gravity, stiffness, preload = case
+    mixed.ready[:] = False
+    drives = len(most)
+    most[:] = wrong[:] = 0.0
+    for number in range(kept(work.nodes)):
+        first = (1 + number) * SCRATCH_ROWS
+        block = work.nodes[first : first + SCRATCH_ROWS]
+        c = int(block[KEPT, CHART])
+        for d in range(drives):
+            i = c * drives + d
+            visit(torques, mixed, i, speed, gravity, stiffness, preload)
+            value, late = _panel(torques, mixed, i, block, speed, most[d])
+            late += _wrong(torques, mixed, i, block, speed)
+            if block[KEPT, BOUNCED] > 0.0:
+                value = max(value, _after_bounces(charts, work, torques, mixed, c, i, block))
+            # An extreme that is just beaten may be the larger one by its error.
+            wrong[d] = max(wrong[d], late)
+            most[d] = max(most[d], value)
+
+
+@compiled
+def run_torques(grids: FloatArray, charts: Charts, work: TurnWork, keeping: TurnWork,
+                torques: Charts, mixed: TurnWork, speed: FloatArray, restitution: FloatArray,
+                stiffness: FloatArray, preload: FloatArray, gravity: FloatArray, rest_rate: float,
+                tolerance: float, turns: int, begin: tuple[int, float, float, float, bool],
+                clamp: int, events: FloatArray, holds: FloatArray, ends: FloatArray,
+                again: FloatArray, told: NDArray[np.int64], found: FloatArray) -> None:  # fmt: skip
+    """Largest torques of the last turns of many cases; arguments as of ``run_turns``.
+
+    The turns are followed once more, and the last of them again with their motion kept.
+
+    Args:
+        grids: Collocation grids.
+        charts: The functions of the machine.
+        work: Scratch arrays.
+        keeping: Scratch arrays that keep the motion of a turn.
+        torques: The functions of the torques.
+        mixed: Scratch arrays of these.
+        speed: Cylinder speeds, shape (n,) [rad/s].
+        restitution: e_N of the stops, shape (n, K).
+        stiffness: Spring rates, shape (n, springs).
+        preload: Deflections in the springs at zero, likewise.
+        gravity: By the gravity of the model, shape (n,).
+        rest_rate: Threshold of rest, or 0 for the limit of series.
+        tolerance: Relative accuracy.
+        turns: Largest number of turns.
+        begin: Chart, gap, its rate by time and by the cylinder, and whether its stop is closed.
+        clamp: Place of the clamping stop.
+        events: Scratch, shape (most, EVENT_COLUMNS).
+        holds: Scratch, shape (most, HOLD_COLUMNS).
+        ends: Scratch, shape (turns + 1, END_COLUMNS).
+        again: Scratch, shape (2, END_COLUMNS).
+        told: Written: the status, shape (n,).
+        found: Written, shape (n, last, 2, drives): largest torques and bounds on their errors, the
+            last turn first; NaN before the first one.
+    """
+    found[:] = np.nan
+    for i in range(len(speed)):
+        start = begin[0], begin[1], begin[2] + begin[3] * speed[i], begin[4], 0.0, 0.0
+        status, _, _, done, _ = follow(
+            grids, charts, work, speed[i], restitution[i], stiffness[i], preload[i], gravity[i],
+            rest_rate, tolerance, turns, start, clamp, events, holds, ends,
+        )  # fmt: skip
+        case = speed[i], gravity[i], stiffness[i], preload[i]
+        for j in range(min(found.shape[1], done) if status == AT_REST else 0):
+            known, one = begin_at(ends, done - 1 - j)
+            if not known and done - 1 - j > 0:
+                status = UNTOLD
+                break
+            if done - 1 - j == 0:
+                one = start
+            keeping.nodes[KEPT, 0] = 0.0
+            status, _, _, _, _ = follow(
+                grids, charts, keeping, speed[i], restitution[i], stiffness[i], preload[i],
+                gravity[i], rest_rate, tolerance, 1, one, clamp, events, holds, again,
+            )  # fmt: skip
+            if status != AT_REST:
+                break
+            largest_torques(charts, keeping, torques, mixed, case, found[i, j, 0], found[i, j, 1])
+        told[i] = status
+        if status != AT_REST:
+            found[i] = np.nan
