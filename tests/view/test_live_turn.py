@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from judge import press
 
 from nipper_pin import Case, EventKind, Mechanism, SimulationError, Window, load, simulate
 from nipper_pin.view.live import whole_turn
@@ -103,8 +102,10 @@ def test_without_tables_the_reason_is_told(
     e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert unusable(e62) == ""
-    why = unusable(replace(e62, dampers=(next(iter(press().springs)),)))
-    assert "linear springs on joints only" in why
+    law: Any = "any"
+    lawful = tuple(replace(stop, law=law) for stop in e62.stops)
+    why = unusable(replace(e62, stops=lawful))
+    assert "constant restitutions" in why
     rows = read(turn_rows(e62, controls, asked(controls), why))
     assert rows["turn"] == f"not followed: {why}"
     assert rows["turn_engine"] == "none; simulate --window cycle takes the direct one"

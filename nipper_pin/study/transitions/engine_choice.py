@@ -9,6 +9,7 @@ from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
+from ...reduced.turns.fit import unfit_turns
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
@@ -99,7 +100,8 @@ def table_of(
     run = Run(mechanism, cases, settings)
     model, why = _chosen(mechanism, settings.drive, len(cases.speed_rpm), engine)
     left = list(range(len(cases.speed_rpm)))
-    turns = engine == "auto" and unfit(mechanism, settings.drive) is None and installed("numba")
+    turns = engine == "auto" and settings.drive is DriveMode.HELD and installed("numba")
+    turns = turns and unfit_turns(mechanism) is None
     if model is not None:
         left = run.reduced(model, keep_all=engine == "reduced")
         if turns and len(left) >= TURNS_PAY_FROM:

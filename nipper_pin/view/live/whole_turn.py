@@ -16,7 +16,6 @@ import numpy as np
 from ...errors import NipperError
 from ...extras import installed
 from ...mechanism import INDEX_PER_TURN, Mechanism
-from ...reduced import unfit
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS
@@ -75,16 +74,14 @@ def unusable(mechanism: Mechanism) -> str:
     """
     if not installed("numba"):
         return "it needs numba (extra study)"
-    reason = unfit(mechanism)
-    if reason is None:
-        try:
-            # Also the wider ones: a slider must not wait for them.
-            for room in ROOMS:
-                turn_model(mechanism, room=room)
-            turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
-        except NipperError as error:
-            reason = error.message
-    return reason or ""
+    try:
+        # Also the wider ones: a slider must not wait for them.
+        for room in ROOMS:
+            turn_model(mechanism, room=room)
+        turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
+    except NipperError as error:
+        return error.message
+    return ""
 
 
 def turn_rows(
