@@ -13,6 +13,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
+from ...hybrid.result.turns import is_of_drive
 from ...mechanism import Mechanism
 from ..cases import Cases, cases_of
 from ..transitions import FAILED, TURN, TransitionTable, table_of
@@ -187,6 +188,7 @@ def _turns(job: Job, turn: TurnJob, mechanism: Mechanism, cases: Cases) -> TurnT
         rest_rate=job.rest_rate,
         tolerance=job.tolerance,
         max_collisions=job.max_collisions,
+        torques=any(is_of_drive(name, mechanism) for name in job.quantities),
         wanted=frozenset(job.quantities),
     )
     return turns_of(mechanism, cases, settings)

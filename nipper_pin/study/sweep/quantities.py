@@ -59,7 +59,7 @@ def check_quantities(
         UnknownNameError: A name is none.
     """
     if turns:
-        every = turn_names(mechanism)
+        every = turn_names(mechanism, drives=True)
         for name in names:
             # The column of this name is always there.
             if name not in every or name in TURN_COLUMNS:
@@ -93,8 +93,9 @@ def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> st
         mechanism: The model.
         turns: Whether it is one of whole turns.
     """
-    item, stop = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")
-    return item.unit_at(mechanism, stop or mechanism.transition_stop)
+    item, part = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")
+    stops = {stop.name for stop in mechanism.stops}
+    return item.unit_at(mechanism, part if part in stops else mechanism.transition_stop)
 
 
 def quantity(table: TransitionTable, name: str) -> FloatArray:

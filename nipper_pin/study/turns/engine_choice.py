@@ -13,6 +13,7 @@ from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced.inputs import check_run, number
 from ...reduced.turns import TurnModel, turn_model
+from ...reduced.turns.fit import unfit_turns
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
@@ -37,6 +38,7 @@ def turn_table(
     preload_deg: ArrayLike | None = None,
     turns: int = TURNS,
     least_force_N: float = 0.0,
+    torques: bool = False,
     rest_rate: float | None = None,
     tolerance: float = 1e-10,
     max_collisions: int = 256,
@@ -56,6 +58,7 @@ def turn_table(
         turns: Largest number of turns of a case; fewer are computed where they repeat.
         least_force_N: Force above which the transition stop clamps [N]; [N m] at a hinge's stop
             without contact point.
+        torques: Whether the largest torques of the drives are wanted; they cost a turn more.
         rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
         tolerance: Relative accuracy.
         max_collisions: Largest number of collisions of a turn.
@@ -75,8 +78,9 @@ def turn_table(
     need_mechanism(mechanism, "turn_table")
     given = (stiffness_N_per_m, preload_length_mm, stiffness_N_m_per_rad, preload_deg)
     springs = spring_values(mechanism, dict(zip(SPRING_KEYS, given, strict=True)))
-    settings = Settings(turns=turns, least_force=least_force_N, drive=drive, rest_rate=rest_rate,
-                        tolerance=tolerance, max_collisions=max_collisions)  # fmt: skip
+    settings = Settings(turns=turns, least_force=least_force_N, torques=torques, drive=drive,
+                        rest_rate=rest_rate, tolerance=tolerance,
+                        max_collisions=max_collisions)  # fmt: skip
     _need_clamp(mechanism)
     cases = cases_of(mechanism, speed_rpm, restitution, *springs)
     return turns_of(mechanism, cases, settings, engine)
@@ -133,13 +137,7 @@ def _unfit(mechanism: Mechanism, drive: DriveMode) -> str | None:
     """Why the reduced engine cannot follow turns, as far as that is known without tables."""
     if drive != DriveMode.HELD:
         return "the reduced engine needs held drives: inertial shafts move on their own"
-    law = next((stop.name for stop in mechanism.stops if stop.law is not None), None)
-    if law is not None:
-        return f"the reduced engine has constant restitutions, and stop {law!r} has a law"
-    if mechanism.forces:
-        item = mechanism.forces[0]
-        return f"the reduced engine has no forces with a law of their own, and {item.name!r} is one"
-    return None
+    return unfit_turns(mechanism)
 
 
 def _need_clamp(mechanism: Mechanism) -> None:

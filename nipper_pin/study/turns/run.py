@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
 from ...errors import NipperError
 from ...hybrid.case import START_INDEX, Case, Resolution, Window
@@ -16,11 +15,11 @@ from ...hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
-from ...mechanism.cylinder import INDEX_PER_TURN
-from ...reduced.turns import TurnQuantities, TurnStatus, turn_quantities
+from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
 from ...reduced.turns.results import TURN_REASONS
 from ..cases import Cases
 from ..transitions import FAILED, REDUCED, retuned
+from .reduced_columns import reduced_columns, torque_columns
 from .table import FOLLOWED, TurnTable
 
 DIRECT = "direct"
@@ -40,7 +39,9 @@ class Settings:
         rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
         tolerance: Relative accuracy.
         max_collisions: Largest number of collisions of a turn.
-        wanted: Names of the quantities that are read, None for all: some cost more than the turn.
+        torques: Whether the largest torques of the drives are computed.
+        wanted: Names of the quantities that the direct engine reads, None for all of these: errors
+            cost it more than the turn.
     """
 
     turns: int
@@ -49,6 +50,7 @@ class Settings:
     rest_rate: float | None
     tolerance: float
     max_collisions: int
+    torques: bool = False
     wanted: frozenset[str] | None = None
 
 
@@ -63,10 +65,11 @@ class Run:
         self._outcome = np.full(n, FAILED, dtype="U24")
         self._message = [""] * n
         self._turns = np.zeros(n, dtype=np.int64)
-        self._read = {name: of_turn(name, mechanism) for name in turn_names(mechanism)}
-        # By the attribute of the table and, where it is of a stop, the stop.
+        names = turn_names(mechanism, drives=settings.torques)
+        self._read = {name: of_turn(name, mechanism) for name in names}
+        # By the attribute of the table and, where it is of a stop or a drive, its name.
         self._found = {
-            (item.column, stop): np.full(n, np.nan) for item, stop in self._read.values()
+            (item.column, part): np.full(n, np.nan) for item, part in self._read.values()
         }
         self._restitution = {
             stop.name: cases.others.get(stop.name, np.full(n, stop.restitution))
@@ -77,27 +80,30 @@ class Run:
     def reduced(self, *, keep_all: bool) -> list[int]:
         """Follow all cases by the reduced engine; returns those that it leaves to the other."""
         settings = self._settings
-        found = turn_quantities(
-            self._mechanism,
-            speed_rpm=self._cases.speed_rpm,
-            turns=settings.turns,
-            start_index=START_INDEX,
-            restitution=self._restitution,
-            stiffness=self._cases.stiffness,
-            preload=self._cases.preload,
-            least_force=settings.least_force,
-            rest_rate=settings.rest_rate,
-            tolerance=settings.tolerance,
-            max_collisions=settings.max_collisions,
-        )
+        case: dict[str, Any] = {
+            "speed_rpm": self._cases.speed_rpm,
+            "turns": settings.turns,
+            "start_index": START_INDEX,
+            "restitution": self._restitution,
+            "stiffness": self._cases.stiffness,
+            "preload": self._cases.preload,
+            "rest_rate": settings.rest_rate,
+            "tolerance": settings.tolerance,
+            "max_collisions": settings.max_collisions,
+        }
+        found = turn_quantities(self._mechanism, least_force=settings.least_force, **case)
+        status = found.status
+        self._found |= reduced_columns(found)
+        if settings.torques:
+            torques = turn_torques(self._mechanism, **case)
+            status = np.where(status == TurnStatus.FOLLOWED, torques.status, status)
+            self._found |= torque_columns(torques)
         self._engine[:] = REDUCED
-        self._outcome[:] = [_STATUS[status] for status in found.status.tolist()]
-        self._turns = np.where(found.status == TurnStatus.FOLLOWED, found.turns, 0)
-        for key, values in reduced_columns(found).items():
-            self._found[key] = values
-        left = np.flatnonzero(found.status != TurnStatus.FOLLOWED).tolist()
+        self._outcome[:] = [_STATUS[number] for number in status.tolist()]
+        self._turns = np.where(status == TurnStatus.FOLLOWED, found.turns, 0)
+        left = np.flatnonzero(status != TurnStatus.FOLLOWED).tolist()
         for number in left:
-            reason = TURN_REASONS[TurnStatus(int(found.status[number]))]
+            reason = TURN_REASONS[TurnStatus(int(status[number]))]
             self._message[number] = f"the reduced engine: {reason}"
         return [] if keep_all else left
 
@@ -134,21 +140,21 @@ class Run:
             self._message[number] = solution.outcome.value
             return
         wanted = self._settings.wanted
-        for name, (item, stop) in self._read.items():
+        for name, (item, part) in self._read.items():
             if item.read is None or not (wanted is None or name in wanted):
                 continue
-            value: Any = item.read(solution, turn.at(stop) if stop else turn)
+            value: Any = item.read(solution, turn.at(part) if part else turn)
             if value is not None:
-                self._found[item.column, stop][number] = value
+                self._found[item.column, part][number] = value
         self._found["repeats_after", ""][number] = turn.repeats_after
         self._turns[number], self._outcome[number] = turn.number, FOLLOWED
 
     def table(self, why: str) -> TurnTable:
         """The table of all cases."""
-        columns: dict[str, Any] = {}
-        for (column, stop), values in self._found.items():
-            if stop:
-                columns.setdefault(column, {})[stop] = values
+        columns: dict[str, Any] = {"largest_torque": {}, "largest_torque_error": {}}
+        for (column, part), values in self._found.items():
+            if part:
+                columns.setdefault(column, {})[part] = values
             else:
                 columns[column] = values
         again = columns.pop("repeats_after")
@@ -183,45 +189,3 @@ def _until_repeated(
         if cycles == case.cycles or (turn.repeats_after and turn.number < cycles):
             return solution, turn
         cycles = min(_MORE_TURNS * cycles, case.cycles)
-
-
-def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
-    """Columns of a table from the reduced engine, by attribute and stop.
-
-    Args:
-        found: Quantities of the last turn of each case.
-    """
-    whole = {
-        "repeats_after": found.repeats_after.astype(np.float64),
-        "clamped_time": found.clamped_time,
-        "clamped_share": found.clamped_share,
-        "closing_index": _index(found.closed_at),
-        "rest_index": _index(found.rests_at),
-        "loss_index": _index(found.lost_at),
-        "opening_index": _index(found.opened_at),
-        "least_clamping_force": found.least_force,
-        "largest_clamping_force": found.most_force,
-        "clamping_force_error": found.force_error,
-        "largest_gap": found.largest_gap,
-        "largest_gap_error": found.gap_error,
-        "energy_lost": found.energy_lost,
-    }
-    each = {
-        "collisions": found.collisions,
-        "impulse_sum": found.impulse_sum,
-        "impulse_sum_error": found.impulse_sum_error,
-        "largest_impulse": found.largest_impulse,
-    }
-    return {
-        **{(name, ""): np.array(values) for name, values in whole.items()},
-        **{
-            (name, stop): np.array(values[:, place])
-            for name, values in each.items()
-            for place, stop in enumerate(found.stops)
-        },
-    }
-
-
-def _index(travel: FloatArray) -> FloatArray:
-    """Indices at travels from the start of a turn [rad]."""
-    return np.asarray(START_INDEX + INDEX_PER_TURN * travel / (2.0 * np.pi))

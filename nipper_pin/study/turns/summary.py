@@ -56,7 +56,7 @@ def columns(table: TurnTable) -> dict[str, Column]:
         "repeats_after": table.repeats_after,
         **{
             name: table.quantity(name)
-            for name in turn_names(table.mechanism)
+            for name in turn_names(table.mechanism, drives=bool(table.largest_torque))
             if name != "repeats_after"
         },
     }

@@ -42,20 +42,27 @@ class TurnTable:
         repeats_after: After how many turns it repeats an earlier one; 0 if it does not.
         clamped_time: Time with the stop closed and its force above the given one [s].
         clamped_share: The same by the time of a turn.
+        clamped_time_error: Its stated error [s]; the direct engine states none.
         closing_index: Index of its first collision.
         rest_index: Index of its first rest.
         loss_index: Index at which its force falls to zero.
         opening_index: Index at which a collision of another stop throws it open.
+        closing_index_error: Stated error; those of the other indices are called likewise.
         least_clamping_force: Smallest force while it is closed [N or N m].
         largest_clamping_force: Largest force.
         clamping_force_error: Bound on the errors of both; the direct engine states none.
         largest_gap: Largest gap of its rebounds [rad or m].
         largest_gap_error: Its stated error.
         energy_lost: Kinetic energy lost in all collisions [J].
+        energy_lost_error: Its stated error [J].
         collisions: By stop: collisions that were computed.
-        impulse_sum: By stop: sum of their impulses [N s or N m s].
-        impulse_sum_error: By stop: stated error of the sum, of the collisions that were computed.
+        impulse_sum: By stop: sum of impulses [N s or N m s].
+        impulse_sum_error: By stop: its stated error.
         largest_impulse: By stop: largest impulse.
+        largest_impulse_error: By stop: its stated error.
+        largest_torque: By drive, empty unless asked for: largest magnitude of the torque between
+            events [N m]; of a drive along a slide [N].
+        largest_torque_error: By drive: its stated error; the direct engine states none.
         mechanism: The mechanism, with the values that no column changes.
     """
 
@@ -76,16 +83,25 @@ class TurnTable:
     rest_index: FloatArray
     loss_index: FloatArray
     opening_index: FloatArray
+    clamped_time_error: FloatArray
+    closing_index_error: FloatArray
+    rest_index_error: FloatArray
+    loss_index_error: FloatArray
+    opening_index_error: FloatArray
     least_clamping_force: FloatArray
     largest_clamping_force: FloatArray
     clamping_force_error: FloatArray
     largest_gap: FloatArray
     largest_gap_error: FloatArray
     energy_lost: FloatArray
+    energy_lost_error: FloatArray
     collisions: Mapping[str, FloatArray]
     impulse_sum: Mapping[str, FloatArray]
     impulse_sum_error: Mapping[str, FloatArray]
     largest_impulse: Mapping[str, FloatArray]
+    largest_impulse_error: Mapping[str, FloatArray]
+    largest_torque: Mapping[str, FloatArray]
+    largest_torque_error: Mapping[str, FloatArray]
     mechanism: Mechanism
 
     def __len__(self) -> int:
@@ -107,14 +123,14 @@ class TurnTable:
         """Values of a quantity by its name in files, such as ``rest_index``, shape (n,).
 
         Args:
-            name: The name; of a stop with its name behind, such as ``collisions_jaw``.
+            name: The name; of a stop or drive with its name behind, such as ``collisions_jaw``.
 
         Raises:
-            KeyError: There is none of this name.
+            KeyError: There is none of this name, or it was not asked for.
         """
-        item, stop = of_turn(name, self.mechanism)
+        item, part = of_turn(name, self.mechanism)
         found = getattr(self, item.column)
-        return np.asarray(found[stop] if stop else found, dtype=np.float64)
+        return np.asarray(found[part] if part else found, dtype=np.float64)
 
     def to_frame(self, library: str | None = None) -> Any:
         """All cases as a data frame, with the names and units of study files.

@@ -1,16 +1,18 @@
-"""The force of a stop while it is closed: its extremes, and the time with a force above a level."""
+"""Forces along a turn: extremes of a stop's and a drive's, time with a force above a level."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from ....arrays import FloatArray
+from ....dynamics.multipliers import Multipliers
 from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
 from ...motion.panel import Panel, forces_at
 from ...segment import Segment
@@ -18,6 +20,7 @@ from ..solution import Solution
 
 # Places of one polynomial, and halvings of what it does not hold.
 _PLACES, _HALVINGS = 24, 3
+_Force = Callable[[Segment, Multipliers], FloatArray | None]
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,8 @@ def held(
     Returns:
         None if there is no stretch.
     """
-    found = [piece for stretch in stretches for piece in _pieces(solution, stop, *stretch)]
+    force = partial(_of_stop, solution, stop)
+    found = [piece for stretch in stretches for piece in _pieces(solution, force, *stretch)]
     if not found:
         return None
     ends = [piece.extremes() for piece in found]
@@ -61,6 +65,38 @@ def held(
         largest=max(high for _, high in ends),
         above=math.fsum(piece.above(level) for piece in found),
     )
+
+
+def largest_torque(solution: Solution, drive: str, begin: float, end: float) -> float:
+    """Largest magnitude of the torque of a drive between the events of a stretch.
+
+    Args:
+        solution: The run.
+        drive: Name of the drive.
+        begin: Begin of the stretch [s].
+        end: Its end [s].
+
+    Returns:
+        The torque [N m], or the force of a drive along a slide [N].
+    """
+    place = [item.name for item in solution.mechanism.drives].index(drive)
+
+    def torque(_: Segment, forces: Multipliers) -> FloatArray:
+        return forces.drive[:, place]
+
+    ends = [piece.extremes() for piece in _pieces(solution, torque, begin, end)]
+    return max((max(-low, high) for low, high in ends), default=0.0)
+
+
+def _of_stop(
+    solution: Solution, stop: str, segment: Segment, forces: Multipliers
+) -> FloatArray | None:
+    """Force at the contact of a stop, shape (K,); None where it is open."""
+    closed = [item for item in solution.mechanism.stops if item.name in segment.closed]
+    for place, item in enumerate(closed):
+        if item.name == stop:
+            return forces.la_N[:, place] / item.lever
+    return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,25 +131,23 @@ def _roots(coefficients: FloatArray) -> list[float]:
     return sorted(float(x) for x in real if -1.0 < x < 1.0)
 
 
-def _pieces(solution: Solution, stop: str, begin: float, end: float) -> Iterator[_Piece]:
-    """The force of a stop on a stretch."""
+def _pieces(solution: Solution, force: _Force, begin: float, end: float) -> Iterator[_Piece]:
+    """A force on a stretch, where there is one."""
     for segment in solution.segments:
-        if segment.t_end <= begin or segment.t_start >= end or stop not in segment.closed:
+        if segment.t_end <= begin or segment.t_start >= end:
             continue
         for panel, low, high in segment.pieces():
             first, last = max(low, begin), min(high, end)
             if last > first:
-                yield from _resolved(solution, stop, segment, panel, first, last)
+                yield from _resolved(solution, force, segment, panel, first, last)
 
 
 def _resolved(
-    solution: Solution, stop: str, segment: Segment, panel: Panel, begin: float, end: float
+    solution: Solution, force: _Force, segment: Segment, panel: Panel, begin: float, end: float
 ) -> Iterator[_Piece]:
-    """The force on a part of a panel, cut in halves until polynomials hold it."""
+    """A force on a part of a panel, cut in halves until polynomials hold it."""
     system = solution.system
     phase = system.constraint_set(segment.closed)
-    closed = [item for item in solution.mechanism.stops if item.name in segment.closed]
-    place, lever = next((i, item.lever) for i, item in enumerate(closed) if item.name == stop)
     # Places within, where no event at an end lets the force jump.
     x = np.cos(np.pi * (np.arange(_PLACES) + 0.5) / _PLACES)
     left = [(begin, end)]
@@ -121,8 +155,10 @@ def _resolved(
         rough = []
         for low, high in left:
             t = 0.5 * (low + high) + 0.5 * (high - low) * x
-            force = forces_at(system, phase, panel, t)[3].la_N[:, place] / lever
-            coefficients = _array(chebyshev.chebfit(x, force, _PLACES - 1))
+            values = force(segment, forces_at(system, phase, panel, t)[3])
+            if values is None:
+                return
+            coefficients = _array(chebyshev.chebfit(x, values, _PLACES - 1))
             if halving < _HALVINGS and _rough(coefficients):
                 middle = 0.5 * (low + high)
                 rough += [(low, middle), (middle, high)]

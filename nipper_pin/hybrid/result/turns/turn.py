@@ -15,52 +15,10 @@ from ..rebound_errors import rebound_error
 from ..solution import Solution
 from ..tables import Collision
 from .held import Held, held
+from .parts import DriveTurn, StopTurn
 from .period import repetition
 
 _ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class StopTurn:
-    """Collisions of one stop in one turn, those that were computed: a series has infinitely many.
-
-    Attributes:
-        solution: The run.
-        stop: Name of the stop.
-        hits: Collisions in which it receives an impulse.
-    """
-
-    solution: Solution
-    stop: str
-    hits: tuple[Event, ...]
-
-    @property
-    def collisions(self) -> int:
-        """Their number."""
-        return len(self.hits)
-
-    @property
-    def impulse_sum(self) -> float:
-        """Sum of impulses at the contact point [N s]; without one along the joint, too [N m s]."""
-        return math.fsum(self._impulses)
-
-    @property
-    def impulse_sum_error(self) -> float:
-        """Estimated error of that."""
-        errors = (self.solution.errors[event.number - 1].impulse for event in self.hits)
-        return math.fsum(
-            error * impulse for error, impulse in zip(errors, self._impulses, strict=True)
-        )
-
-    @property
-    def largest_impulse(self) -> float:
-        """Largest of them, zero without any."""
-        return max(self._impulses, default=0.0)
-
-    @property
-    def _impulses(self) -> list[float]:
-        lever = self.solution.mechanism.stop(self.stop).lever
-        return [event.P_N[self.stop] / lever for event in self.hits]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,7 +43,12 @@ class Turn:
     @property
     def closing_index(self) -> float | None:
         """Index of the first collision of the transition stop."""
-        return self._index(next((hit.t for hit in self._hits), None))
+        return self._index(self._closing)
+
+    @property
+    def closing_index_error(self) -> float | None:
+        """Estimated error of that; so are the others called."""
+        return self._index_error(self._closing)
 
     @property
     def rest_index(self) -> float | None:
@@ -93,22 +56,29 @@ class Turn:
         return self._index(self._first(EventKind.REST))
 
     @property
+    def rest_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._first(EventKind.REST))
+
+    @property
     def loss_index(self) -> float | None:
         """Index at which its force falls to zero and it opens by itself."""
         return self._index(self._first(EventKind.RELEASE))
 
     @property
+    def loss_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._first(EventKind.RELEASE))
+
+    @property
     def opening_index(self) -> float | None:
         """Index at which a collision of another stop throws it open."""
-        name = self._stop
-        opened = (
-            event.t
-            for event in self._events
-            if event.kind is EventKind.COLLISION
-            and name in event.closed_before
-            and name not in event.closed_after
-        )
-        return self._index(next(opened, None))
+        return self._index(self._opening)
+
+    @property
+    def opening_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._opening)
 
     @property
     def clamped_time(self) -> float:
@@ -134,7 +104,7 @@ class Turn:
     def largest_gap(self) -> float | None:
         """Largest gap of its rebounds, those that end at the stop itself [rad or m].
 
-        A rebound that is not followed, since rest is known or it is too slow, has none.
+        One that is slower than ``rest_rate`` is none.
         """
         hit = self._highest
         return None if hit is None else hit.rebound_amplitude
@@ -147,17 +117,26 @@ class Turn:
 
     @property
     def energy_lost(self) -> float:
-        """Kinetic energy lost in all collisions that were computed [J]."""
-        return math.fsum(event.energy_lost for event in self._collisions)
+        """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
+        return math.fsum(event.energy_lost for event in self._losing)
 
-    def at(self, stop: str) -> StopTurn:
-        """Collisions of a stop.
+    @property
+    def energy_lost_error(self) -> float:
+        """Estimated error of that [J]: a loss goes with the square of an impulse."""
+        errors = self.solution.errors
+        return math.fsum(
+            2.0 * errors[event.number - 1].impulse * event.energy_lost for event in self._losing
+        )
+
+    def at(self, name: str) -> StopTurn | DriveTurn:
+        """What a stop or a drive does in the turn.
 
         Args:
-            stop: Its name.
+            name: Its name.
         """
-        hits = (event for event in self._collisions if event.P_N.get(stop, 0.0) > 0.0)
-        return StopTurn(self.solution, stop, tuple(hits))
+        if name in {drive.name for drive in self.solution.mechanism.drives}:
+            return DriveTurn(self.solution, name, *self._span)
+        return StopTurn(self.solution, name, self._events)
 
     @property
     def _stop(self) -> str:
@@ -167,15 +146,24 @@ class Turn:
     def _period(self) -> float:
         return self.solution.shaft.period
 
+    @property
+    def _span(self) -> tuple[float, float]:
+        """Begin and end [s]."""
+        return (self.number - 1) * self._period, self.number * self._period
+
     @cached_property
     def _events(self) -> tuple[Event, ...]:
         """Events of the turn; one at its very end is the next turn's."""
-        begin, end = (self.number - 1) * self._period, self.number * self._period
+        begin, end = self._span
         return tuple(event for event in self.solution.events if begin <= event.t < end)
 
     @property
-    def _collisions(self) -> list[Event]:
-        return [event for event in self._events if event.kind is EventKind.COLLISION]
+    def _losing(self) -> list[Event]:
+        """Collisions, and limits of series, which hold what the bounces before them lose."""
+        kinds = [EventKind.COLLISION]
+        if self.solution.case.rest_rate is None:
+            kinds.append(EventKind.REST)
+        return [event for event in self._events if event.kind in kinds]
 
     @cached_property
     def _hits(self) -> list[Collision]:
@@ -195,9 +183,11 @@ class Turn:
         return max(known, key=lambda item: item[0])[1] if known else None
 
     def _ends_there(self, hit: Collision) -> bool:
-        """Whether a rebound was followed, and no other stop is struck before it ends."""
+        """Whether a collision has a rebound, and no other stop is struck before it ends."""
         end, left_out = hit.rebounds.until(hit.event)
-        if end is None or end is hit.event or left_out is not None:
+        if end is None or end is hit.event:
+            return False
+        if left_out is not None and self.solution.case.rest_rate is not None:
             return False
         between = self.solution.events[hit.event.number : end.number]
         return all(
@@ -206,7 +196,7 @@ class Turn:
 
     @cached_property
     def _held(self) -> Held | None:
-        begin, end = (self.number - 1) * self._period, self.number * self._period
+        begin, end = self._span
         parts = [
             (max(item.t_start, begin), min(item.t_end, end))
             for item in self.solution.phases
@@ -214,16 +204,39 @@ class Turn:
         ]
         return held(self.solution, self._stop, parts, self.least_force)
 
-    def _first(self, kind: EventKind) -> float | None:
-        """Time of its first event of a kind [s]."""
-        found = (item.t for item in self._events if item.kind is kind and self._stop in item.stops)
+    @property
+    def _closing(self) -> Event | None:
+        return next((hit.event for hit in self._hits), None)
+
+    @property
+    def _opening(self) -> Event | None:
+        """The collision of another stop that throws it open."""
+        name = self._stop
+        opened = (
+            event
+            for event in self._events
+            if event.kind is EventKind.COLLISION
+            and name in event.closed_before
+            and name not in event.closed_after
+        )
+        return next(opened, None)
+
+    def _first(self, kind: EventKind) -> Event | None:
+        """Its first event of a kind."""
+        found = (item for item in self._events if item.kind is kind and self._stop in item.stops)
         return next(found, None)
 
-    def _index(self, t: float | None) -> float | None:
-        if t is None:
+    def _index(self, event: Event | None) -> float | None:
+        if event is None:
             return None
-        travel = t / self._period - (self.number - 1)
+        travel = event.t / self._period - (self.number - 1)
         return self.solution.case.start_index + INDEX_PER_TURN * travel
+
+    def _index_error(self, event: Event | None) -> float | None:
+        if event is None:
+            return None
+        error: float = self.solution.errors[event.number - 1].time
+        return INDEX_PER_TURN * error / self._period
 
 
 def reported_turn(solution: Solution, least_force: float = 0.0) -> Turn:
