@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from .study.entry_points import check, identify, optimise, sweep
     from .study.sweep import read_sweep
     from .study.transitions import TransitionTable, transition_table
+    from .study.turns import TurnTable, turn_table
     from .view.show import view
 else:
     # Type checkers read the lines above instead: with this function they would accept any name.
@@ -59,6 +60,7 @@ else:
         "study.entry_points": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),
         "study.transitions": ("TransitionTable", "transition_table"),
+        "study.turns": ("TurnTable", "turn_table"),
     }
     # Public functions with the name of a subpackage, which an import would put in their place.
     _ROOMS = ("view",)
@@ -107,6 +109,7 @@ __all__ = [
     "Solution",
     "Transition",
     "TransitionTable",
+    "TurnTable",
     "UnknownNameError",
     "Window",
     "check",
@@ -122,5 +125,6 @@ __all__ = [
     "simulate",
     "sweep",
     "transition_table",
+    "turn_table",
     "view",
 ]

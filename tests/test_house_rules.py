@@ -66,6 +66,7 @@ MANY = {
     "study/entry_points.py optimise",
     "study/optimise/run.py optimise",
     "study/transitions/engine_choice.py transition_table",
+    "study/turns/engine_choice.py turn_table",
 }
 LARGE = {
     "bench/run_time/skips.py",

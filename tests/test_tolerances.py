@@ -35,7 +35,7 @@ SETTINGS = {
     "bench/run_time/stated.py": "STATED_TOLERANCES",
     "bench/run_time/turns.py": "_TOLERANCES",
     "bench/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
-    "study/sweep/plan.py": "_MECHANISM_S, _TABLES_S, _REDUCED_S, _DIRECT_S",  # run times
+    "study/sweep/plan.py": "_TRANSITIONS, _TURNS",  # run times
 }
 """Small numbers that are no tolerances, by module."""
 

@@ -1,16 +1,16 @@
-"""Parameters of many transitions: names with units outside, checked SI values inside."""
+"""Parameters of many cases: names with units outside, checked SI values inside."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
-from ..errors import InputError
+from ..errors import InputError, UnknownNameError
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
 from ..reduced.inputs import column, spring_rows
@@ -37,18 +37,20 @@ class Cases:
         restitution: e_N of the transition stop, shape (n,).
         stiffness: Spring rates, shape (n, springs) [N/m or N m/rad].
         preload: Deflections in the springs at zero, likewise [m or rad].
+        others: e_N of other stops by name, shape (n,); without one, that of the mechanism.
     """
 
     speed_rpm: FloatArray
     restitution: FloatArray
     stiffness: FloatArray
     preload: FloatArray
+    others: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 def cases_of(
     mechanism: Mechanism,
     speed_rpm: ArrayLike,
-    restitution: ArrayLike | None = None,
+    restitution: ArrayLike | Mapping[str, ArrayLike] | None = None,
     stiffness: ArrayLike | None = None,
     preload: ArrayLike | None = None,
 ) -> Cases:
@@ -57,16 +59,15 @@ def cases_of(
     Args:
         mechanism: The mechanism; its values where there is None.
         speed_rpm: [r/min], a number or shape (n,).
-        restitution: Likewise.
+        restitution: Likewise of the transition stop, or of stops by name.
         stiffness: Shape (n,) with one spring or (n, springs) [N/m or N m/rad].
         preload: Likewise [m or rad].
 
     Raises:
-        InputError: A value is out of range.
+        InputError: A value is out of range, or there is no such stop.
     """
     springs = mechanism.springs
-    if restitution is None:
-        restitution = mechanism.stop(mechanism.transition_stop).restitution
+    restitution, others = _by_stop(mechanism, restitution)
     if stiffness is None:
         stiffness = np.array([[spring.stiffness for spring in springs]])
     if preload is None:
@@ -76,7 +77,8 @@ def cases_of(
     rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
     lengths = spring_rows("preload", preload, len(springs), -np.inf)
     try:
-        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1])
+        (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1],
+                                   *(item.shape for item in others.values()))  # fmt: skip
     except ValueError as error:
         message = f"the arrays of a table need the same number of cases: {error}"
         raise InputError(message) from error
@@ -86,7 +88,28 @@ def cases_of(
         np.broadcast_to(e_N, (n,)).copy(),
         np.broadcast_to(rates, shape).copy(),
         np.broadcast_to(lengths, shape).copy(),
+        {name: np.broadcast_to(item, (n,)).copy() for name, item in others.items()},
     )
+
+
+def _by_stop(
+    mechanism: Mechanism, restitution: ArrayLike | Mapping[str, ArrayLike] | None
+) -> tuple[ArrayLike, dict[str, FloatArray]]:
+    """e_N of the transition stop, and those of others that are given, checked."""
+    clamp = mechanism.transition_stop
+    if not isinstance(restitution, Mapping):
+        restitution = {} if restitution is None else {clamp: restitution}
+    names = [stop.name for stop in mechanism.stops]
+    for name in restitution:
+        if name not in names:
+            raise UnknownNameError(kind="stop", name=name, known=names, where="restitution")
+    others = {
+        name: column(f"restitution of {name}", value, 0.0, 1.0)
+        for name, value in restitution.items()
+        if name != clamp
+    }
+    own = restitution[clamp] if clamp in restitution else mechanism.stop(clamp).restitution
+    return own, others
 
 
 def spring_values(

@@ -15,6 +15,7 @@ from .cases import SPRING_KEYS
 
 if TYPE_CHECKING:
     from .transitions import TransitionTable
+    from .turns import TurnTable
 
 
 def line(table: TransitionTable) -> str:
@@ -25,7 +26,7 @@ def line(table: TransitionTable) -> str:
     """
     count = len(table)
     cases = f"{count:,} case{'' if count == 1 else 's'}"
-    return f"<TransitionTable of {table.model}: {cases}, {_outcomes(table)}; {table.why}>"
+    return f"<TransitionTable of {table.model}: {cases}, {outcomes(table)}; {table.why}>"
 
 
 def page(table: TransitionTable) -> str:
@@ -37,7 +38,7 @@ def page(table: TransitionTable) -> str:
     shown = {name: list(values) for name, values in columns(table, collisions=1).items()}
     rows = list(zip(*shown.values(), strict=True))
     title = f"{len(table):,} transitions of {table.model}"
-    return html(title, {"outcomes": _outcomes(table), "engine": table.why}, list(shown), rows)
+    return html(title, {"outcomes": outcomes(table), "engine": table.why}, list(shown), rows)
 
 
 def columns(table: TransitionTable, collisions: int = 2) -> dict[str, Column]:
@@ -62,7 +63,7 @@ def columns(table: TransitionTable, collisions: int = 2) -> dict[str, Column]:
         "message": list(table.message),
         "speed_rpm": table.speed_rpm,
         "restitution": table.restitution,
-        **_springs(table),
+        **spring_columns(table),
     }
     for quantity in TRANSITION:
         name = quantity.column or quantity.name
@@ -77,8 +78,12 @@ def columns(table: TransitionTable, collisions: int = 2) -> dict[str, Column]:
     return {**whole, **each}
 
 
-def _springs(table: TransitionTable) -> dict[str, Column]:
-    """Rates and preloads by their paths in the model, in the units of its file."""
+def spring_columns(table: TransitionTable | TurnTable) -> dict[str, Column]:
+    """Rates and preloads by their paths in the model, in the units of its file.
+
+    Args:
+        table: The table.
+    """
     return {
         f"springs.{spring.name}.{key}": getattr(table, row)[:, place] / scale
         for place, spring in enumerate(table.mechanism.springs)
@@ -97,6 +102,11 @@ def _rows(table: TransitionTable) -> list[tuple[str, Any]]:
     ]
 
 
-def _outcomes(table: TransitionTable) -> str:
+def outcomes(table: TransitionTable | TurnTable) -> str:
+    """How the cases of a table ended, and how many so.
+
+    Args:
+        table: The table.
+    """
     found = Counter(table.outcome.tolist())
     return ", ".join(f"{count:,} {word.replace('_', ' ')}" for word, count in found.most_common())

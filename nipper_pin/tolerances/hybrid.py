@@ -144,6 +144,13 @@ round-off of closed positions."""
 SAME_RATE = 1e-6
 """[1] By the largest rate of the turn: the same of rates. A choice, far above amplified round-off
 and far below what an event changes."""
+FORCE_RESOLVED = 1e-11
+"""[1] By the largest coefficient: last ones of a series that holds the force of a closed stop. A
+choice, a tenth of the tolerance that turns have unless another is asked for."""
+REAL_ROOT = 1e-9
+"""[1] Imaginary part, by half the interval, up to which a root of such a series is real. A choice
+above the round-off of eigenvalues; a root that is taken or left in error changes an extreme by its
+square."""
 ENERGY_AGREEMENT = 1e-12
 """[1] Error of an energy integral, by the energy of the panel, or by the largest kinetic energy so
 far times its part of the duration. A choice: round-off may exceed the former."""

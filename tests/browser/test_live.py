@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page
 
-from nipper_pin import Case, Solution, load, simulate
+from nipper_pin import Case, Solution, Window, load, simulate
 
 pytestmark = [
     pytest.mark.skipif(find_spec("viser") is None, reason="viser is not installed (extra `live`)"),
@@ -170,6 +170,25 @@ def test_numbers_and_plots_follow_every_slider(page: Page) -> None:
     press(page, PRELOAD, "ArrowLeft", 5)
     follow(page, "speed 680 r/min, restitution of the jaw 0.15, stiffness 10 N/mm, preload 10 mm")
     check(page, run(680.0, 0.15, 10.0, 10.0))
+
+
+def test_the_whole_turn_follows_the_sliders(page: Page) -> None:
+    """Rest and opening in the turn, as the direct engine has them; also where the jaw throws on."""
+    page.wait_for_selector("[data-key=rest]")
+    for speed in (650.0, 700.0):
+        enter(page, SPEED, f"{speed:g}")
+        page.wait_for_selector("[data-key=rest]")
+        wanted = simulate(load("e62"), Case(speed_rpm=speed, window=Window.CYCLE))
+        whole = wanted.transitions[0]
+        rest = float(wanted.shaft.angle(whole.t_start + whole.duration))
+        index = wanted.mechanism.cylinder.index_from_angle(rest)
+        assert number(page, "rest") == pytest.approx(index, abs=6e-4)
+        assert number(page, "opening") == pytest.approx(7.492, abs=2e-3)
+        assert page.locator("[data-key=turn_engine]").inner_text().startswith("reduced, ")
+    enter(page, RESTITUTION, "0.7")
+    page.wait_for_selector("#message")
+    page.wait_for_selector("[data-key=rest]")
+    assert page.locator("#turn").count() == 1
 
 
 def test_a_setting_without_rest_shows_its_reason_instead_of_numbers(page: Page) -> None:

@@ -354,7 +354,9 @@ def test_designs_without_a_quantity() -> None:
     )
     source: Any = SimpleNamespace(problem=problem)
     values = {"duration_s": 0.5, "rebound_amplitude_1": 2.0, "rebound_time_s_1": math.nan}
-    known: Any = SimpleNamespace(cycle=None, bounces=SimpleNamespace(values=values, turn=None))
+    known: Any = SimpleNamespace(
+        cycle=None, turn=None, bounces=SimpleNamespace(values=values, turn=None)
+    )
     assert evaluate.Evaluator._values(source, known, np.array([5.0])) == pytest.approx(
         {"speed_rpm": 605.0, **values}, nan_ok=True
     )
@@ -376,7 +378,9 @@ def test_designs_with_a_cycle(monkeypatch: pytest.MonkeyPatch, turns: bool, thin
         problem=SimpleNamespace(speed=lambda _: 600.0, quantities=("a", "b"))
     )
     known: Any = SimpleNamespace(
-        cycle="cycle", bounces=SimpleNamespace(values={}, turn="turn" if turns else None)
+        cycle="cycle",
+        turn=None,
+        bounces=SimpleNamespace(values={}, turn="turn" if turns else None),
     )
     found = evaluate.Evaluator._values(source, known, np.zeros(1), thin=thin)
     cycle = "half cycle" if thin else "cycle"
@@ -790,7 +794,7 @@ def test_a_table_of_a_sweep() -> None:
 
 def test_stated_errors_of_a_design() -> None:
     """What half of the samples change and round-off; those of the transition where it has some."""
-    known = SimpleNamespace(bounces=SimpleNamespace(errors={"duration_s": 0.5}))
+    known = SimpleNamespace(turn=None, bounces=SimpleNamespace(errors={"duration_s": 0.5}))
     whole = {"a": 8.0, "b": -400.0, "c": 0.0, "duration_s": 3.0}
     half = {"a": 8.25, "b": -400.5, "c": -0.125, "duration_s": 3.0}
     source: Any = SimpleNamespace(
@@ -813,7 +817,7 @@ def test_points_and_why_they_are_none(monkeypatch: pytest.MonkeyPatch, cycle: bo
     waiting = SimpleNamespace(index="index", force="force")
     known = SimpleNamespace(
         cycle=SimpleNamespace(waiting=waiting) if cycle else None,
-        bounces=SimpleNamespace(engine="turn"),
+        engine="turn",
     )
     source: Any = SimpleNamespace(
         _known=lambda _: known, _values=lambda *_: {"a": 1.0},

@@ -6,6 +6,7 @@ the other evaluates tables in compiled code. Where both state their errors, each
 
 from __future__ import annotations
 
+import dataclasses
 import gc
 import json
 import weakref
@@ -19,7 +20,13 @@ import pytest
 from nipper_pin import Case, DriveMode, InputError, Resolution, load, simulate
 from nipper_pin.mechanism import Mechanism, from_sources
 from nipper_pin.reduced import ReducedModel, build, model_cache, reduced_model, transitions
-from nipper_pin.study.transitions import REDUCED_PAYS_FROM, TransitionTable, transition_table
+from nipper_pin.study.transitions import (
+    REDUCED_PAYS_FROM,
+    TURNS_PAY_FROM,
+    TransitionTable,
+    engine_choice,
+    transition_table,
+)
 
 TESTS = Path(__file__).parents[1]
 STATED = {
@@ -75,6 +82,89 @@ def test_engines_agree(e62: Mechanism) -> None:
         one, other = (getattr(table, key)[..., :both] for table in (direct, reduced))
         known = np.isfinite(one) & np.isfinite(other)
         np.testing.assert_allclose(one[known], other[known], rtol=rel, atol=0.0, err_msg=key)
+
+
+def compared(one: TransitionTable, other: TransitionTable) -> float:
+    """Largest difference of two tables by the errors that both state."""
+    both = min(one.time.shape[1], other.time.shape[1])
+    worst = 0.0
+    for key, error in STATED.items():
+        values = [getattr(table, key)[:, :both] for table in (one, other)]
+        stated = getattr(one, error)[:, :both] + getattr(other, error)[:, :both]
+        known = np.isfinite(values[0]) & np.isfinite(values[1]) & (stated > 0.0)
+        assert known[:, 0].all() or key == "time", key
+        worst = max(worst, float((np.abs(values[0] - values[1])[known] / stated[known]).max()))
+    known = np.isfinite(one.duration)
+    np.testing.assert_array_equal(known, np.isfinite(other.duration))
+    stated = (one.duration_error + other.duration_error)[known]
+    late = np.abs(one.duration - other.duration)[known] / stated
+    np.testing.assert_allclose(one.first_two_share, other.first_two_share, rtol=1e-7)
+    turns = (one.cylinder_angle[:, 0] - other.cylinder_angle[:, 0]) / (2.0 * np.pi)
+    np.testing.assert_allclose(turns, np.rint(turns), atol=1e-9)
+    return max(worst, float(late.max(initial=0.0)))
+
+
+def test_turns_of_the_reduced_engine(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no turn has the assumed transition, tables follow the turns from some cases on.
+
+    The engine is named, the verdict is that of the direct engine, and so are all numbers within
+    both stated errors. The first rebound is another than the assumed one by more than a tenth.
+    """
+    speeds = np.linspace(1000.0, 1180.0, TURNS_PAY_FROM)
+    found = transition_table(e62, speed_rpm=speeds)
+    assert found.engine.tolist() == ["reduced_turn"] * TURNS_PAY_FROM
+    assert found.premise_holds.tolist() == [False] * TURNS_PAY_FROM
+    assert set(found.message) == {"This is the transition of the turn."}
+    few = transition_table(e62, speed_rpm=speeds[:2])
+    assert few.engine.tolist() == ["turn"] * 2
+    assert few.premise_holds.tolist() == [False] * 2
+    monkeypatch.setattr(engine_choice, "TURNS_PAY_FROM", 2)
+    pair = transition_table(e62, speed_rpm=speeds[:2])
+    assert pair.engine.tolist() == ["reduced_turn"] * 2
+    np.testing.assert_array_equal(pair.duration, found.duration[:2])
+    assert compared(pair, few) <= 1.0
+    assumed = transition_table(e62, speed_rpm=speeds[:2], engine="direct")
+    assert (np.abs(assumed.rebound_amplitude[:, 0] / few.rebound_amplitude[:, 0] - 1) > 0.1).all()
+    # Settings reach the turns: another restitution, a spring and an end by a rate.
+    other = {"restitution": 0.35, "stiffness_N_per_m": 9500.0, "preload_length_mm": 11.5}
+    pair = transition_table(e62, speed_rpm=speeds[:2], rest_rate=1e-3, **other)  # type: ignore[arg-type]
+    monkeypatch.undo()
+    few = transition_table(e62, speed_rpm=speeds[:2], rest_rate=1e-3, **other)  # type: ignore[arg-type]
+    assert (pair.engine.tolist(), few.engine.tolist()) == (["reduced_turn"] * 2, ["turn"] * 2)
+    np.testing.assert_array_equal(pair.collisions, few.collisions)
+    assert compared(pair, few) <= 1.0
+
+
+@pytest.mark.slow
+def test_turns_of_both_engines_in_random_cases(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever tables follow the turns, the direct engine finds the same, and the same verdict."""
+    random = np.random.default_rng(12)
+    cases: dict[str, Any] = {
+        "speed_rpm": random.uniform(600.0, 1500.0, 200),
+        "restitution": random.uniform(0.0, 0.4, 200),
+        "stiffness_N_per_m": random.uniform(6000.0, 13000.0, 200),
+        "preload_length_mm": random.uniform(7.0, 15.0, 200),
+    }
+    found = transition_table(e62, **cases)
+    monkeypatch.setattr(engine_choice, "TURNS_PAY_FROM", 1000)
+    judge = transition_table(e62, **cases)
+    assert found.premise_holds.tolist() == judge.premise_holds.tolist()
+    assert found.outcome.tolist() == judge.outcome.tolist()
+    by_tables = found.engine == "reduced_turn"
+    assert by_tables.sum() > 50
+    assert (judge.engine[by_tables] == "turn").all()
+    assert compared(only(found, by_tables), only(judge, by_tables)) <= 1.0
+
+
+def only(table: TransitionTable, chosen: Any) -> TransitionTable:
+    """The chosen rows of a table."""
+    rows = {
+        name: getattr(table, name)[chosen]
+        for name in ("duration", "duration_error", "first_two_share", "table")
+    }
+    return dataclasses.replace(table, **rows)
 
 
 def test_certified_reference(e62: Mechanism) -> None:

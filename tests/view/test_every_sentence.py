@@ -259,7 +259,7 @@ def test_work(judge: Judge, text: str) -> None:
     checks = run.checks
     wanted = [checks.closure_m, checks.closure_rate_m_s, checks.energy_balance]
     assert [float(part) for part in match.groups()] == pytest.approx(wanted, rel=0.06)
-    match = re.search(r"(\d+) evaluations of the dynamics, (\S+) ms", text)
+    match = re.search(r"direct engine: (\d+) evaluations of the dynamics, (\S+) ms", text)
     assert match is not None
     assert int(match[1]) == run.evaluations
     assert float(match[2]) == pytest.approx(1e3 * run.wall_s, abs=0.06)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from io import StringIO
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -156,6 +157,7 @@ def test_the_live_page(
             said.append((server.get_port(), mechanism.name, controls[0].start))
             stop = server.stop
             monkeypatch.setattr(server, "stop", lambda: (said.append("stopped"), stop()))
+            self.turns = SimpleNamespace(start=lambda: said.append("turns"))
 
         def run(self) -> None:
             said.append("run")
@@ -165,7 +167,7 @@ def test_the_live_page(
     with monkeypatch.context() as patch:
         patch.setattr(sys, "stdout", output)
         module.serve_live(e62, 432.0, port, browser=browser)
-    assert said == [(port, "e62", 432.0), "run", "stopped"]
+    assert said == [(port, "e62", 432.0), "turns", "run", "stopped"]
     address = f"http://127.0.0.1:{port}/"
     assert output.getvalue() == f"the page is at {address} ; Ctrl-C ends\n\n"
     assert [item for item, _ in opened] == ([address] if browser else [])

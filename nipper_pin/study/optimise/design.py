@@ -24,8 +24,8 @@ class Design:
         errors: Their stated errors.
         slacks: Slack of every limit, in the order of the problem.
         inside: Whether all limits hold, to the tolerance of the search.
-        engine: Engine that found its transition: "reduced", "direct", or "turn" for the direct
-            engine on whole turns.
+        engine: Engine that found its transition, or its whole turn if one is asked for: "reduced"
+            or "direct"; "reduced_turn" or "turn", the same two on whole turns.
     """
 
     z: tuple[float, ...]

@@ -12,7 +12,7 @@ import numpy as np
 from ...hybrid.case import Case, Window
 from .control import Control
 from .design import Design
-from .points.bounces import TURN
+from .points.bounces import REDUCED_TURN, TURN
 from .problem.problem import Problem
 from .search.binding import Account
 from .search.descend import Descent
@@ -39,8 +39,8 @@ class Optimum:
         no_machine: Of these, those that made no machine, and why, each reason once.
         check: Result of differential evolution; None without a global check.
         check_gain: Relative improvement of the first aim that it brought beyond the descents.
-        engines: Numbers of usable points by the engine that found their transition: "reduced",
-            "direct", or "turn" for the direct engine on whole turns.
+        engines: Numbers of usable points by the engine that found their transition or turn:
+            "reduced", "direct", "reduced_turn", or "turn" for the direct engine on whole turns.
         why_engine: Why the reduced engine was taken, or not.
         control: What simulated turns say of the best design.
         front: Designs of the Pareto front by the second aim, the best by the first aim first; empty
@@ -107,7 +107,7 @@ class Optimum:
         case = Case(
             speed_rpm=self.problem.speed(np.array(self.best.z)), rest_rate=self.problem.rest_rate
         )
-        if self.best.engine != TURN:
+        if self.best.engine not in (TURN, REDUCED_TURN):
             return case
         return replace(case, window=Window.CYCLE, cycles=self.control.turns + 1)
 

@@ -146,7 +146,7 @@ def _optimum(search: Search, led: _Led, began: float) -> Optimum:
         check=found,
         check_gain=led.gain,
         engines=dict(engines),
-        why_engine=source.transitions.why,
+        why_engine=source.why,
         control=seen,
         front=curve,
         front_controls=tuple(others),

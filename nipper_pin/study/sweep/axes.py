@@ -75,12 +75,18 @@ class Axis:
         return np.asarray(np.clip(self.low + (self.high - self.low) * unit, self.low, self.high))
 
 
-def find_target(name: str, mechanism: Mechanism) -> Target:
+def restitution_path(stop: str) -> str:
+    """Path of a stop's restitution in the model."""
+    return f"stops.{stop}.restitution"
+
+
+def find_target(name: str, mechanism: Mechanism, *, turns: bool = False) -> Target:
     """Find what a name of a parameter changes: the speed, a shortcut of the model, or a path.
 
     Args:
         name: The name.
         mechanism: The mechanism with everything at its base values.
+        turns: Whether whole turns are followed; of these, every stop's restitution is a column.
 
     Raises:
         UnknownNameError: It is none of these.
@@ -92,7 +98,10 @@ def find_target(name: str, mechanism: Mechanism) -> Target:
     if "." not in path:
         known = (SPEED, *mechanism.shortcuts, "a path into the model, such as links.LINK.mass_kg")
         raise UnknownNameError(kind="parameter", name=name, known=known, where=mechanism.name)
-    if path == f"stops.{mechanism.transition_stop}.restitution":
+    bounce = [
+        stop.name for stop in mechanism.stops if turns or stop.name == mechanism.transition_stop
+    ]
+    if path in (restitution_path(stop) for stop in bounce):
         return Target(kind="restitution", path=path)
     for place, spring in enumerate(mechanism.springs):
         stiffness, preload, scale = _SPRING_KEYS[mechanism.joints[spring.index].kind]

@@ -13,11 +13,14 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import NipperError, SimulationError
+from ...hybrid.result.turns import is_of_drive
 from ...mechanism import Mechanism
 from ..cases import Cases, cases_of
 from ..transitions import FAILED, TURN, TransitionTable, table_of
+from ..turns import Settings, TurnTable, turns_of
+from .axes import restitution_path
 from .changes import changed
-from .job import NO_MODEL, Job, read_job
+from .job import NO_MODEL, Job, TurnJob, read_job
 from .quantities import quantity
 from .results.chunk_file import encode
 
@@ -68,11 +71,12 @@ class _Columns:
         self.job = job
         # Rows that the direct engine had to serve, by the reason.
         self.direct: Counter[str] = Counter()
-        self.engine = np.full(n, _NO_ENGINE, dtype="U8")
+        self.engine = np.full(n, _NO_ENGINE, dtype="U12")
         self.outcome = np.full(n, FAILED, dtype="U24")
         self.message = [""] * n
         self.collisions = np.zeros(n, dtype=np.int32)
         self.premise = np.full(n, None, dtype=object)
+        self.turns = np.zeros((0 if job.turn is None else 2, n), dtype=np.int32)
         self.values = {name: np.full(n, np.nan) for name in job.quantities}
 
     def fail(self, part: slice, outcome: str, message: str) -> None:
@@ -81,13 +85,26 @@ class _Columns:
         self.message[part] = [message] * (part.stop - part.start)
 
     def keep(self, part: slice, table: TransitionTable) -> None:
-        """Take over the results of scenarios of one mechanism."""
-        self.engine[part], self.outcome[part] = table.engine, table.outcome
-        self.message[part] = table.message
+        """Take over the transitions of scenarios of one mechanism."""
         self.collisions[part] = table.collisions
         self.premise[part] = table.premise_holds
         for name, found in self.values.items():
             found[part] = quantity(table, name)
+        self._keep_outcomes(part, table)
+
+    def keep_turns(self, part: slice, table: TurnTable) -> None:
+        """Take over the turns of scenarios of one mechanism."""
+        hits = table.collisions[table.mechanism.transition_stop]
+        self.collisions[part] = np.nan_to_num(hits)
+        self.turns[:, part] = table.turns, table.repeats_after
+        for name, found in self.values.items():
+            found[part] = table.quantity(name)
+        self._keep_outcomes(part, table)
+
+    def _keep_outcomes(self, part: slice, table: TransitionTable | TurnTable) -> None:
+        """Take over how scenarios ended, and count why the direct engine served."""
+        self.engine[part], self.outcome[part] = table.engine, table.outcome
+        self.message[part] = table.message
         chosen, _, why = table.why.partition(";")[0].partition(": ")
         for engine, message in zip(table.engine, table.message, strict=True):
             if engine == TURN:
@@ -112,6 +129,7 @@ class _Columns:
                 "message": self.message,
                 "collisions": self.collisions,
                 "premise_holds": pa.array(self.premise.tolist(), type=pa.bool_()),
+                **dict(zip(("turns", "repeats_after"), self.turns, strict=False)),
                 **self.values,
             },
             words=("engine", "outcome", "message"),
@@ -142,18 +160,38 @@ def _solve(job: Job, text: bytes, rows: FloatArray, columns: _Columns, part: sli
         columns.fail(part, NO_MODEL, error.message)
         return
     try:
-        table = table_of(
-            mechanism,
-            _cases(job, mechanism, rows[part]),
-            rest_rate=job.rest_rate,
-            tolerance=job.tolerance,
-            max_collisions=job.max_collisions,
-            drive=job.drive,
-        )
+        cases = _cases(job, mechanism, rows[part])
+        if job.turn is None:
+            columns.keep(part, _transitions(job, mechanism, cases))
+        else:
+            columns.keep_turns(part, _turns(job, job.turn, mechanism, cases))
     except NipperError as error:
         columns.fail(part, FAILED, error.message)
-        return
-    columns.keep(part, table)
+
+
+def _transitions(job: Job, mechanism: Mechanism, cases: Cases) -> TransitionTable:
+    return table_of(
+        mechanism,
+        cases,
+        rest_rate=job.rest_rate,
+        tolerance=job.tolerance,
+        max_collisions=job.max_collisions,
+        drive=job.drive,
+    )
+
+
+def _turns(job: Job, turn: TurnJob, mechanism: Mechanism, cases: Cases) -> TurnTable:
+    settings = Settings(
+        turns=turn.turns,
+        least_force=turn.least_force_N,
+        drive=job.drive,
+        rest_rate=job.rest_rate,
+        tolerance=job.tolerance,
+        max_collisions=job.max_collisions,
+        torques=any(is_of_drive(name, mechanism) for name in job.quantities),
+        wanted=frozenset(job.quantities),
+    )
+    return turns_of(mechanism, cases, settings)
 
 
 def _defect(error: Exception, first: int, last: int) -> DefectError:
@@ -169,8 +207,8 @@ def _defect(error: Exception, first: int, last: int) -> DefectError:
 
 def _cases(job: Job, mechanism: Mechanism, rows: FloatArray) -> Cases:
     n = len(rows)
-    stop = mechanism.stop(mechanism.transition_stop)
-    speed, restitution = np.full(n, job.speed_rpm), np.full(n, stop.restitution)
+    speed, restitution = np.full(n, job.speed_rpm), {}
+    stops = {restitution_path(stop.name): stop.name for stop in mechanism.stops}
     stiffness = np.tile([spring.stiffness for spring in mechanism.springs], (n, 1))
     preload = np.tile([spring.preload for spring in mechanism.springs], (n, 1))
     for column, axis in zip(rows.T, job.axes, strict=True):
@@ -178,7 +216,7 @@ def _cases(job: Job, mechanism: Mechanism, rows: FloatArray) -> Cases:
         if target.kind == "speed":
             speed = column
         elif target.kind == "restitution":
-            restitution = column
+            restitution[stops[target.path]] = column
         elif target.kind == "stiffness":
             stiffness[:, target.spring] = column
         elif target.kind == "preload":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 
 import msgspec
@@ -18,12 +17,26 @@ _PACKAGES = ("nipper-pin", "pin", "numpy", "scipy", "numba")
 _ABSENT = "none"
 COLUMNS = ("scenario", "engine", "outcome", "message", "collisions", "premise_holds")
 """Columns of the results that every sweep has."""
+TURN_COLUMNS = (*COLUMNS, "turns", "repeats_after")
+"""Those that every sweep of turns has."""
 NO_MODEL = "no_model"
 """Outcome of a scenario whose machine cannot be built."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Job:
+class TurnJob(msgspec.Struct, frozen=True, kw_only=True):
+    """What a sweep of whole turns follows.
+
+    Attributes:
+        turns: Largest number of turns of a scenario.
+        least_force_N: Force above which the transition stop clamps [N].
+    """
+
+    turns: int
+    least_force_N: float
+
+
+# Left out of the text where it is None: sweeps of transitions keep their identity.
+class Job(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One sweep, without its rows.
 
     Attributes:
@@ -42,6 +55,7 @@ class Job:
         drawn: How sampled parameters are drawn, in words; empty if there are none.
         units: Unit of each column of the results that has one.
         study: Text of the study.
+        turn: What is followed in a sweep of whole turns; None in one of transitions.
     """
 
     name: str
@@ -59,13 +73,19 @@ class Job:
     drawn: str
     units: Mapping[str, str]
     study: str
+    turn: TurnJob | None = None
 
     @property
     def identity(self) -> str:
         """Name of what the rows depend on, however many there are."""
         # Results depend on neither the path of the model's folder nor comments.
-        text = replace(self, folder="", study="").text()
+        text = msgspec.structs.replace(self, folder="", study="").text()
         return hashlib.sha256(text).hexdigest()
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of the results beside parameters and quantities."""
+        return COLUMNS if self.turn is None else TURN_COLUMNS
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -7,24 +7,48 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 from ...arrays import FloatArray
 from ...errors import InputError
 from ..transitions import REDUCED_PAYS_FROM
+from ..turns import TURNS_PAY_FROM
 from .axes import Axis
 from .job import Job
 from .samples import Layout, Rows, Samples, stages
 from .study_file import read_study
 
-# Scenarios of one chunk where one mechanism serves many, between these.
-_LEAST, _MOST = 8192, 65_536
 # Chunks that a sweep is cut into before they grow to their most.
 _CHUNKS = 64
 _MOST_CHUNKS = 1_000_000
-# Where mechanisms change, chunks of about this time [s], and what it is made of: a mechanism, its
-# tables for the reduced engine, a scenario of either engine.
+# Where mechanisms change, chunks of about this time [s], and what it is made of.
 _SHORTEST_S, _LONGEST_S = 0.25, 2.0
-_MECHANISM_S, _TABLES_S, _REDUCED_S, _DIRECT_S = 6e-3, 40e-3, 20e-6, 2.5e-3
+_MECHANISM_S = 6e-3
+
+
+class _Costs(NamedTuple):
+    """What the size of chunks is chosen by.
+
+    Attributes:
+        least: Fewest scenarios of a chunk where one mechanism serves many.
+        most: Most of them.
+        pays_from: Scenarios of a mechanism from which on the reduced engine pays.
+        tables: Time of its tables of a mechanism [s].
+        reduced: Time of a scenario by it [s].
+        direct: Time of a scenario by the direct engine [s].
+    """
+
+    least: int
+    most: int
+    pays_from: int
+    tables: float
+    reduced: float
+    direct: float
+
+
+_TRANSITIONS = _Costs(8192, 65_536, REDUCED_PAYS_FROM, 40e-3, 20e-6, 2.5e-3)
+# A scenario that repeats after few turns; one that does not takes up to ten times as long.
+_TURNS = _Costs(1024, 8192, TURNS_PAY_FROM, 0.25, 0.3e-3, 60e-3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +110,9 @@ class Plan:
         Scenarios of one mechanism are divided evenly if one chunk does not hold them; otherwise a
         chunk holds whole mechanisms. Points that were added to a sequence have chunks of their own.
         """
-        edges = [0]
+        edges, costs = [0], _TRANSITIONS if self.job.turn is None else _TURNS
         for stage in stages(self.axes, self.samples):
-            edges.extend(stage.start + edge for edge in _edges(stage.layout, self.chunk))
+            edges.extend(stage.start + edge for edge in _edges(stage.layout, self.chunk, costs))
         return [
             Chunk(number=number, start=start, stop=stop)
             for number, (start, stop) in enumerate(pairwise(edges))
@@ -114,13 +138,13 @@ def read_plan(path: str) -> Plan:
     return Plan(title=study.title, job=study.job, samples=study.samples, chunk=study.chunk)
 
 
-def _edges(layout: Layout, chunk: int | None) -> list[int]:
+def _edges(layout: Layout, chunk: int | None, costs: _Costs) -> list[int]:
     """Ends of the chunks of one layout, ascending."""
     total, inner = layout.total, layout.inner
     most = chunk or (
-        min(max(_LEAST, math.ceil(total / _CHUNKS)), _MOST)
-        if inner > _LEAST
-        else inner * _mechanisms_together(total // inner, inner)
+        min(max(costs.least, math.ceil(total / _CHUNKS)), costs.most)
+        if inner > costs.least
+        else inner * _mechanisms_together(total // inner, inner, costs)
     )
     step, pieces = max(most // inner, 1) * inner, math.ceil(inner / most)
     _check_count(math.ceil(total / step) * pieces)
@@ -143,10 +167,11 @@ def _check_count(count: int) -> None:
         raise InputError(message, chunks=count)
 
 
-def _mechanisms_together(mechanisms: int, inner: int) -> int:
+def _mechanisms_together(mechanisms: int, inner: int, costs: _Costs) -> int:
     """Mechanisms of one chunk."""
-    direct = inner < REDUCED_PAYS_FROM
-    cost = _MECHANISM_S + (inner * _DIRECT_S if direct else _TABLES_S + inner * _REDUCED_S)
+    direct = inner < costs.pays_from
+    scenarios = inner * costs.direct if direct else costs.tables + inner * costs.reduced
+    cost = _MECHANISM_S + scenarios
     least, most = math.ceil(_SHORTEST_S / cost), math.ceil(_LONGEST_S / cost)
     return min(max(least, math.ceil(mechanisms / _CHUNKS)), most)
 

@@ -9,19 +9,30 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import UnknownNameError
 from ...hybrid.result.quantities import COLLISION, RENAMED, TRANSITION, of_transition
+from ...hybrid.result.turns import of_turn, turn_names
 from ...mechanism import Mechanism
 from ..transitions import TransitionTable
+from .job import TURN_COLUMNS
 
 _FIRST = ("duration_s", "duration_error_s", "first_two_share")
 _OF_FIRST = ("impulse_N_s", "impulse_N_m_s", "rebound_amplitude", "rebound_time_s")
 
 
-def default(mechanism: Mechanism) -> tuple[str, ...]:
+_OF_TURN = (
+    "clamped_time_s", "clamped_share", "closing_index", "rest_index", "opening_index",
+    "largest_gap", "energy_lost_turn_J",
+)  # fmt: skip
+
+
+def default(mechanism: Mechanism, *, turns: bool = False) -> tuple[str, ...]:
     """Quantities that are stored by default: those of the transition and its first collision.
 
     Args:
         mechanism: The model.
+        turns: Whether whole turns are followed; then some of theirs.
     """
+    if turns:
+        return _OF_TURN
     stop = mechanism.transition_stop
     return (
         *_FIRST,
@@ -33,17 +44,28 @@ def default(mechanism: Mechanism) -> tuple[str, ...]:
     )
 
 
-def check_quantities(names: Sequence[str], mechanism: Mechanism, where: str) -> None:
-    """Refuse names that are no quantity of the model's transition.
+def check_quantities(
+    names: Sequence[str], mechanism: Mechanism, where: str, *, turns: bool = False
+) -> None:
+    """Refuse names that are no quantity of the model's transition, or of its turn.
 
     Args:
         names: Names such as ``duration_s`` or ``rebound_time_s_2`` (of the second collision).
         mechanism: The model.
         where: File and key, for messages.
+        turns: Whether whole turns are followed.
 
     Raises:
         UnknownNameError: A name is none.
     """
+    if turns:
+        every = turn_names(mechanism, drives=True)
+        for name in names:
+            # The column of this name is always there.
+            if name not in every or name in TURN_COLUMNS:
+                known = [item for item in every if item not in TURN_COLUMNS]
+                raise UnknownNameError(kind="quantity", name=name, known=known, where=where)
+        return
     stop = mechanism.transition_stop
     each = [item for item in COLLISION if item.column and item.fits(mechanism, stop)]
     known = [item.name for item in TRANSITION if item.column]
@@ -61,6 +83,19 @@ def check_quantities(names: Sequence[str], mechanism: Mechanism, where: str) -> 
             same = [other.name for other in each if other.column == item.column]
             now = f"{same[0]}_{place}" if same else ""
         raise UnknownNameError(kind="quantity", name=name, known=known, where=where, now=now)
+
+
+def quantity_unit(name: str, mechanism: Mechanism, *, turns: bool = False) -> str:
+    """SI unit of a quantity; empty for a number without one.
+
+    Args:
+        name: Its name.
+        mechanism: The model.
+        turns: Whether it is one of whole turns.
+    """
+    item, part = of_turn(name, mechanism) if turns else (of_transition(name)[0], "")
+    stops = {stop.name for stop in mechanism.stops}
+    return item.unit_at(mechanism, part if part in stops else mechanism.transition_stop)
 
 
 def quantity(table: TransitionTable, name: str) -> FloatArray:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
-from ..transitions import TURN
+from ..transitions import REDUCED_TURN, TURN
 from .results import Tally
 
 
@@ -76,7 +76,8 @@ class SweepReport:
         if tally.premise["false"]:
             found.append(
                 f"{tally.premise['false']:,} do not arrive in the initial phase (premise_holds is "
-                f"false); {tally.engines[TURN]:,} of them were computed by whole turns"
+                f"false); {tally.engines[TURN] + tally.engines[REDUCED_TURN]:,} of them were "
+                "computed by whole turns"
             )
         if tally.without_result:
             reason, count = tally.most_frequent

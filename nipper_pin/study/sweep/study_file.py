@@ -21,9 +21,10 @@ from ...mechanism.files.toml_types import Positive
 from ...mechanism.files.urdf import parse_xml
 from ...texts import MOST_TEXT, read_text
 from ..toml_files import Table, at_key, base_mechanism, read_table, refuse
+from ..turns import MOST_TURNS, TURNS
 from .axes import SPEED, Axis, Target, find_target
 from .changes import check_paths
-from .job import COLUMNS, Job, versions
+from .job import COLUMNS, TURN_COLUMNS, Job, TurnJob, versions
 from .quantities import check_quantities, default
 from .samples import MOST_SAMPLES, Layout, Method, Samples
 from .units import units_of
@@ -36,7 +37,9 @@ _Count = Annotated[int, Meta(ge=1)]
 class _CaseTable(Table, frozen=True, kw_only=True):
     """Settings of all scenarios."""
 
-    window: Literal["transition"] = "transition"
+    window: Literal["transition", "cycle"] = "transition"
+    turns: Annotated[int, Meta(ge=1, le=MOST_TURNS)] | None = None
+    least_force_N: Annotated[float, Meta(ge=0.0)] | None = None
     speed_rpm: Positive | None = None
     drive: Literal["held", "inertial"] = "held"
     rest_rate: Positive | None = None
@@ -98,10 +101,18 @@ def read_study(path: str) -> Study:
     file = Path(path)
     table = read_table(file, _StudyTable)
     mechanism = base_mechanism(table.model, table.set, file)
-    quantities = default(mechanism) if table.quantities is None else table.quantities
-    check_quantities(quantities, mechanism, f"{file.name}: quantities")
-    _check_columns(list(table.parameters), quantities, file.name)
-    axes = tuple(_axis(name, item, mechanism, file.name) for name, item in table.parameters.items())
+    turn = _turn(table.case, mechanism, file.name)
+    turns = turn is not None
+    quantities = table.quantities
+    if quantities is None:
+        quantities = default(mechanism, turns=turns)
+    check_quantities(quantities, mechanism, f"{file.name}: quantities", turns=turns)
+    columns = TURN_COLUMNS if turns else COLUMNS
+    _check_columns(list(table.parameters), quantities, file.name, columns)
+    axes = tuple(
+        _axis(name, item, mechanism, file.name, turns=turns)
+        for name, item in table.parameters.items()
+    )
     if not axes:
         message = f"{file.name}: nothing varies; give [parameters.NAME]"
         raise InputError(message, file=str(file), key="parameters")
@@ -126,10 +137,23 @@ def read_study(path: str) -> Study:
         quantities=quantities,
         versions=versions(),
         drawn=_words(samples),
-        units=units_of(axes, quantities, mechanism),
+        units=units_of(axes, quantities, mechanism, turns=turns),
         study=read_text(file, MOST_TEXT),
+        turn=turn,
     )
     return Study(title=table.title, job=job, samples=samples, chunk=table.chunk)
+
+
+def _turn(case: _CaseTable, mechanism: Mechanism, file: str) -> TurnJob | None:
+    """What is followed in a sweep of whole turns."""
+    if case.window == "cycle":
+        if not mechanism.transition_stop:
+            refuse(file, "case.window", case.window, "a model with a stop that clamps")
+        return TurnJob(turns=case.turns or TURNS, least_force_N=case.least_force_N or 0.0)
+    for key in ("turns", "least_force_N"):
+        if getattr(case, key) is not None:
+            refuse(file, f"case.{key}", getattr(case, key), "only with window = 'cycle'")
+    return None
 
 
 def _words(samples: Samples | None) -> str:
@@ -140,18 +164,22 @@ def _words(samples: Samples | None) -> str:
     return f"{samples.method}{whole}, seed {samples.seed}"
 
 
-def _check_columns(names: Sequence[str], quantities: Sequence[str], file: str) -> None:
+def _check_columns(
+    names: Sequence[str], quantities: Sequence[str], file: str, columns: Sequence[str]
+) -> None:
     """Refuse names that stand twice at the head of the results."""
     for place, name in enumerate(quantities):
         if name in quantities[:place]:
             refuse(file, "quantities", name, "every name once")
     for name in names:
-        if name in (*COLUMNS, *quantities):
+        if name in (*columns, *quantities):
             refuse(file, f"parameters.{name}", name,
                    "not the name of a column of the results; write the path instead")  # fmt: skip
 
 
-def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> Axis:
+def _axis(
+    name: str, item: _ParameterTable, mechanism: Mechanism, file: str, *, turns: bool
+) -> Axis:
     key = f"parameters.{name}"
     if item.values:
         if item.low is not None or item.high is not None or item.points is not None:
@@ -175,7 +203,7 @@ def _axis(name: str, item: _ParameterTable, mechanism: Mechanism, file: str) -> 
         spaced = np.geomspace if item.scale == "log" else np.linspace
         values = tuple(float(value) for value in spaced(low, high, item.points))
     with at_key(file, key):
-        target = find_target(name, mechanism)
+        target = find_target(name, mechanism, turns=turns)
         if target.kind == "model":
             check_paths([target.path], mechanism)
     check_bounds(target, (low, high), mechanism, key, file)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from ...hybrid.result.quantities import of_transition
 from ...mechanism import Mechanism
 from .axes import Axis
+from .quantities import quantity_unit
 
 # What a name can end with, and how people write it.
 _WORDS = {"rpm": "r/min", "kg": "kg", "N": "N", "J": "J", "mm": "mm", "m": "m", "m2": "m2"}
@@ -35,7 +35,7 @@ def unit_of(name: str) -> str:
 
 
 def units_of(
-    axes: Sequence[Axis], quantities: Sequence[str], mechanism: Mechanism
+    axes: Sequence[Axis], quantities: Sequence[str], mechanism: Mechanism, *, turns: bool = False
 ) -> dict[str, str]:
     """Unit of every column of numbers, parameters as in the model's file.
 
@@ -45,9 +45,9 @@ def units_of(
         axes: The parameters.
         quantities: What is kept.
         mechanism: The model.
+        turns: Whether the quantities are those of whole turns.
     """
-    stop = mechanism.transition_stop
-    found = {name: of_transition(name)[0].unit_at(mechanism, stop) or NONE for name in quantities}
+    found = {name: quantity_unit(name, mechanism, turns=turns) or NONE for name in quantities}
     for axis in axes:
         head, _, last = axis.target.path.rpartition(".")
         if not head.startswith("urdf."):

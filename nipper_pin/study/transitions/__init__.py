@@ -7,15 +7,18 @@ case, and the result says which engine computed what.
 
 from __future__ import annotations
 
-from .engine_choice import REDUCED_PAYS_FROM, Engine, table_of, transition_table
+from ..engines import Engine
+from .engine_choice import REDUCED_PAYS_FROM, TURNS_PAY_FROM, table_of, transition_table
 from .retuned import retuned
-from .table import FAILED, REDUCED, TURN, TransitionTable
+from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
 __all__ = [
     "FAILED",
     "REDUCED",
     "REDUCED_PAYS_FROM",
+    "REDUCED_TURN",
     "TURN",
+    "TURNS_PAY_FROM",
     "Engine",
     "TransitionTable",
     "retuned",

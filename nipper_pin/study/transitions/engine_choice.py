@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from numpy.typing import ArrayLike
 
 from ...dynamics.system import DriveMode
-from ...errors import InputError, NipperError
 from ...extras import installed
 from ...mechanism import Mechanism, need_mechanism
 from ...reduced import ReducedModel, reduced_model, unfit
 from ...reduced.inputs import check_run
+from ...reduced.turns.fit import unfit_turns
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
+from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
 from .table import TransitionTable
-
-Engine = Literal["auto", "direct", "reduced"]
 
 # Tables cost 7 direct cases and loading compiled code 21 (measure_sweep.py). A fixed number: the
 # engine of a case does not depend on what the process computed before.
 REDUCED_PAYS_FROM = 32
+# Cases of one table whose premise does not hold: tables of turns cost as much as 2 to 15 direct
+# turns, by how high the flights go.
+TURNS_PAY_FROM = 16
 
 
 def transition_table(
@@ -54,9 +54,11 @@ def transition_table(
         max_collisions: Largest number of collisions of a case.
         drive: Behaviour of the driven shafts.
         engine: "auto": the reduced engine for ``REDUCED_PAYS_FROM`` cases or more of a
-            mechanism that it can represent, the direct one for all others; and whole turns of the
-            direct one where the premise of a transition does not hold. "direct" or "reduced": that
-            one alone, the transition as it is assumed.
+            mechanism that it can represent, the direct one for all others. Where the premise of a
+            transition does not hold, it is that of whole turns: of the reduced engine for
+            ``TURNS_PAY_FROM`` such cases or more, of the direct one for fewer, and for those that
+            the other cannot follow. "direct" or "reduced": that one alone, the transition as it is
+            assumed.
 
     Returns:
         The table. A case that cannot be simulated is marked in it.
@@ -90,12 +92,7 @@ def table_of(
     engine: Engine = "auto",
 ) -> TransitionTable:
     """Compute the transitions of cases; arguments and errors as for :func:`transition_table`."""
-    if engine not in ("auto", "direct", "reduced"):
-        message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
-        raise InputError(message, engine=engine)
-    if drive not in set(DriveMode):
-        message = f"drive = {drive!r} cannot be used: held or inertial"
-        raise InputError(message, drive=drive)
+    check_engine(engine, drive)
     check_run(rest_rate, tolerance, max_collisions)
     settings = Settings(
         DriveMode(drive), rest_rate, tolerance, max_collisions, true=engine == "auto"
@@ -103,11 +100,19 @@ def table_of(
     run = Run(mechanism, cases, settings)
     model, why = _chosen(mechanism, settings.drive, len(cases.speed_rpm), engine)
     left = list(range(len(cases.speed_rpm)))
+    turns = engine == "auto" and settings.drive is DriveMode.HELD and installed("numba")
+    turns = turns and unfit_turns(mechanism) is None
     if model is not None:
         left = run.reduced(model, keep_all=engine == "reduced")
+        if turns and len(left) >= TURNS_PAY_FROM:
+            left, turns = run.turns(left), False
         if left:
             why += f"; {len(left)} that its tables do not cover: direct"
-    for number in left:
+    turns = turns and len(left) >= TURNS_PAY_FROM
+    late = [number for number in left if run.direct(number, put_off=turns)]
+    if len(late) >= TURNS_PAY_FROM:
+        late = run.turns(late)
+    for number in late:
         run.direct(number)
     return run.table(why)
 
@@ -116,18 +121,11 @@ def _chosen(
     mechanism: Mechanism, drive: DriveMode, count: int, engine: Engine
 ) -> tuple[ReducedModel | None, str]:
     """The reduced model, or None for the direct engine, and the reason."""
-    if engine == "direct":
-        return None, "direct: asked for"
-    if engine == "reduced":
-        return reduced_model(mechanism, drive), "reduced: asked for"
-    reason = unfit(mechanism, drive)
-    if reason is not None:
-        return None, f"direct: {reason}"
-    if count < REDUCED_PAYS_FROM:
-        return None, f"direct: the reduced engine pays from {REDUCED_PAYS_FROM} cases on"
-    if not installed("numba"):
-        return None, "direct: the reduced engine needs numba, which is not installed"
-    try:
-        return reduced_model(mechanism), f"reduced: {count} cases of one mechanism"
-    except NipperError as error:
-        return None, f"direct: {error.message}"
+    return chosen(
+        lambda: reduced_model(mechanism, drive),
+        engine=engine,
+        count=count,
+        pays_from=REDUCED_PAYS_FROM,
+        unfit=lambda: unfit(mechanism, drive),
+        numba=lambda: installed("numba"),
+    )

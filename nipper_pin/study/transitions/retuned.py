@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ...arrays import FloatArray
@@ -9,18 +10,23 @@ from ...mechanism import Mechanism
 
 
 def retuned(
-    mechanism: Mechanism, restitution: float, stiffness: FloatArray, preload: FloatArray
+    mechanism: Mechanism,
+    restitution: float | Mapping[str, float],
+    stiffness: FloatArray,
+    preload: FloatArray,
 ) -> Mechanism:
     """The mechanism with other values; its tree does not depend on them and is not built again.
 
     Args:
         mechanism: The mechanism.
-        restitution: e_N of the transition stop.
+        restitution: e_N of the transition stop, or of stops by name.
         stiffness: Spring rates, shape (springs,) [N/m or N m/rad].
         preload: Deflections in the springs at zero, shape (springs,) [m or rad].
     """
+    if not isinstance(restitution, Mapping):
+        restitution = {mechanism.transition_stop: restitution}
     stops = tuple(
-        replace(stop, restitution=restitution) if stop.name == mechanism.transition_stop else stop
+        replace(stop, restitution=restitution[stop.name]) if stop.name in restitution else stop
         for stop in mechanism.stops
     )
     springs = tuple(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...dynamics.system import DriveMode
-from ...errors import NipperError
+from ...errors import NipperError, SimulationError
 from ...hybrid.case import Case, Resolution
 from ...mechanism import Mechanism
 from ...reduced import ReducedModel, Status, transitions
@@ -17,9 +17,10 @@ from ...reduced.kernels import layout as rows
 from ...reduced.kernels.layout import FAILS, HOLDS, UNKNOWN
 from ..cases import Cases
 from ..true_transition import assumed_transition, transition_of_turns
+from ..turn_transition import TurnCase, TurnTransition, touch_turns, turn_transition
 from .retuned import retuned
 from .rows import collision_rows, rest_numbers
-from .table import FAILED, REDUCED, TURN, TransitionTable
+from .table import FAILED, REDUCED, REDUCED_TURN, TURN, TransitionTable
 
 # Cases of one batch, and columns of its table; few cases have more collisions.
 _BATCH, _COLUMNS = 4096, 32
@@ -57,12 +58,14 @@ class Run:
         n = len(cases.speed_rpm)
         self._mechanism, self._cases, self._settings = mechanism, cases, settings
         self._premise = np.full(n, None, dtype=object)
-        self._engine = np.full(n, "direct", dtype="U7")
+        self._engine = np.full(n, "direct", dtype="U12")
         self._outcome = np.full(n, FAILED, dtype="U24")
         self._message = [""] * n
         self._collisions = np.zeros(n, dtype=np.int64)
         # Duration, its error, share.
         self._rest = np.full((n, 3), np.nan)
+        # Why whole turns are to be simulated, of cases for which that is put off.
+        self._put_off: dict[int, str] = {}
         # Numbers of cases and their rows, which are trimmed to their longest series.
         self._rows: list[tuple[NDArray[np.int64], FloatArray]] = []
 
@@ -105,31 +108,76 @@ class Run:
         most = int(batch.collisions.max(initial=0))
         self._rows.append((chosen, batch.table[:, :, :most].copy()))
 
-    def direct(self, number: int) -> None:
-        """Simulate one case by the direct engine."""
+    def turns(self, numbers: list[int]) -> list[int]:
+        """Follow whole turns by the reduced engine; returns the cases that it leaves.
+
+        It keeps those whose turns show that the premise does not hold.
+        """
         cases, settings = self._cases, self._settings
+        left = list(numbers)
+        try:
+            touch_turns(self._mechanism)
+            for number in numbers:
+                case = TurnCase(
+                    speed_rpm=float(cases.speed_rpm[number]),
+                    restitution=float(cases.restitution[number]),
+                    stiffness=cases.stiffness[number],
+                    preload=cases.preload[number],
+                    rest_rate=settings.rest_rate,
+                    tolerance=settings.tolerance,
+                    max_collisions=settings.max_collisions,
+                )
+                try:
+                    found = turn_transition(self._mechanism, case)
+                except SimulationError as error:
+                    if "status" not in error.evidence:
+                        raise
+                    continue
+                if found.premise_holds is False:
+                    self._keep_turn(number, found)
+                    left.remove(number)
+        except NipperError:
+            # Tables cannot be made, or not as wide: the direct engine computes what is left.
+            return left
+        return left
+
+    def _keep_turn(self, number: int, found: TurnTransition) -> None:
+        """Store the transition of a turn of the reduced engine."""
+        self._engine[number], self._premise[number] = REDUCED_TURN, False
+        self._outcome[number] = found.outcome.name.lower()
+        self._collisions[number] = found.table.shape[1]
+        self._rest[number] = found.duration, found.duration_error, found.share
+        self._message[number] = found.message
+        self._rows.append((np.array([number]), found.table[None]))
+
+    def direct(self, number: int, *, put_off: bool = False) -> bool:
+        """Simulate one case by the direct engine.
+
+        Args:
+            number: The case.
+            put_off: Whether to leave whole turns to another call, where the premise does not hold.
+
+        Returns:
+            Whether they were.
+        """
+        settings = self._settings
         self._engine[number] = "direct"
         self._outcome[number], self._collisions[number] = FAILED, 0
         self._rest[number] = np.nan
         block = np.empty((rows.COLUMNS, 0))
         self._premise[number] = None
         try:
-            mechanism = retuned(
-                self._mechanism,
-                float(cases.restitution[number]),
-                cases.stiffness[number],
-                cases.preload[number],
-            )
-            case = Case(
-                speed_rpm=float(cases.speed_rpm[number]),
-                drive=settings.drive,
-                rest_rate=settings.rest_rate,
-                resolution=Resolution(tolerance=settings.tolerance),
-                max_collisions=settings.max_collisions,
-            )
-            found = assumed_transition(mechanism, case)
-            if settings.true and found.premise_holds is False:
-                found = transition_of_turns(mechanism, case, found.solution.premise.why)
+            mechanism, case = self._alone(number)
+            why = self._put_off.pop(number, None)
+            if why is None:
+                found = assumed_transition(mechanism, case)
+                if settings.true and found.premise_holds is False:
+                    why = found.solution.premise.why
+                    if put_off:
+                        self._put_off[number] = why
+                        return True
+            if why is not None:
+                found = transition_of_turns(mechanism, case, why)
                 self._engine[number] = TURN
             block = collision_rows(found)
         except NipperError as error:
@@ -141,6 +189,24 @@ class Run:
             self._message[number] = found.message or self._message[number]
             self._premise[number] = found.premise_holds
         self._rows.append((np.array([number]), block[None]))
+        return False
+
+    def _alone(self, number: int) -> tuple[Mechanism, Case]:
+        """The mechanism of a case, and the case."""
+        cases, settings = self._cases, self._settings
+        mechanism = retuned(
+            self._mechanism,
+            float(cases.restitution[number]),
+            cases.stiffness[number],
+            cases.preload[number],
+        )
+        return mechanism, Case(
+            speed_rpm=float(cases.speed_rpm[number]),
+            drive=settings.drive,
+            rest_rate=settings.rest_rate,
+            resolution=Resolution(tolerance=settings.tolerance),
+            max_collisions=settings.max_collisions,
+        )
 
     def table(self, why: str) -> TransitionTable:
         """The table of all cases."""

@@ -17,6 +17,8 @@ REDUCED = "reduced"
 """Engine of a case that tables solve."""
 TURN = "turn"
 """Engine of a case for which whole turns were simulated, since the premise does not hold."""
+REDUCED_TURN = "reduced_turn"
+"""Engine of a case whose whole turns were followed by tables, for the same reason."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -26,8 +28,8 @@ class TransitionTable(CollisionRows):
     Attributes:
         model: Name of the model.
         why: Why the engine was chosen, and how many cases it left to the other one.
-        engine: Engine of each case, "reduced", "direct", or "turn": the direct one on whole turns,
-            because the premise of a transition does not hold, shape (n,).
+        engine: Engine of each case, "reduced" or "direct"; "reduced_turn" or "turn": the same on
+            whole turns, because the premise of a transition does not hold, shape (n,).
         outcome: How each case ended: "at_rest"; "no_rest" or "too_many_collisions"; "failed"; and,
             if the reduced engine was forced, its ``nipper_pin.reduced.Status`` in lower case.
         message: For each case why it failed, or why the reduced engine left it to the direct one;

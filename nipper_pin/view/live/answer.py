@@ -145,24 +145,31 @@ def _scaled(value: float | None, factor: float) -> float | None:
     return None if value is None else factor * value
 
 
-def as_html(found: Answer) -> str:
-    """The answer as HTML: the setting, and its numbers or its message.
+def as_html(found: Answer, turn: Sequence[tuple[str, str, str]] = ()) -> str:
+    """The answer as HTML: the setting, its numbers or its message, and those of the whole turn.
 
     Args:
         found: The answer.
+        turn: Key, label and value of the numbers of the turn.
     """
     head = f'<div id="setting">{escape(found.setting)}</div>'
     if found.message:
-        return boxed(
-            f'{head}<div id="message" role="alert" style="color:#B00020"><b>No numbers:</b> '
+        body = (
+            f'<div id="message" role="alert" style="color:#B00020"><b>No numbers:</b> '
             f"{escape(found.message)}</div>"
         )
-    rows = "".join(
+    else:
+        body = _table("numbers", found.rows)
+    return boxed(f"{head}{body}{_table('turn', turn) if turn else ''}")
+
+
+def _table(name: str, rows: Sequence[tuple[str, str, str]]) -> str:
+    lines = "".join(
         f'<tr><td>{escape(label)}</td><td data-key="{key}" style="text-align:right">'
         f"<b>{escape(value)}</b></td></tr>"
-        for key, label, value in found.rows
+        for key, label, value in rows
     )
-    return boxed(f'{head}<table id="numbers" style="width:100%;border-spacing:0">{rows}</table>')
+    return f'<table id="{name}" style="width:100%;border-spacing:0">{lines}</table>'
 
 
 def boxed(content: str) -> str:

@@ -22,6 +22,7 @@ from .guard import Filter
 from .moment import closed_at, impulses_at, moment_text
 from .settings import Knob
 from .stage import Stage
+from .whole_turn import Rows, WholeTurns
 
 _FRAME = 1.0 / 30.0  # seconds
 _AFTER = 0.004  # seconds from new numbers to the picture that belongs to them
@@ -49,6 +50,9 @@ class Page:
         server: The server.
         mechanism: The mechanism as loaded.
         controls: What the sliders set.
+
+    Attributes:
+        turns: Whole turns of the settings, once their tables are made.
 
     Raises:
         InputError: The mechanism cannot be drawn.
@@ -91,6 +95,9 @@ class Page:
         numbers: list[Any] = [*self._sliders.values(), self._slow, self._larger]
         ranges = {item._impl.uuid: (float(item.min), float(item.max)) for item in numbers}
         Filter(server, ranges, frozenset({self._play._impl.uuid}))
+        self._shown: dict[str, float] = {}
+        self._came = threading.Event()
+        self.turns = WholeTurns(mechanism, controls, self._turned)
         self._answer = self._follow()
 
     def run(self) -> None:
@@ -101,6 +108,13 @@ class Page:
             if moved:
                 # Cleared first: what changes from here on is another change.
                 self._wake.clear()
+            if self._came.is_set():
+                self._came.clear()
+                self._write(self._answer, self.turns.rows(self._shown))
+                moved = moved and self._stand() != self._shown
+                if not moved:
+                    continue
+            if moved:
                 with self._server.atomic():
                     self._answer = self._follow()
                 self._server.flush()
@@ -124,11 +138,16 @@ class Page:
         """Note that a slider moved; of many moves only the last matters."""
         self._wake.set()
 
+    def _turned(self) -> None:
+        """Note that whole turns can be followed from now on."""
+        self._came.set()
+        self._wake.set()
+
     def _follow(self) -> Answer:
         """Answer the setting of the sliders, and show numbers and plots, or why there are none."""
-        shown = {key: float(slider.value) for key, slider in self._sliders.items()}
-        found = answer(self._mechanism, self._controls, shown)
-        self._numbers.content = as_html(found)
+        self._shown = self._stand()
+        found = answer(self._mechanism, self._controls, self._shown)
+        self._write(found, self.turns.rows(self._shown))
         for plot, x, y in (
             (self._gap, found.time, found.gap),
             (self._impulse, found.hit_time, found.impulse),
@@ -137,6 +156,16 @@ class Page:
             if not found.message:
                 plot.data = (x, y)
         return found
+
+    def _stand(self) -> dict[str, float]:
+        """Where the sliders stand."""
+        return {key: float(slider.value) for key, slider in self._sliders.items()}
+
+    def _write(self, found: Answer, turn: Rows) -> None:
+        """Write the numbers, unless they are there."""
+        text = as_html(found, turn)
+        if self._numbers.content != text:
+            self._numbers.content = text
 
     def _draw(self, passed: float) -> None:
         """Draw the next frame, so many seconds of playback after the last."""

@@ -40,6 +40,7 @@ def serve_live(mechanism: Mechanism, speed_rpm: float, port: int, *, browser: bo
         sys.stdout.flush()
         if browser:
             webbrowser.open(address)
+        page.turns.start()
         page.run()
     except KeyboardInterrupt:
         sys.stdout.write("\n")

@@ -309,7 +309,8 @@ def _checks(solution: Solution, console: Console) -> None:
     )
     _say(
         console,
-        f"{solution.evaluations} evaluations of the dynamics, {MS_PER_S * solution.wall_s:.1f} ms",
+        f"direct engine: {solution.evaluations} evaluations of the dynamics, "
+        f"{MS_PER_S * solution.wall_s:.1f} ms",
     )
 
 

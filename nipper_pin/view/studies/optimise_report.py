@@ -11,7 +11,12 @@ from ...study.optimise.search.binding import Binding
 from ..console import add_row, paste, plain_table, say
 
 _SAME = 1e-6
-_ENGINES = {"reduced": "the reduced engine", "direct": "the direct engine", "turn": "whole turns"}
+_ENGINES = {
+    "reduced": "the reduced engine",
+    "direct": "the direct engine",
+    "reduced_turn": "whole turns of the reduced engine",
+    "turn": "whole turns",
+}
 
 
 def print_optimum(optimum: Optimum, console: Console) -> None:

@@ -32,6 +32,8 @@ _FEWEST = 4
 _MOST_CELLS = 24
 _IN_CELL = 12
 _COLOURS = "viridis"
+# Columns that can be drawn beside quantities, where a sweep has them.
+_COUNTS = ("collisions", "turns", "repeats_after")
 
 
 def plot_sweep(
@@ -62,7 +64,8 @@ def plot_sweep(
     """
     sweep = read_sweep(folder, _MOST_ROWS)
     chosen = list(quantities or sweep.quantities[:1])
-    known = ("collisions", *sweep.quantities)
+    counts = [name for name in _COUNTS if name in sweep.table.column_names]
+    known = (*counts, *sweep.quantities)
     for name in chosen:
         if name not in known:
             raise UnknownNameError(kind="quantity", name=name, known=known, where=str(folder))

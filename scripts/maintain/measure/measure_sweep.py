@@ -1,4 +1,7 @@
-"""Time, bytes and memory of a scenario of a sweep: the table of docs/sweeps_cluster.md."""
+"""Time, bytes and memory of a scenario of a sweep: the table of docs/sweeps_cluster.md.
+
+With the word ``turns`` it says instead from how many cases on the reduced engine pays for turns.
+"""
 
 import os
 
@@ -6,14 +9,16 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import resource
+import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from nipper_pin import load, transition_table
+from nipper_pin import load, transition_table, turn_table
 from nipper_pin.study.sweep import Plan, read_plan
 from nipper_pin.study.sweep.chunks import run_chunk
 
@@ -44,14 +49,17 @@ def cost(plan: Plan, chunks: int) -> tuple[float, float, int]:
     return len(rows) * min(times[1:]), len(content) / len(rows), len(rows)
 
 
-def pays() -> None:
-    """Print from how many cases on the reduced engine pays; the first thing in a process."""
+def pays(table: Callable[..., Any]) -> None:
+    """Print from how many cases on the reduced engine pays.
+
+    Only what is measured first in a process loads compiled code.
+    """
 
     def seconds(engine: Literal["direct", "reduced"], cases: int, ratio: float) -> float:
         mechanism = load("e62", {"drives.tension.ratio": ratio})
         speeds = np.linspace(450.0, 640.0, cases)
         begin = time.process_time()
-        transition_table(mechanism, speed_rpm=speeds, engine=engine)
+        table(mechanism, speed_rpm=speeds, engine=engine)
         return time.process_time() - begin
 
     # What both engines load; then what the reduced one alone does.
@@ -60,15 +68,19 @@ def pays() -> None:
     direct = min(seconds("direct", 16, 2.01 + 0.01 * k) for k in range(5)) / 16.0
     tables = min(seconds("reduced", 2, 2.01 + 0.01 * k) for k in range(5))
     print(
-        f"a direct case {1e3 * direct:.3g} ms; tables of a machine {tables / direct:.3g} and "
-        f"compiled code {(first - tables) / direct:.3g} times that: the reduced engine pays from "
+        f"{table.__name__}: a direct case {1e3 * direct:.3g} ms; tables of a machine "
+        f"{tables / direct:.3g} and compiled code {(first - tables) / direct:.3g} times that: the "
+        "reduced engine pays from "
         f"{first / direct:.0f} cases on, and from {tables / direct:.0f} where the code is loaded"
     )
 
 
 def main() -> None:
     """Print the table."""
-    pays()
+    if sys.argv[1:] == ["turns"]:
+        pays(turn_table)
+        return
+    pays(transition_table)
     for name in ("sweep_spring", "sweep_billion"):
         seconds, size, rows = cost(read_plan(str(STUDIES / f"{name}.toml")), 4)
         print(

@@ -129,10 +129,14 @@ def test_names_units_and_what_fits(e62: Mechanism) -> None:
     assert quantities.units(names, e62) == {
         "rebound_amplitude_1": "rad", "rebound_time_s_1": "s", "duration_s": "s",
         "clamping_force_N": "N", "stop_force_N": "N", "closing_index": "", "opening_index": "",
-        "jaw_opening_deg": "deg", "stroke_mm": "mm", "speed_rpm": "r/min",
+        "jaw_opening_deg": "deg", "stroke_mm": "mm", "speed_rpm": "r/min", "clamped_time_s": "s",
+        "clamped_share": "", "rest_index": "", "rest_margin": "", "least_clamping_force_N": "N",
+        "largest_clamping_force_N": "N", "largest_gap": "rad", "energy_lost_turn_J": "J",
     }  # fmt: skip
     sources = {name: item.source for name, item in quantities.QUANTITIES.items()}
-    assert [sources[name] for name in names] == ["transition"] * 3 + ["cycle"] * 6 + ["setting"]
+    assert [sources[name] for name in names] == (
+        ["transition"] * 3 + ["cycle"] * 6 + ["setting"] + ["turn"] * 8
+    )
     assert quantities.label("stroke_mm", "mm") == "largest stroke with the jaw closed [mm]"
     assert quantities.label("closing_index", "") == "closing index"
     quantities.check_fit(names, e62, "here")

@@ -151,8 +151,13 @@ def test_turns_that_differ_are_no_usable_machine(
     text = E62.replace("650.0", "700.0").replace("9.0", "3.0")
     source = Evaluator(problem(tmp_path, text))
     z = np.array([0.1])
+    assert source.at(z).engine == "reduced_turn"
+    followed = bounces.turn_transition
+    monkeypatch.setattr(
+        bounces, "turn_transition", lambda *words: replace(followed(*words), repeats=False)
+    )
     assert source.at(z).engine == "turn"
     monkeypatch.setattr(bounces, "transition_of_turns", drifting)
-    point = Evaluator(problem(tmp_path, text)).at(z)
+    point = source.at(z)
     assert not point.usable
     assert "turns differ from one another" in point.why

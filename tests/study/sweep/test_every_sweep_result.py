@@ -37,6 +37,25 @@ def results(*engines: str, why: str, messages: tuple[str, ...]) -> Any:
     )  # fmt: skip
 
 
+def test_turns_of_the_reduced_engine_are_named_and_counted(tmp_path: Path) -> None:
+    """They are whole turns, and none of the direct engine."""
+    found = plan(tmp_path, FULL)
+    columns = _Columns(found.job, 0, np.zeros((3, 3)))
+    columns.keep(slice(0, 3), results("turn", "reduced_turn", "reduced_turn", why="reduced: x",
+                                      messages=("a turn",) * 3))  # fmt: skip
+    columns.premise[:] = False
+    tally = Tally()
+    tally.add(read(columns.parquet()))
+    assert dict(tally.engines) == {"turn": 1, "reduced_turn": 2}
+    assert sum(tally.direct.values()) == 1
+    told = SweepReport(folder=tmp_path, scenarios=3, found=0, computed=3, chunks=1, damaged=(),
+                       workers=1, wall_s=1.0, tally=tally).sentences()  # fmt: skip
+    assert told[-1] == (
+        "3 do not arrive in the initial phase (premise_holds is false); 3 of them were computed by "
+        "whole turns"
+    )
+
+
 def test_rows_of_a_chunk_as_a_file(tmp_path: Path) -> None:
     """Columns, what the file says of itself, and why the direct engine served."""
     found = plan(tmp_path, FULL.replace("rebound_amplitude_1", "rebound_amplitude_2"))

@@ -246,7 +246,16 @@ def test_every_number_of_a_model_can_vary(tmp_path: Path, path: str, own: float 
          "[parameters.'springs.steeve.stiffness_N_per_m']\nvalues = [9e3]\n", "stiffness"),
         ("[set]\nstiffness = 8000.0\n[parameters.stiffness]\nvalues = [9e3]\n", "set.stiffness"),
         ("[case]\nspeed_rpm = 450.0\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.speed_rpm"),
-        ("[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.window"),
+        ("[case]\nwindow = 'turn'\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.window"),
+        ("[case]\nturns = 3\n[parameters.speed_rpm]\nvalues = [9e2]\n", "case.turns"),
+        ("[case]\nleast_force_N = 3.0\n[parameters.speed_rpm]\nvalues = [9e2]\n",
+         "case.least_force_N"),
+        ("[case]\nwindow = 'cycle'\nturns = 0\n[parameters.speed_rpm]\nvalues = [9e2]\n",
+         "case.turns"),
+        ("quantities = ['duration_s']\n[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\n"
+         "values = [9e2]\n", "duration_s"),
+        ("quantities = ['repeats_after']\n[case]\nwindow = 'cycle'\n[parameters.speed_rpm]\n"
+         "values = [9e2]\n", "repeats_after"),
         ("[case]\nspeed = 450.0\n[parameters.restitution]\nvalues = [0.1]\n", "speed"),
         ("[set]\n'stops.jaw.law' = 1\n[parameters.preload]\nvalues = [9.0]\n", r"toml: set: .*law"),
         ("[parameters.'drives.pendulum.guide_axis_mm[2]']\nvalues = [1.0]\n", r"\[2\]"),
@@ -274,8 +283,11 @@ def test_unusable_studies_are_refused(
     assert not out.exists()
 
 
-@pytest.mark.parametrize("name", ["sweep_spring", "sweep_eccentric", "sweep_billion"])
+STUDIES = {"sweep_spring": 100_000, "sweep_turns": 100_000, "sweep_eccentric": 2000,
+           "sweep_billion": 10**9}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STUDIES)
 def test_studies_that_come_along_can_be_planned(name: str) -> None:
     found = read_plan(str(Path(__file__).parents[3] / "scripts" / f"{name}.toml"))
-    assert found.scenarios == {"sweep_spring": 100_000, "sweep_eccentric": 2000,
-                               "sweep_billion": 10**9}[name]  # fmt: skip
+    assert found.scenarios == STUDIES[name]

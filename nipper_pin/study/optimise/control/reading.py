@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ....arrays import FloatArray
+from ....errors import SimulationError
 from ....hybrid.event import EventKind
 from ....mechanism import INDEX_PER_TURN
 from ....tolerances.study import CONTROL_EDGE, CONTROL_ROUND_OFF
@@ -21,6 +23,7 @@ from .turn import ControlTurn
 
 # Places of a stretch at which a peak is looked for, and how often closer around the best one.
 _PLACES, _LOOKS = 240, 4
+_HIT = EventKind.COLLISION
 
 
 class Read(NamedTuple):
@@ -140,6 +143,98 @@ def _stroke(turn: ControlTurn) -> Read:
     return Read(most, CONTROL_ROUND_OFF * most)
 
 
+def _closed(turn: ControlTurn) -> list[tuple[float, float]]:
+    """Stretches of the turn on which the transition stop is closed."""
+    found = []
+    for item in turn.solution.phases:
+        begin, end = max(item.t_start, turn.begin), min(item.t_end, turn.end)
+        if turn.stop in item.closed and begin < end:
+            found.append((begin, end))
+    return found
+
+
+def _clamped_time(turn: ControlTurn) -> Read:
+    """Time with the transition stop closed: it opens where its force has fallen to zero."""
+    whole = math.fsum(end - begin for begin, end in _closed(turn))
+    late = math.fsum(
+        turn.late(event)
+        for event in turn.events
+        if (turn.stop in event.closed_before) != (turn.stop in event.closed_after)
+    )
+    return Read(whole, late + CONTROL_ROUND_OFF * whole)
+
+
+def _clamped_share(turn: ControlTurn) -> Read:
+    """The same by the time of a turn."""
+    time, period = _clamped_time(turn), turn.solution.shaft.period
+    return Read(time.value / period, time.error / period)
+
+
+def _rest_index(turn: ControlTurn) -> Read:
+    """Index of the first rest."""
+    return _index(turn, turn.rest.t, turn.late(turn.rest))
+
+
+def _rest_margin(turn: ControlTurn) -> Read:
+    """Indices from rest to opening."""
+    scale = INDEX_PER_TURN / turn.solution.shaft.period
+    late = turn.late(turn.rest) + turn.late(turn.opening)
+    margin = scale * (turn.opening.t - turn.rest.t)
+    return Read(margin, scale * late + INDEX_PER_TURN * CONTROL_ROUND_OFF)
+
+
+def _extreme_force(turn: ControlTurn, sign: float) -> Read:
+    """Largest force of the transition stop by sign, over the stretches on which it is closed."""
+
+    def signed(t: FloatArray) -> FloatArray:
+        return sign * turn.solution.trajectory.reactions(t).contacts[turn.stop]
+
+    found = []
+    for begin, end in _closed(turn):
+        edge = CONTROL_EDGE * (end - begin)
+        near, far = (_closer(signed, begin + k * edge, end - k * edge) for k in (1.0, 2.0))
+        # What is left out at the ends goes on as it does beside them.
+        found.append((near, 2.0 * abs(near - far)))
+    if not found:
+        message = f"the stop {turn.stop} is not closed"
+        raise SimulationError(message, stop=turn.stop)
+    force, error = max(found)
+    return Read(sign * force, error + CONTROL_ROUND_OFF * abs(force))
+
+
+def _least_force(turn: ControlTurn) -> Read:
+    """Smallest force of the transition stop while it is closed."""
+    return _extreme_force(turn, -1.0)
+
+
+def _largest_force(turn: ControlTurn) -> Read:
+    """Largest force of it."""
+    return _extreme_force(turn, 1.0)
+
+
+def _largest_gap(turn: ControlTurn) -> Read:
+    """Largest gap between two collisions of the transition stop, with none of another between."""
+    index = turn.mechanism.stop(turn.stop).index
+    inside = [event for event in turn.events if event.kind is _HIT]
+    found = []
+    for one, other in pairwise(inside):
+        if one.stops[0] == other.stops[0] == turn.stop:
+            error = max(turn.blurred(one), turn.blurred(other))
+            found.append((_peak(turn, index, one.t, other.t), error))
+    if not found:
+        return _amplitude(turn)
+    height, error = max(found)
+    return Read(height, (2.0 * error + CONTROL_ROUND_OFF) * height)
+
+
+def _energy_lost(turn: ControlTurn) -> Read:
+    """Kinetic energy lost in the collisions of the turn."""
+    hits = [event for event in turn.events if event.kind is _HIT]
+    whole = math.fsum(event.energy_lost for event in hits)
+    error = math.fsum(2.0 * turn.blurred(event) * event.energy_lost for event in hits)
+    return Read(whole, error + CONTROL_ROUND_OFF * whole)
+
+
 def _speed(turn: ControlTurn) -> Read:
     """Cylinder speed."""
     speed = S_PER_MIN / turn.solution.shaft.period
@@ -178,5 +273,13 @@ READ: Mapping[str, Callable[[ControlTurn], Read]] = {
     "jaw_opening_deg": _jaw_opening,
     "stroke_mm": _stroke,
     "speed_rpm": _speed,
+    "clamped_time_s": _clamped_time,
+    "clamped_share": _clamped_share,
+    "rest_index": _rest_index,
+    "rest_margin": _rest_margin,
+    "least_clamping_force_N": _least_force,
+    "largest_clamping_force_N": _largest_force,
+    "largest_gap": _largest_gap,
+    "energy_lost_turn_J": _energy_lost,
 }
 """How each quantity is read, by name; in its unit."""

@@ -20,6 +20,7 @@ from ..problem.quantities import QUANTITIES, cycle_values, lowest, thinned
 from .bounces import Bounces, Transitions
 from .point import Point, slack_rows
 from .turn import differs, turn_values
+from .whole_turn import WholeTurn, WholeTurns
 
 # Machines that are kept: those of a central difference in a few parameters.
 _MACHINES = 16
@@ -29,10 +30,24 @@ _BEFORE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """What was computed for one design: its transition and, if needed, its working cycle."""
+    """What was computed for one design, each if it is needed.
 
-    bounces: Bounces
+    Attributes:
+        bounces: Its transition.
+        cycle: Its working cycle.
+        turn: Its whole turn.
+    """
+
+    bounces: Bounces | None
     cycle: WorkingCycle | None
+    turn: WholeTurn | None = None
+
+    @property
+    def engine(self) -> str:
+        """Engine of the turn if that is asked for, else of the transition."""
+        if self.turn is not None:
+            return self.turn.engine
+        return "" if self.bounces is None else self.bounces.engine
 
 
 class Evaluator:
@@ -46,8 +61,14 @@ class Evaluator:
         """Prepare; nothing is computed yet."""
         self.problem = problem
         self.transitions = Transitions(problem)
+        self.turns = WholeTurns(problem)
         self._moving = [item for item in problem.parameters if item.target.kind == "model"]
         self._built: OrderedDict[tuple[float, ...], Mechanism] = OrderedDict()
+
+    @property
+    def why(self) -> str:
+        """Reason for the choice of the engine."""
+        return self.turns.why if self.turns.asked else self.transitions.why
 
     def at(self, z: FloatArray) -> Point:
         """Quantities and slacks of one set of numbers.
@@ -64,7 +85,7 @@ class Evaluator:
         if known.cycle is not None:
             waiting = lowest(known.cycle.waiting.index, known.cycle.waiting.force)
         rows, owners = slack_rows(self.problem.limits, values, waiting)
-        return Point(z=z, values=values, rows=rows, owners=owners, engine=known.bounces.engine)
+        return Point(z=z, values=values, rows=rows, owners=owners, engine=known.engine)
 
     def errors(self, z: FloatArray) -> dict[str, float]:
         """Stated errors of the quantities of a usable point, by name.
@@ -79,7 +100,11 @@ class Evaluator:
             name: abs(value - coarse[name]) + QUANTITY_ROUND_OFF * abs(value)
             for name, value in values.items()
         }
-        return errors | known.bounces.errors
+        if known.bounces is not None:
+            errors |= known.bounces.errors
+        if known.turn is not None:
+            errors |= self.turns.errors(self.mechanism(z), self.problem.speed(z))
+        return errors
 
     def mechanism(self, z: FloatArray) -> Mechanism:
         """The mechanism with these numbers.
@@ -117,14 +142,18 @@ class Evaluator:
         """Transition and cycle of a design; the turn is simulated where they would be wrong."""
         mechanism, speed = self.mechanism(z), self.problem.speed(z)
         asked = frozenset(self.problem.quantities)
-        bounces = self.transitions.at(mechanism, speed)
-        if not any(QUANTITIES[name].source == "cycle" for name in asked):
-            return _Known(bounces, None)
+        sources = {QUANTITIES[name].source for name in asked}
+        turn = self.turns.at(mechanism, speed) if self.turns.asked else None
+        if turn is not None and not sources & {"transition", "cycle"}:
+            return _Known(None, None, turn)
+        bounces = self.transitions.at(mechanism, speed, dense="cycle" in sources)
+        if "cycle" not in sources:
+            return _Known(bounces, None, turn)
         cycle = working_cycle(mechanism, speed)
         why = differs(cycle, bounces.values["duration_s"], asked)
         if why and bounces.turn is None:
             bounces = self.transitions.in_turn(mechanism, speed, why, _BEFORE)
-        return _Known(bounces, cycle)
+        return _Known(bounces, cycle, turn)
 
     def _values(self, known: _Known, z: FloatArray, *, thin: bool = False) -> dict[str, float]:
         """Quantities of a design.
@@ -134,14 +163,19 @@ class Evaluator:
             z: Unit coordinates, shape (parameters,).
             thin: Whether curves are looked at in half of their samples, to see what that changes.
         """
-        values = {"speed_rpm": self.problem.speed(z)} | known.bounces.values
+        values = {"speed_rpm": self.problem.speed(z)}
+        if known.bounces is not None:
+            values |= known.bounces.values
         if known.cycle is not None:
             values |= cycle_values(thinned(known.cycle) if thin else known.cycle)
-            if known.bounces.turn is not None:
+            if known.bounces is not None and known.bounces.turn is not None:
                 values |= turn_values(known.bounces.turn, thin=thin)
+        if known.turn is not None:
+            values |= known.turn.values
         missing = [name for name in self.problem.quantities if not np.isfinite(values[name])]
         if missing:
-            message = f"the transition has no {', '.join(missing)}"
+            what = "turn" if known.bounces is None else "transition"
+            message = f"the {what} has no {', '.join(missing)}"
             raise SimulationError(message, missing=missing)
         return values
 

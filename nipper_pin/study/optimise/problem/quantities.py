@@ -1,6 +1,7 @@
 """Quantities that can be minimised or limited, by name, and how each is computed.
 
-Bounces come from one transition. Timing and forces of the working cycle come from its kinematics:
+Bounces come from one transition, and what is said of a whole turn from turns that are followed.
+Timing and forces of the working cycle come from its kinematics:
 with held drives phases 1 and 2 have no freedom, so no cycle is simulated, and they are smooth where
 a simulated cycle has events that come and go.
 """
@@ -15,12 +16,12 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import InputError
-from ....hybrid.result.quantities import coordinate_unit, of_transition
+from ....hybrid.result.quantities import coordinate_unit, force_unit, of_transition
 from ....mechanism import INDEX_PER_TURN, Mechanism
 from ....units import MM_PER_M
 from ...identify.problem.working_cycle import Phase, WorkingCycle, unfit
 
-Source = Literal["setting", "transition", "cycle"]
+Source = Literal["setting", "transition", "cycle", "turn"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Quantity:
         joint: Kind of joint that its stop must be on, or None for any.
         waiting: Whether its stop is the one that is closed in the initial phase, and not the
             transition stop.
+        force: Whether it is a force, which the transition stop must have in this unit.
     """
 
     words: str
@@ -41,6 +43,11 @@ class Quantity:
     source: Source
     joint: str | None = None
     waiting: bool = False
+    force: bool = False
+
+
+MARGIN = "rest_margin"
+"""Name of the indices from rest to opening."""
 
 
 def _of_transition(name: str) -> tuple[str, str]:
@@ -63,10 +70,18 @@ QUANTITIES: Mapping[str, Quantity] = {
         "largest stroke with the jaw closed", "mm", "cycle", joint="prismatic", waiting=True
     ),
     "speed_rpm": Quantity("cylinder speed", "r/min", "setting"),
+    "clamped_time_s": Quantity("time of a turn clamped", "s", "turn"),
+    "clamped_share": Quantity("share of the turn clamped", "", "turn"),
+    "rest_index": Quantity("index of rest", "", "turn"),
+    MARGIN: Quantity("indices from rest to opening", "", "turn"),
+    "least_clamping_force_N": Quantity("smallest clamping force", "N", "turn", force=True),
+    "largest_clamping_force_N": Quantity("largest clamping force", "N", "turn", force=True),
+    "largest_gap": Quantity("largest gap of a rebound", "{gap}", "turn"),
+    "energy_lost_turn_J": Quantity("energy lost in the turn", "J", "turn"),
 }
 """All quantities by name."""
 
-INDICES = ("closing_index", "opening_index")
+INDICES = ("closing_index", "opening_index", "rest_index")
 
 
 def units(names: Iterable[str], mechanism: Mechanism) -> dict[str, str]:
@@ -108,6 +123,9 @@ def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:
         reason = unfit(mechanism) if item.source == "cycle" else None
         if reason is not None:
             message = f"{where}: {name} cannot be used: {reason}"
+            raise InputError(message, quantity=name, model=mechanism.name)
+        if item.force and force_unit(mechanism, mechanism.stop(mechanism.transition_stop)) != "N":
+            message = f"{where}: {name} cannot be used: its stop has a moment in N m and no force"
             raise InputError(message, quantity=name, model=mechanism.name)
         stops = mechanism.phase(mechanism.initial_phase).closed if item.waiting else ()
         stop = mechanism.stop(min(stops, default=mechanism.transition_stop))

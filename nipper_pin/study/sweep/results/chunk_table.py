@@ -70,14 +70,16 @@ def _check_columns(schema: pa.Schema, columns: Sequence[str] | None) -> None:
     """Refuse columns that stand there twice, are missing, or hold neither numbers nor text."""
     import pyarrow as pa
 
-    text = pa.dictionary(pa.int32(), pa.string())
+    text, whole, real = pa.dictionary(pa.int32(), pa.string()), pa.int32(), pa.float64()
     known = {
-        _NUMBER: pa.int64(), "engine": text, "outcome": text, "message": text,
-        "collisions": pa.int32(), "premise_holds": pa.bool_(),
+        _NUMBER: (pa.int64(),), "engine": (text,), "outcome": (text,), "message": (text,),
+        "collisions": (whole,), "premise_holds": (pa.bool_(),),
+        # A parameter of a sweep of transitions may have these names.
+        "turns": (whole, real), "repeats_after": (whole, real),
     }  # fmt: skip
     for item in schema:
         once = schema.names.count(item.name) == 1 and item.name.isprintable()
-        if not once or item.type != known.get(item.name, pa.float64()):
+        if not once or item.type not in known.get(item.name, (real,)):
             message = f"its column {item.name!r} is not the one of that name of a sweep"
             raise DamageError(message)
     for name in {*(columns or ())} - {*schema.names}:

@@ -12,6 +12,7 @@ from msgspec import Meta
 
 from ....errors import InputError
 from ....texts import MOST_JSON, read_text
+from ..job import COLUMNS, TURN_COLUMNS, Job
 from ..plan import Plan
 from ..samples import Samples
 
@@ -53,6 +54,7 @@ class _Record(msgspec.Struct, frozen=True):
     samples: _Samples | None
     quantities: tuple[str, ...]
     description: dict[str, Any]
+    window: Literal["transition", "cycle"] = "transition"
 
 
 def plan_record(plan: Plan) -> dict[str, Any]:
@@ -92,11 +94,19 @@ def plan_record(plan: Plan) -> dict[str, Any]:
         "rest_rate": job.rest_rate,
         "tolerance": job.tolerance,
         "max_collisions": job.max_collisions,
+        **_turn(job),
         "versions": dict(job.versions),
         "urdf": job.urdf,
         "description": dict(job.document),
         "study": job.study,
     }
+
+
+def _turn(job: Job) -> dict[str, Any]:
+    """What a sweep of whole turns follows; nothing in one of transitions."""
+    if job.turn is None:
+        return {}
+    return {"window": "cycle", **msgspec.structs.asdict(job.turn)}
 
 
 def read_document(file: Path) -> dict[str, Any]:
@@ -118,6 +128,15 @@ def read_document(file: Path) -> dict[str, Any]:
         "another --out"
     )
     raise InputError(message, file=str(file))
+
+
+def columns_of(document: dict[str, Any]) -> tuple[str, ...]:
+    """Columns of the results beside parameters and quantities, by the record of a plan.
+
+    Args:
+        document: The record.
+    """
+    return TURN_COLUMNS if document.get("window") == "cycle" else COLUMNS
 
 
 def continued(plan: Plan, stored: dict[str, Any], folder: Path) -> Plan:

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
-from ..job import COLUMNS
 from .chunk_file import read_file
 from .chunk_table import DamageError
-from .record import read_document
+from .record import columns_of, read_document
 from .store import CHUNKS, PLAN, need_pyarrow
 
 if TYPE_CHECKING:
@@ -91,7 +90,7 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     while math.gcd(step, sizes) > 1:
         step += 1
     named = (axis["name"] for axis in document["axes"])
-    wanted = {*COLUMNS, *named, *document["quantities"]}
+    wanted = {*columns_of(document), *named, *document["quantities"]}
     parts: list[pa.Table] = []
     stored = 0
     for file in files:

@@ -1,0 +1,18 @@
+"""Quantities of one turn, read off a run of whole turns."""
+
+from .parts import DriveTurn, StopTurn
+from .quantities import TURN, TURN_DRIVE, TURN_STOP, is_of_drive, of_turn, turn_names
+from .turn import Turn, reported_turn
+
+__all__ = [
+    "TURN",
+    "TURN_DRIVE",
+    "TURN_STOP",
+    "DriveTurn",
+    "StopTurn",
+    "Turn",
+    "is_of_drive",
+    "of_turn",
+    "reported_turn",
+    "turn_names",
+]

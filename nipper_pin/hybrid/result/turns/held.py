@@ -1,0 +1,177 @@
+"""Forces along a turn: extremes of a stop's and a drive's, time with a force above a level."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ....arrays import FloatArray
+from ....dynamics.multipliers import Multipliers
+from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
+from ...motion.panel import Panel, forces_at
+from ...segment import Segment
+from ..solution import Solution
+
+# Places of one polynomial, and halvings of what it does not hold.
+_PLACES, _HALVINGS = 24, 3
+_Force = Callable[[Segment, Multipliers], FloatArray | None]
+
+
+@dataclass(frozen=True)
+class Held:
+    """How a stop was held shut.
+
+    Attributes:
+        least: Smallest force [N]; along the joint of a stop without a contact point [N or N m].
+        largest: Largest force.
+        above: Time with a force above the given one [s].
+    """
+
+    least: float
+    largest: float
+    above: float
+
+
+def held(
+    solution: Solution, stop: str, stretches: list[tuple[float, float]], level: float
+) -> Held | None:
+    """Read the force of a closed stop.
+
+    On each panel it is a polynomial to round-off, so its extremes and where it passes a level are
+    roots of polynomials.
+
+    Args:
+        solution: The run.
+        stop: The stop.
+        stretches: Begins and ends of the stretches on which it is closed [s].
+        level: Force [N].
+
+    Returns:
+        None if there is no stretch.
+    """
+    force = partial(_of_stop, solution, stop)
+    found = [piece for stretch in stretches for piece in _pieces(solution, force, *stretch)]
+    if not found:
+        return None
+    ends = [piece.extremes() for piece in found]
+    return Held(
+        least=min(low for low, _ in ends),
+        largest=max(high for _, high in ends),
+        above=math.fsum(piece.above(level) for piece in found),
+    )
+
+
+def largest_torque(solution: Solution, drive: str, begin: float, end: float) -> float:
+    """Largest magnitude of the torque of a drive between the events of a stretch.
+
+    Args:
+        solution: The run.
+        drive: Name of the drive.
+        begin: Begin of the stretch [s].
+        end: Its end [s].
+
+    Returns:
+        The torque [N m], or the force of a drive along a slide [N].
+    """
+    place = [item.name for item in solution.mechanism.drives].index(drive)
+
+    def torque(_: Segment, forces: Multipliers) -> FloatArray:
+        return forces.drive[:, place]
+
+    ends = [piece.extremes() for piece in _pieces(solution, torque, begin, end)]
+    return max((max(-low, high) for low, high in ends), default=0.0)
+
+
+def _of_stop(
+    solution: Solution, stop: str, segment: Segment, forces: Multipliers
+) -> FloatArray | None:
+    """Force at the contact of a stop, shape (K,); None where it is open."""
+    closed = [item for item in solution.mechanism.stops if item.name in segment.closed]
+    for place, item in enumerate(closed):
+        if item.name == stop:
+            return forces.la_N[:, place] / item.lever
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """The force on a short time, as a polynomial in x from -1 to 1."""
+
+    begin: float
+    end: float
+    coefficients: FloatArray
+
+    def extremes(self) -> tuple[float, float]:
+        """Least and largest force."""
+        x = [-1.0, *_roots(_array(chebyshev.chebder(self.coefficients))), 1.0]
+        force = chebyshev.chebval(np.array(x), self.coefficients)
+        return float(force.min()), float(force.max())
+
+    def above(self, level: float) -> float:
+        """Time with a force above a level [s]."""
+        reduced = self.coefficients.copy()
+        reduced[0] -= level
+        x = np.array([-1.0, *_roots(reduced), 1.0])
+        force = chebyshev.chebval(0.5 * (x[1:] + x[:-1]), reduced)
+        return 0.5 * (self.end - self.begin) * float(np.diff(x)[force >= 0.0].sum())
+
+
+def _roots(coefficients: FloatArray) -> list[float]:
+    """Real roots of a Chebyshev series between -1 and 1, ascending."""
+    if not np.any(coefficients[1:]):
+        return []
+    found = chebyshev.chebroots(chebyshev.chebtrim(coefficients))
+    real = found.real[np.abs(found.imag) <= REAL_ROOT]
+    return sorted(float(x) for x in real if -1.0 < x < 1.0)
+
+
+def _pieces(solution: Solution, force: _Force, begin: float, end: float) -> Iterator[_Piece]:
+    """A force on a stretch, where there is one."""
+    for segment in solution.segments:
+        if segment.t_end <= begin or segment.t_start >= end:
+            continue
+        for panel, low, high in segment.pieces():
+            first, last = max(low, begin), min(high, end)
+            if last > first:
+                yield from _resolved(solution, force, segment, panel, first, last)
+
+
+def _resolved(
+    solution: Solution, force: _Force, segment: Segment, panel: Panel, begin: float, end: float
+) -> Iterator[_Piece]:
+    """A force on a part of a panel, cut in halves until polynomials hold it."""
+    system = solution.system
+    phase = system.constraint_set(segment.closed)
+    # Places within, where no event at an end lets the force jump.
+    x = np.cos(np.pi * (np.arange(_PLACES) + 0.5) / _PLACES)
+    left = [(begin, end)]
+    for halving in range(_HALVINGS + 1):
+        rough = []
+        for low, high in left:
+            t = 0.5 * (low + high) + 0.5 * (high - low) * x
+            values = force(segment, forces_at(system, phase, panel, t)[3])
+            if values is None:
+                return
+            coefficients = _array(chebyshev.chebfit(x, values, _PLACES - 1))
+            if halving < _HALVINGS and _rough(coefficients):
+                middle = 0.5 * (low + high)
+                rough += [(low, middle), (middle, high)]
+            else:
+                yield _Piece(low, high, coefficients)
+        left = rough
+
+
+def _array(values: Any) -> FloatArray:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _rough(coefficients: FloatArray) -> bool:
+    """Whether the last coefficients are not small."""
+    size = np.abs(coefficients)
+    return bool(size[-2:].max() > FORCE_RESOLVED * size.max())

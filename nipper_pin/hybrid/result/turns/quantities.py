@@ -1,0 +1,141 @@
+"""Every quantity of a turn, once: its name, words and unit, and how it is read.
+
+As in :mod:`~nipper_pin.hybrid.result.quantities`, of which this is the part of whole turns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ....mechanism import Mechanism
+from ..quantities import Quantity, coordinate_unit
+from ..solution import Solution
+from .parts import DriveTurn, StopTurn
+from .turn import Turn
+
+
+def _own(name: str) -> Callable[[Solution, object], Any]:
+    """Reads an attribute of a turn, or of a stop in it."""
+    return lambda _, item: getattr(item, name)
+
+
+def _of(name: str, words: str, column: str, unit: str = "", force: str | None = None) -> Any:
+    """A quantity whose attribute is called alike in a turn and in tables of turns."""
+    return Quantity(name=name, words=words, unit=unit, read=_own(column), column=column,
+                    force=force)  # fmt: skip
+
+
+def _forces(name: str, words: str, units: tuple[str, ...] = ("N", "N m")) -> list[Any]:
+    """A force, or an impulse, once for each unit that a stop can have."""
+    return [
+        _of(f"{name}_{unit.replace(' ', '_')}", words, name, unit, force=unit.removesuffix(" s"))
+        for unit in units
+    ]
+
+
+_IMPULSE = ("N s", "N m s")
+TURN: tuple[Quantity[Turn], ...] = (
+    _of("repeats_after", "repeats after so many turns", "repeats_after"),
+    _of("clamped_time_s", "time clamped", "clamped_time", "s"),
+    Quantity(name="clamped_time_error_s", words="error of the time clamped", unit="s",
+             column="clamped_time_error"),
+    _of("clamped_share", "share of the turn clamped", "clamped_share"),
+    *(
+        _of(f"{word}_index{error}", f"{error[1:]}{' of the ' if error else ''}index of {event}",
+            f"{word}_index{error}")
+        for word, event in (("closing", "closing"), ("rest", "rest"), ("loss", "loss"),
+                            ("opening", "opening"))
+        for error in ("", "_error")
+    ),
+    *_forces("least_clamping_force", "smallest clamping force"),
+    *_forces("largest_clamping_force", "largest clamping force"),
+    *(
+        Quantity(name=f"clamping_force_error_{unit.replace(' ', '_')}", unit=unit, force=unit,
+                 words="error of both clamping forces", column="clamping_force_error")
+        for unit in ("N", "N m")
+    ),
+    _of("largest_gap", "largest gap of a rebound", "largest_gap", "{gap}"),
+    _of("largest_gap_error", "error of the largest gap", "largest_gap_error", "{gap}"),
+    _of("energy_lost_turn_J", "energy lost in the turn", "energy_lost", "J"),
+    _of("energy_lost_turn_error_J", "error of the energy lost", "energy_lost_error", "J"),
+)  # fmt: skip
+"""Quantities of a whole turn; forces and gaps are those of the transition stop, which clamps."""
+
+TURN_STOP: tuple[Quantity[StopTurn], ...] = (
+    _of("collisions", "collisions", "collisions"),
+    *_forces("impulse_sum", "sum of the impulses", _IMPULSE),
+    *_forces("impulse_sum_error", "error of the sum", _IMPULSE),
+    *_forces("largest_impulse", "largest impulse", _IMPULSE),
+    *_forces("largest_impulse_error", "error of the largest impulse", _IMPULSE),
+)
+"""Quantities of each stop in a turn; in tables, those of a stop are ``name_STOP``."""
+
+TURN_DRIVE: tuple[Quantity[DriveTurn], ...] = (
+    *_forces("largest_torque", "largest torque between events", ("N m", "N")),
+    *(
+        Quantity(name=f"largest_torque_error_{unit.replace(' ', '_')}", unit=unit, force=unit,
+                 words="error of the largest torque", column="largest_torque_error")
+        for unit in ("N m", "N")
+    ),
+)  # fmt: skip
+"""Quantities of each drive, ``name_DRIVE``; they cost as much as a turn: only where asked for."""
+
+
+def of_turn(name: str, mechanism: Mechanism) -> tuple[Quantity[Any], str]:
+    """The quantity that a name such as ``rest_index`` or ``collisions_jaw`` stands for.
+
+    Args:
+        name: The name.
+        mechanism: The machine, whose stops and drives have names and units.
+
+    Returns:
+        The quantity, and the stop or drive that it is of; "" for one of the whole turn.
+
+    Raises:
+        KeyError: There is none, or it has another unit there.
+    """
+    return {**_named(mechanism), **_of_drives(mechanism)}[name]
+
+
+def turn_names(mechanism: Mechanism, *, drives: bool = False) -> tuple[str, ...]:
+    """Names of the quantities of a machine's turn.
+
+    Args:
+        mechanism: The machine.
+        drives: Whether those of its drives are among them.
+    """
+    return (*_named(mechanism), *(_of_drives(mechanism) if drives else ()))
+
+
+def is_of_drive(name: str, mechanism: Mechanism) -> bool:
+    """Whether a quantity is one of a drive.
+
+    Args:
+        name: Its name.
+        mechanism: The machine.
+    """
+    return name in _of_drives(mechanism)
+
+
+def _named(mechanism: Mechanism) -> dict[str, tuple[Quantity[Any], str]]:
+    """Quantities of the turn and of the stops that a machine has, by name."""
+    clamp = mechanism.transition_stop
+    found: dict[str, tuple[Quantity[Any], str]] = {
+        item.name: (item, "") for item in TURN if item.fits(mechanism, clamp)
+    }
+    for stop in mechanism.stops:
+        for item in TURN_STOP:
+            if item.fits(mechanism, stop.name):
+                found[f"{item.name}_{stop.name}"] = item, stop.name
+    return found
+
+
+def _of_drives(mechanism: Mechanism) -> dict[str, tuple[Quantity[Any], str]]:
+    """Quantities of the drives that a machine has, by name."""
+    return {
+        f"{item.name}_{drive.name}": (item, drive.name)
+        for drive in mechanism.drives
+        for item in TURN_DRIVE
+        if item.force == ("N" if coordinate_unit(mechanism, drive.index) == "m" else "N m")
+    }

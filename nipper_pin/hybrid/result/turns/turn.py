@@ -1,0 +1,266 @@
+"""One turn of a run: when the transition stop clamps, with which force, and what collisions do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from ....errors import InputError
+from ....mechanism.cylinder import INDEX_PER_TURN
+from ...case import Window
+from ...event import Event, EventKind
+from ...run.outcome import Outcome
+from ..rebound_errors import rebound_error
+from ..solution import Solution
+from ..tables import Collision
+from .held import Held, held
+from .parts import DriveTurn, StopTurn
+from .period import repetition
+
+_ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Turn:
+    """One turn of a run; indices count on from the one at which turns start, to 40 more.
+
+    What a turn does not have is None. Everything is computed when it is first asked for.
+
+    Attributes:
+        solution: The run, up to the turn that follows.
+        number: Number of the turn, from 1.
+        repeats_after: After how many turns it repeats an earlier one, so that turns go on like
+            this; 0 if it does not.
+        least_force: Force above which the transition stop clamps [N].
+    """
+
+    solution: Solution
+    number: int
+    repeats_after: int
+    least_force: float = 0.0
+
+    @property
+    def closing_index(self) -> float | None:
+        """Index of the first collision of the transition stop."""
+        return self._index(self._closing)
+
+    @property
+    def closing_index_error(self) -> float | None:
+        """Estimated error of that; so are the others called."""
+        return self._index_error(self._closing)
+
+    @property
+    def rest_index(self) -> float | None:
+        """Index of its first rest."""
+        return self._index(self._first(EventKind.REST))
+
+    @property
+    def rest_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._first(EventKind.REST))
+
+    @property
+    def loss_index(self) -> float | None:
+        """Index at which its force falls to zero and it opens by itself."""
+        return self._index(self._first(EventKind.RELEASE))
+
+    @property
+    def loss_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._first(EventKind.RELEASE))
+
+    @property
+    def opening_index(self) -> float | None:
+        """Index at which a collision of another stop throws it open."""
+        return self._index(self._opening)
+
+    @property
+    def opening_index_error(self) -> float | None:
+        """Its error."""
+        return self._index_error(self._opening)
+
+    @property
+    def clamped_time(self) -> float:
+        """Time with it closed and its force above the least one [s]."""
+        return 0.0 if self._held is None else self._held.above
+
+    @property
+    def clamped_share(self) -> float:
+        """The same by the time of a turn."""
+        return self.clamped_time / self._period
+
+    @property
+    def least_clamping_force(self) -> float | None:
+        """Smallest force while it is closed, in the unit of its contact [N or N m]."""
+        return None if self._held is None else self._held.least
+
+    @property
+    def largest_clamping_force(self) -> float | None:
+        """Largest force while it is closed."""
+        return None if self._held is None else self._held.largest
+
+    @property
+    def largest_gap(self) -> float | None:
+        """Largest gap of its rebounds, those that end at the stop itself [rad or m].
+
+        One that is slower than ``rest_rate`` is none.
+        """
+        hit = self._highest
+        return None if hit is None else hit.rebound_amplitude
+
+    @property
+    def largest_gap_error(self) -> float | None:
+        """Estimated error of that."""
+        hit = self._highest
+        return None if hit is None else rebound_error(self.solution, hit).amplitude
+
+    @property
+    def energy_lost(self) -> float:
+        """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
+        return math.fsum(event.energy_lost for event in self._losing)
+
+    @property
+    def energy_lost_error(self) -> float:
+        """Estimated error of that [J]: a loss goes with the square of an impulse."""
+        errors = self.solution.errors
+        return math.fsum(
+            2.0 * errors[event.number - 1].impulse * event.energy_lost for event in self._losing
+        )
+
+    def at(self, name: str) -> StopTurn | DriveTurn:
+        """What a stop or a drive does in the turn.
+
+        Args:
+            name: Its name.
+        """
+        if name in {drive.name for drive in self.solution.mechanism.drives}:
+            return DriveTurn(self.solution, name, *self._span)
+        return StopTurn(self.solution, name, self._events)
+
+    @property
+    def _stop(self) -> str:
+        return self.solution.mechanism.transition_stop
+
+    @property
+    def _period(self) -> float:
+        return self.solution.shaft.period
+
+    @property
+    def _span(self) -> tuple[float, float]:
+        """Begin and end [s]."""
+        return (self.number - 1) * self._period, self.number * self._period
+
+    @cached_property
+    def _events(self) -> tuple[Event, ...]:
+        """Events of the turn; one at its very end is the next turn's."""
+        begin, end = self._span
+        return tuple(event for event in self.solution.events if begin <= event.t < end)
+
+    @property
+    def _losing(self) -> list[Event]:
+        """Collisions, and limits of series, which hold what the bounces before them lose."""
+        kinds = [EventKind.COLLISION]
+        if self.solution.case.rest_rate is None:
+            kinds.append(EventKind.REST)
+        return [event for event in self._events if event.kind in kinds]
+
+    @cached_property
+    def _hits(self) -> list[Collision]:
+        """Collisions of the transition stop in the turn."""
+        numbers = {event.number for event in self._events}
+        return [
+            hit
+            for hit in self.solution.collisions
+            if hit.stop == self._stop and hit.event.number in numbers
+        ]
+
+    @cached_property
+    def _highest(self) -> Collision | None:
+        """The collision with the highest rebound that ends at its own stop."""
+        own = [(hit.rebound_amplitude, hit) for hit in self._hits if self._ends_there(hit)]
+        known = [(height, hit) for height, hit in own if height is not None]
+        return max(known, key=lambda item: item[0])[1] if known else None
+
+    def _ends_there(self, hit: Collision) -> bool:
+        """Whether a collision has a rebound, and no other stop is struck before it ends."""
+        end, left_out = hit.rebounds.until(hit.event)
+        if end is None or end is hit.event:
+            return False
+        if left_out is not None and self.solution.case.rest_rate is not None:
+            return False
+        between = self.solution.events[hit.event.number : end.number]
+        return all(
+            event.stops[0] == self._stop for event in between if event.kind is EventKind.COLLISION
+        )
+
+    @cached_property
+    def _held(self) -> Held | None:
+        begin, end = self._span
+        parts = [
+            (max(item.t_start, begin), min(item.t_end, end))
+            for item in self.solution.phases
+            if self._stop in item.closed and item.t_start < end and item.t_end > begin
+        ]
+        return held(self.solution, self._stop, parts, self.least_force)
+
+    @property
+    def _closing(self) -> Event | None:
+        return next((hit.event for hit in self._hits), None)
+
+    @property
+    def _opening(self) -> Event | None:
+        """The collision of another stop that throws it open."""
+        name = self._stop
+        opened = (
+            event
+            for event in self._events
+            if event.kind is EventKind.COLLISION
+            and name in event.closed_before
+            and name not in event.closed_after
+        )
+        return next(opened, None)
+
+    def _first(self, kind: EventKind) -> Event | None:
+        """Its first event of a kind."""
+        found = (item for item in self._events if item.kind is kind and self._stop in item.stops)
+        return next(found, None)
+
+    def _index(self, event: Event | None) -> float | None:
+        if event is None:
+            return None
+        travel = event.t / self._period - (self.number - 1)
+        return self.solution.case.start_index + INDEX_PER_TURN * travel
+
+    def _index_error(self, event: Event | None) -> float | None:
+        if event is None:
+            return None
+        error: float = self.solution.errors[event.number - 1].time
+        return INDEX_PER_TURN * error / self._period
+
+
+def reported_turn(solution: Solution, least_force: float = 0.0) -> Turn:
+    """The turn that stands for all further ones: the first that repeats another, or the last one.
+
+    Args:
+        solution: A run of whole turns.
+        least_force: Force above which the transition stop clamps [N].
+
+    Raises:
+        InputError: The run is none of whole turns, did not reach their end, or has no such stop.
+    """
+    if solution.case.window is not Window.CYCLE or solution.outcome not in _ENDED:
+        message = f"quantities of a turn need a run of whole turns to their end: {solution.outcome}"
+        raise InputError(message, outcome=solution.outcome.name)
+    if not solution.mechanism.transition_stop:
+        message = f"{solution.mechanism.name} has no stop that could clamp"
+        raise InputError(message, model=solution.mechanism.name)
+    found = repetition(solution)
+    # Errors of events far beyond the turn would cost as much as the turns.
+    end = (found.turn + 1) * solution.shaft.period
+    short = replace(
+        solution,
+        segments=tuple(item for item in solution.segments if item.t_start < end),
+        events=tuple(item for item in solution.events if item.t <= end),
+    )
+    return Turn(short, found.turn, found.after, least_force)

@@ -1,0 +1,69 @@
+"""Which of the two engines computes many cases of one mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal, TypeVar
+
+from ..dynamics.system import DriveMode
+from ..errors import InputError, NipperError
+
+Engine = Literal["auto", "direct", "reduced"]
+T = TypeVar("T")
+
+
+def check_engine(engine: str, drive: str) -> None:
+    """Refuse an engine or a behaviour of driven shafts that does not exist.
+
+    Args:
+        engine: Name of the engine.
+        drive: Behaviour of the driven shafts.
+
+    Raises:
+        InputError: One of them is none.
+    """
+    if engine not in ("auto", "direct", "reduced"):
+        message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
+        raise InputError(message, engine=engine)
+    if drive not in set(DriveMode):
+        message = f"drive = {drive!r} cannot be used: held or inertial"
+        raise InputError(message, drive=drive)
+
+
+def chosen(
+    tables: Callable[[], T],
+    *,
+    engine: Engine,
+    count: int,
+    pays_from: int,
+    unfit: Callable[[], str | None],
+    numba: Callable[[], bool],
+) -> tuple[T | None, str]:
+    """Choose by what was asked for, the mechanism, the number of cases and what is installed.
+
+    Args:
+        tables: Builds the tables of the reduced engine, or raises a NipperError.
+        engine: What was asked for.
+        count: Number of cases.
+        pays_from: Number of cases from which on tables pay.
+        unfit: Says why the mechanism has none, or None.
+        numba: Says whether compiled code can be had.
+
+    Returns:
+        The tables, or None for the direct engine, and the reason.
+    """
+    if engine == "direct":
+        return None, "direct: asked for"
+    if engine == "reduced":
+        return tables(), "reduced: asked for"
+    reason = unfit()
+    if reason is not None:
+        return None, f"direct: {reason}"
+    if count < pays_from:
+        return None, f"direct: the reduced engine pays from {pays_from} cases on"
+    if not numba():
+        return None, "direct: the reduced engine needs numba, which is not installed"
+    try:
+        return tables(), f"reduced: {count} cases of one mechanism"
+    except NipperError as error:
+        return None, f"direct: {error.message}"

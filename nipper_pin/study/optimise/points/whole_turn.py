@@ -1,0 +1,168 @@
+"""Quantities of whole turns of the designs of one problem, by the engine that suits it.
+
+Tables of turns cost as much as nine points by the direct engine (176 ms of processor time, and 20,
+the E62 at 650 r/min). They are made where one machine serves all points, since only speed,
+restitution, spring rates and preloads are free: a point then takes 1 ms. A geometry that changes
+with each point would need tables for each, so those problems take the direct engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....dynamics.system import DriveMode
+from ....errors import NipperError, SimulationError
+from ....extras import installed
+from ....mechanism import Mechanism
+from ....tolerances.study import QUANTITY_ROUND_OFF
+from ...cases import cases_of
+from ...turns.engine_choice import turns_of
+from ...turns.run import Settings
+from ...turns.table import FOLLOWED, TurnTable
+from ..problem.problem import Problem
+from ..problem.quantities import MARGIN, QUANTITIES
+from .bounces import REDUCED_TURN, TURN
+
+# Turns before one repeats, collisions of a turn, and how much coarser the second run is.
+_TURNS, _MOST_COLLISIONS, _COARSER = 8, 500, 100.0
+_COARSEST = 1e-4
+_FORCES = ("least_clamping_force_N", "largest_clamping_force_N")
+
+
+@dataclass(frozen=True, eq=False)
+class WholeTurn:
+    """The turn of one design, which repeats.
+
+    Attributes:
+        engine: "reduced_turn" or "turn".
+        values: Quantities by name; NaN where the turn has none.
+        bounds: Errors that the engine states of them, by name.
+    """
+
+    engine: str
+    values: Mapping[str, float]
+    bounds: Mapping[str, float]
+
+
+class WholeTurns:
+    """Turns of the designs of one problem.
+
+    Args:
+        problem: The problem.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        """Prepare; nothing is computed yet."""
+        self._problem = problem
+        self._names = tuple(
+            name for name in problem.quantities if QUANTITIES[name].source == "turn"
+        )
+        self._base: tuple[Mechanism | None, str] | None = None
+
+    @property
+    def asked(self) -> bool:
+        """Whether the problem asks for any of their quantities."""
+        return bool(self._names)
+
+    @property
+    def why(self) -> str:
+        """Reason for the choice of the engine."""
+        return self._sampled()[1]
+
+    def at(self, mechanism: Mechanism, speed_rpm: float, *, coarse: bool = False) -> WholeTurn:
+        """The turn of one design.
+
+        Args:
+            mechanism: The mechanism.
+            speed_rpm: Cylinder speed [r/min].
+            coarse: Whether to compute it with a coarser tolerance, to see what that changes.
+
+        Raises:
+            SimulationError: The turns cannot be followed, or differ from one another.
+        """
+        base = self._sampled()[0]
+        if base is not None:
+            table = self._followed(base, mechanism, speed_rpm, coarse=coarse)
+            if table.outcome[0] == FOLLOWED:
+                return self._read(table, REDUCED_TURN)
+        table = self._followed(None, mechanism, speed_rpm, coarse=coarse)
+        if table.outcome[0] != FOLLOWED:
+            reason = table.message[0] or str(table.outcome[0]).replace("_", " ")
+            message = f"{mechanism.name}: its turns cannot be followed: {reason}"
+            raise SimulationError(message, speed_rpm=speed_rpm)
+        return self._read(table, TURN)
+
+    def errors(self, mechanism: Mechanism, speed_rpm: float) -> dict[str, float]:
+        """Stated errors of the quantities of a turn, by name: what a coarser tolerance changes.
+
+        Args:
+            mechanism: The mechanism.
+            speed_rpm: Cylinder speed [r/min].
+        """
+        fine = self.at(mechanism, speed_rpm)
+        coarse = self.at(mechanism, speed_rpm, coarse=True).values
+        return {
+            name: abs(value - coarse[name]) + QUANTITY_ROUND_OFF * abs(value)
+            + fine.bounds.get(name, 0.0)
+            for name, value in fine.values.items()
+        }  # fmt: skip
+
+    def _followed(
+        self, base: Mechanism | None, mechanism: Mechanism, speed_rpm: float, *, coarse: bool
+    ) -> TurnTable:
+        """One case: by the tables of a base, or by the direct engine."""
+        tolerance = self._problem.tolerance
+        settings = Settings(
+            turns=_TURNS,
+            least_force=0.0,
+            drive=DriveMode.HELD,
+            rest_rate=self._problem.rest_rate,
+            tolerance=min(_COARSER * tolerance, _COARSEST) if coarse else tolerance,
+            max_collisions=_MOST_COLLISIONS,
+            wanted=frozenset({*self._names, "repeats_after", "rest_index", "opening_index"}),
+        )
+        cases = cases_of(
+            base or mechanism,
+            speed_rpm,
+            {stop.name: stop.restitution for stop in mechanism.stops},
+            np.array([[spring.stiffness for spring in mechanism.springs]]),
+            np.array([[spring.preload for spring in mechanism.springs]]),
+        )
+        return turns_of(base or mechanism, cases, settings, "direct" if base is None else "reduced")
+
+    def _read(self, table: TurnTable, engine: str) -> WholeTurn:
+        if table.repeats_after[0] != 1:
+            message = f"{table.model}: turns differ from one another, and so do their quantities"
+            raise SimulationError(message, speed_rpm=float(table.speed_rpm[0]))
+        values, bounds = {}, {}
+        for name in self._names:
+            if name == MARGIN:
+                values[name] = float(table.opening_index[0] - table.rest_index[0])
+            else:
+                values[name] = float(table.quantity(name)[0])
+            if name in _FORCES:
+                bounds[name] = float(np.nan_to_num(table.clamping_force_error[0]))
+            if name == "largest_gap":
+                bounds[name] = float(np.nan_to_num(table.largest_gap_error[0]))
+        return WholeTurn(engine, values, bounds)
+
+    def _sampled(self) -> tuple[Mechanism | None, str]:
+        if self._base is None:
+            self._base = self._sample()
+        return self._base
+
+    def _sample(self) -> tuple[Mechanism | None, str]:
+        moving = [item.name for item in self._problem.parameters if item.target.kind == "model"]
+        if moving:
+            return None, f"{', '.join(moving)} change the machine, and so the tables"
+        if not installed("numba"):
+            return None, "the reduced engine needs numba, which is not installed"
+        try:
+            mechanism = self._problem.sources.build()
+            self._followed(mechanism, mechanism, self._problem.speed_rpm, coarse=True)
+        except NipperError as error:
+            return None, error.message
+        return mechanism, "one machine: its tables are sampled once"

@@ -1,0 +1,79 @@
+"""Quantities of the reduced engine under the names, and in the units, of a table of turns."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...hybrid.case import START_INDEX
+from ...mechanism.cylinder import INDEX_PER_TURN
+from ...reduced.turns import TurnQuantities, TurnTorques
+
+_SAME = {
+    "clamped_time": "clamped_time",
+    "clamped_share": "clamped_share",
+    "least_clamping_force": "least_force",
+    "largest_clamping_force": "most_force",
+    "clamping_force_error": "force_error",
+    "largest_gap": "largest_gap",
+    "largest_gap_error": "gap_error",
+    "energy_lost": "energy_lost",
+    "clamped_time_error": "clamped_time_error",
+    "energy_lost_error": "energy_lost_error",
+}
+_EACH = ("collisions", "impulse_sum", "impulse_sum_error", "largest_impulse",
+         "largest_impulse_error")  # fmt: skip
+_INDICES = {
+    "closing_index": "closed_at",
+    "rest_index": "rests_at",
+    "loss_index": "lost_at",
+    "opening_index": "opened_at",
+}
+_INDEX_ERRORS = {
+    "closing_index_error": "closed_error",
+    "rest_index_error": "rests_error",
+    "loss_index_error": "lost_error",
+    "opening_index_error": "opened_error",
+}
+_PER_RAD = INDEX_PER_TURN / math.tau
+
+
+def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
+    """Columns by attribute of the table and name of the stop.
+
+    Args:
+        found: Quantities of the last turn of each case.
+    """
+    again = found.repeats_after.astype(np.float64)
+    columns: dict[tuple[str, str], FloatArray] = {("repeats_after", ""): again}
+    # Errors that the engine does not state are left out, so they stay NaN in the table.
+    for name, place in _SAME.items():
+        if hasattr(found, place):
+            columns[name, ""] = np.array(getattr(found, place))
+    for name, place in _INDEX_ERRORS.items():
+        if hasattr(found, place):
+            columns[name, ""] = _PER_RAD * getattr(found, place)
+    for name, place in _INDICES.items():
+        columns[name, ""] = START_INDEX + _PER_RAD * getattr(found, place)
+    for name in filter(lambda name: hasattr(found, name), _EACH):
+        for number, stop in enumerate(found.stops):
+            columns[name, stop] = np.array(getattr(found, name)[:, number])
+    return columns
+
+
+def torque_columns(found: TurnTorques) -> dict[tuple[str, str], FloatArray]:
+    """Columns by attribute of the table and name of the drive.
+
+    Args:
+        found: Torques of the last turn of each case.
+    """
+    return {
+        (name, drive): np.array(values[:, place])
+        for name, values in (
+            ("largest_torque", found.largest),
+            ("largest_torque_error", found.error),
+        )
+        for place, drive in enumerate(found.drives)
+    }

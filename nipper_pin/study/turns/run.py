@@ -1,0 +1,191 @@
+"""Turns of many cases as they come in, from both engines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...dynamics.system import DriveMode
+from ...errors import NipperError
+from ...hybrid.case import START_INDEX, Case, Resolution, Window
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
+from ...hybrid.run.outcome import Outcome
+from ...hybrid.simulate import simulate
+from ...mechanism import Mechanism
+from ...reduced.turns import TurnStatus, turn_quantities, turn_torques
+from ...reduced.turns.results import TURN_REASONS
+from ..cases import Cases
+from ..transitions import FAILED, REDUCED, retuned
+from .reduced_columns import reduced_columns, torque_columns
+from .table import FOLLOWED, TurnTable
+
+DIRECT = "direct"
+# Turns of the direct engine that are computed at first, and how many times as many then.
+_FIRST_TURNS, _MORE_TURNS = 5, 4
+_STATUS = {int(status): status.name.lower() for status in TurnStatus}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Settings of all cases.
+
+    Attributes:
+        turns: Largest number of turns of a case.
+        least_force: Force above which the transition stop clamps [N].
+        drive: Behaviour of the driven shafts.
+        rest_rate: None: series end at their limit. A number: rest at the first slower rebound.
+        tolerance: Relative accuracy.
+        max_collisions: Largest number of collisions of a turn.
+        torques: Whether the largest torques of the drives are computed.
+        wanted: Names of the quantities that the direct engine reads, None for all of these: errors
+            cost it more than the turn.
+    """
+
+    turns: int
+    least_force: float
+    drive: DriveMode
+    rest_rate: float | None
+    tolerance: float
+    max_collisions: int
+    torques: bool = False
+    wanted: frozenset[str] | None = None
+
+
+class Run:
+    """Results of all cases as they come in."""
+
+    def __init__(self, mechanism: Mechanism, cases: Cases, settings: Settings) -> None:
+        """Begin with none."""
+        n = len(cases.speed_rpm)
+        self._mechanism, self._cases, self._settings = mechanism, cases, settings
+        self._engine = np.full(n, DIRECT, dtype="U7")
+        self._outcome = np.full(n, FAILED, dtype="U24")
+        self._message = [""] * n
+        self._turns = np.zeros(n, dtype=np.int64)
+        names = turn_names(mechanism, drives=settings.torques)
+        self._read = {name: of_turn(name, mechanism) for name in names}
+        # By the attribute of the table and, where it is of a stop or a drive, its name.
+        self._found = {
+            (item.column, part): np.full(n, np.nan) for item, part in self._read.values()
+        }
+        self._restitution = {
+            stop.name: cases.others.get(stop.name, np.full(n, stop.restitution))
+            for stop in mechanism.stops
+        }
+        self._restitution[mechanism.transition_stop] = cases.restitution
+
+    def reduced(self, *, keep_all: bool) -> list[int]:
+        """Follow all cases by the reduced engine; returns those that it leaves to the other."""
+        settings = self._settings
+        case: dict[str, Any] = {
+            "speed_rpm": self._cases.speed_rpm,
+            "turns": settings.turns,
+            "start_index": START_INDEX,
+            "restitution": self._restitution,
+            "stiffness": self._cases.stiffness,
+            "preload": self._cases.preload,
+            "rest_rate": settings.rest_rate,
+            "tolerance": settings.tolerance,
+            "max_collisions": settings.max_collisions,
+        }
+        found = turn_quantities(self._mechanism, least_force=settings.least_force, **case)
+        status = found.status
+        self._found |= reduced_columns(found)
+        if settings.torques:
+            torques = turn_torques(self._mechanism, **case)
+            status = np.where(status == TurnStatus.FOLLOWED, torques.status, status)
+            self._found |= torque_columns(torques)
+        self._engine[:] = REDUCED
+        self._outcome[:] = [_STATUS[number] for number in status.tolist()]
+        self._turns = np.where(status == TurnStatus.FOLLOWED, found.turns, 0)
+        left = np.flatnonzero(status != TurnStatus.FOLLOWED).tolist()
+        for number in left:
+            reason = TURN_REASONS[TurnStatus(int(status[number]))]
+            self._message[number] = f"the reduced engine: {reason}"
+        return [] if keep_all else left
+
+    def direct(self, number: int) -> None:
+        """Simulate one case by the direct engine."""
+        cases, settings = self._cases, self._settings
+        self._engine[number], self._outcome[number], self._turns[number] = DIRECT, FAILED, 0
+        for column in self._found.values():
+            column[number] = np.nan
+        try:
+            mechanism = retuned(
+                self._mechanism,
+                {name: float(e_N[number]) for name, e_N in self._restitution.items()},
+                cases.stiffness[number],
+                cases.preload[number],
+            )
+            case = Case(
+                speed_rpm=float(cases.speed_rpm[number]),
+                window=Window.CYCLE,
+                cycles=settings.turns,
+                drive=settings.drive,
+                rest_rate=settings.rest_rate,
+                resolution=Resolution(tolerance=settings.tolerance),
+                max_collisions=settings.max_collisions,
+            )
+            self._follow(number, mechanism, case)
+        except NipperError as error:
+            self._message[number] = error.message
+
+    def _follow(self, number: int, mechanism: Mechanism, case: Case) -> None:
+        solution, turn = _until_repeated(mechanism, case, self._settings.least_force)
+        if turn is None:
+            self._outcome[number] = solution.outcome.name.lower()
+            self._message[number] = solution.outcome.value
+            return
+        wanted = self._settings.wanted
+        for name, (item, part) in self._read.items():
+            if item.read is None or not (wanted is None or name in wanted):
+                continue
+            value: Any = item.read(solution, turn.at(part) if part else turn)
+            if value is not None:
+                self._found[item.column, part][number] = value
+        self._found["repeats_after", ""][number] = turn.repeats_after
+        self._turns[number], self._outcome[number] = turn.number, FOLLOWED
+
+    def table(self, why: str) -> TurnTable:
+        """The table of all cases."""
+        columns: dict[str, Any] = {"largest_torque": {}, "largest_torque_error": {}}
+        for (column, part), values in self._found.items():
+            if part:
+                columns.setdefault(column, {})[part] = values
+            else:
+                columns[column] = values
+        again = columns.pop("repeats_after")
+        return TurnTable(
+            model=self._mechanism.name,
+            why=why,
+            engine=self._engine,
+            outcome=self._outcome,
+            message=tuple(self._message),
+            speed_rpm=self._cases.speed_rpm,
+            restitution=self._restitution,
+            stiffness=self._cases.stiffness,
+            preload=self._cases.preload,
+            turns=self._turns,
+            repeats_after=np.nan_to_num(again).astype(np.int64),
+            mechanism=self._mechanism,
+            **columns,
+        )
+
+
+def _until_repeated(
+    mechanism: Mechanism, case: Case, least_force: float
+) -> tuple[Solution, Turn | None]:
+    """Follow more and more turns until they repeat; no turn where there are too many collisions."""
+    cycles = min(_FIRST_TURNS, case.cycles)
+    while True:
+        solution = simulate(mechanism, replace(case, cycles=cycles))
+        if solution.outcome is Outcome.TOO_MANY_COLLISIONS:
+            return solution, None
+        turn = reported_turn(solution, least_force)
+        # Rebounds at the end of the last turn are only known from the next one.
+        if cycles == case.cycles or (turn.repeats_after and turn.number < cycles):
+            return solution, turn
+        cycles = min(_MORE_TURNS * cycles, case.cycles)

@@ -1,0 +1,152 @@
+"""The whole turn of a setting, by the reduced engine.
+
+Its tables and its machine code are made in a thread of its own, so that the page starts and answers
+without them. From then on a turn takes less than a millisecond, in the thread that asks for it.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from ...errors import NipperError
+from ...extras import installed
+from ...mechanism import INDEX_PER_TURN, Mechanism
+from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
+from ...reduced.turns.results import TURN_REASONS
+from ...reduced.turns.turn import ROOMS
+from ...units import MS_PER_S
+from ..reading import digits
+from .settings import RESTITUTION, SPEED, Knob, changed
+
+Rows = tuple[tuple[str, str, str], ...]
+"""Key, label and value of numbers."""
+
+# Turns until they repeat, and collisions of a turn.
+_TURNS, _MOST_COLLISIONS = 32, 400
+_PENDING = "its tables are being made"
+
+
+class WholeTurns:
+    """Turns of the settings of a page.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        controls: The knobs.
+        told: Called, in another thread, when the tables are there.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, controls: Sequence[Knob], told: Callable[[], None]
+    ) -> None:
+        """Prepare; nothing is made before :meth:`start`."""
+        self._mechanism, self._controls, self._told = mechanism, controls, told
+        self._why: str | None = None
+
+    def start(self) -> None:
+        """Make the tables, in a thread that ends with the process."""
+        threading.Thread(target=self._make, daemon=True).start()
+
+    def rows(self, shown: Mapping[str, float]) -> Rows:
+        """Rows of a setting, or that they are to come.
+
+        Args:
+            shown: Values of the knobs in their units, by key.
+        """
+        if self._why is None:
+            return (("turn", "whole turn", _PENDING),)
+        return turn_rows(self._mechanism, self._controls, shown, self._why)
+
+    def _make(self) -> None:
+        self._why = unusable(self._mechanism)
+        self._told()
+
+
+def unusable(mechanism: Mechanism) -> str:
+    """Make the tables of a mechanism's turns and load compiled code, or say why there are none.
+
+    Args:
+        mechanism: The mechanism.
+    """
+    if not installed("numba"):
+        return "it needs numba (extra study)"
+    try:
+        # Also the wider ones: a slider must not wait for them.
+        for room in ROOMS:
+            turn_model(mechanism, room=room)
+        turn_quantities(mechanism, speed_rpm=mechanism.cylinder.rated_speed_rpm)
+    except NipperError as error:
+        return error.message
+    return ""
+
+
+def turn_rows(
+    mechanism: Mechanism, controls: Sequence[Knob], shown: Mapping[str, float], why: str = ""
+) -> Rows:
+    """Numbers of the whole turn of one setting.
+
+    Args:
+        mechanism: The mechanism as loaded.
+        controls: The knobs.
+        shown: Values of the knobs in their units, by key.
+        why: Why there are no tables; empty if there are.
+
+    Returns:
+        The rows; a turn that cannot be followed gives its reason instead of numbers.
+    """
+    if why:
+        return _nothing(why)
+    values = {item.key: item.factor * shown[item.key] for item in controls}
+    springs = changed(mechanism, values).springs
+    began = time.perf_counter()
+    try:
+        found = turn_quantities(
+            mechanism,
+            speed_rpm=values[SPEED],
+            turns=_TURNS,
+            restitution=values[RESTITUTION],
+            stiffness=np.array([[spring.stiffness for spring in springs]]),
+            preload=np.array([[spring.preload for spring in springs]]),
+            max_collisions=_MOST_COLLISIONS,
+        )
+    except NipperError as error:
+        return _nothing(error.message)
+    status = TurnStatus(int(found.status[0]))
+    if status is not TurnStatus.FOLLOWED:
+        return _nothing(TURN_REASONS[status])
+    return _numbers(turn_model(mechanism), found, MS_PER_S * (time.perf_counter() - began))
+
+
+def _nothing(why: str) -> Rows:
+    return (
+        ("turn", "whole turn", f"not followed: {why}"),
+        ("turn_engine", "engine of the turn", "none; simulate --window cycle takes the direct one"),
+    )
+
+
+def _numbers(model: TurnModel, found: TurnQuantities, wall_ms: float) -> Rows:
+    """Rows of the last turn that was followed."""
+    clamp, period = model.transition_stop, int(found.repeats_after[0])
+    share, held = float(found.clamped_share[0]), MS_PER_S * float(found.clamped_time[0])
+    again = {0: f"not within {_TURNS} turns", 1: "every turn"}.get(period, f"after {period} turns")
+    return (
+        ("clamped", f"{clamp} pressed shut, share of the turn", digits(share)),
+        ("held", f"{clamp} pressed shut, time of a turn [ms]", digits(held)),
+        ("closing", "index of the first touch", _index(model, found.closed_at[0], "none")),
+        ("rest", "index of rest", _index(model, found.rests_at[0], "no rest before it opens")),
+        ("opening", "index of opening by a stop", _index(model, found.opened_at[0], "none")),
+        ("lost", "index at which clamping is lost", _index(model, found.lost_at[0], "not lost")),
+        ("repeats", "the turn repeats", again),
+        ("turn_engine", "engine of the turn", f"{found.engine}, {wall_ms:.1f} ms"),
+    )
+
+
+def _index(model: TurnModel, travel: float, otherwise: str) -> str:
+    """Index at a travel from the start of the turn [rad]."""
+    if not np.isfinite(travel):
+        return otherwise
+    return f"{(model.start_index + INDEX_PER_TURN * travel / math.tau) % INDEX_PER_TURN:.3f}"

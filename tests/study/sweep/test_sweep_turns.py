@@ -1,0 +1,185 @@
+"""Sweeps of whole turns: their rows are those of tables of turns, in files like all others."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from sweep_studies import GEOMETRY, TABLE, plan, study
+
+from nipper_pin import InputError, Mechanism, read_sweep, turn_table
+from nipper_pin.cli import main
+from nipper_pin.hybrid.result.turns import turn_names
+from nipper_pin.study.sweep.axes import find_target
+from nipper_pin.study.sweep.chunks import _unchanged, run_chunk
+from nipper_pin.study.sweep.job import COLUMNS, TURN_COLUMNS, read_job
+from nipper_pin.study.sweep.results import Store
+from nipper_pin.study.sweep.results.chunk_file import encode, read
+from nipper_pin.study.sweep.results.chunk_table import DamageError
+from nipper_pin.study.sweep.results.record import plan_record
+from nipper_pin.study.turns import TURNS, TURNS_PAY_FROM
+
+CYCLE = '[case]\nwindow = "cycle"\nturns = 3\nleast_force_N = 60.0\n'
+FEW = TABLE.replace("600", str(TURNS_PAY_FROM))
+STEEVE = '[parameters."stops.steeve.restitution"]\nlow = 0.1\nhigh = 0.4\n'
+
+
+def every(mechanism: Mechanism) -> list[str]:
+    return [name for name in turn_names(mechanism) if name != "repeats_after"]
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory, e62: Mechanism) -> tuple[Any, Any, Any]:
+    """The plan of a study of all quantities, its rows and the bytes of its one chunk."""
+    text = f"quantities = {every(e62)}\n{CYCLE}{FEW}{STEEVE}"
+    found = plan(tmp_path_factory.mktemp("turns"), text)
+    ((chunk, rows),) = list(found.rows(found.chunks()))
+    return found, rows, run_chunk(found.job.text(), chunk.start, rows)
+
+
+def test_rows_are_those_of_a_table(swept: tuple[Any, Any, Any], e62: Mechanism) -> None:
+    """To the last bit; restitutions of both stops are columns of it."""
+    found, rows, content = swept
+    chunk = read(content)
+    table = turn_table(
+        _unchanged(found.job.text()), speed_rpm=rows[:, 0],
+        restitution={"jaw": rows[:, 1], "steeve": rows[:, 4]},
+        stiffness_N_per_m=rows[:, 2], preload_length_mm=rows[:, 3], turns=3, least_force_N=60.0,
+    )  # fmt: skip
+    assert set(table.engine) == {"reduced"}
+    axes = [axis.name for axis in found.axes]
+    head = [TURN_COLUMNS[0], *axes, *TURN_COLUMNS[1:]]
+    assert chunk.column_names == [*head, *every(e62)]
+    for name in ("engine", "outcome"):
+        assert chunk[name].to_pylist() == getattr(table, name).tolist()
+    assert chunk["message"].to_pylist() == [*table.message]
+    for name in ("turns", "repeats_after"):
+        assert chunk[name].type == pa.int32()
+        assert chunk[name].to_pylist() == getattr(table, name).tolist()
+    assert chunk["collisions"].to_pylist() == table.collisions["jaw"].tolist()
+    assert chunk["premise_holds"].null_count == len(rows)
+    for name in every(e62):
+        np.testing.assert_array_equal(chunk[name].to_numpy(), table.quantity(name), err_msg=name)
+    assert {name for name in every(e62) if chunk[name].null_count} == set()
+    units = {item.name: (item.metadata or {}).get(b"unit", b"").decode() for item in chunk.schema}
+    assert units["clamped_time_s"] == "s"
+    assert units["largest_gap"] == "rad"
+    assert units["impulse_sum_N_s_steeve"] == "N s"
+    assert units["rest_index"] == units["collisions_jaw"] == "1"
+
+
+def test_the_direct_engine_reads_what_is_asked_for(tmp_path: Path) -> None:
+    """Few scenarios: its rows, and why it served."""
+    text = f'quantities = ["largest_gap", "collisions_steeve"]\n{CYCLE}'
+    found = plan(tmp_path, f"{text}[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n")
+    rows = np.array([[450.0], [650.0]])
+    chunk = read(run_chunk(found.job.text(), 0, rows))
+    table = turn_table(_unchanged(found.job.text()), speed_rpm=rows[:, 0], turns=3)
+    assert chunk["engine"].to_pylist() == ["direct", "direct"]
+    np.testing.assert_array_equal(chunk["largest_gap"].to_numpy(), table.largest_gap)
+    assert chunk["collisions_steeve"].to_pylist() == table.collisions["steeve"].tolist()
+    about = json.loads(chunk.schema.metadata[b"nipper_pin"])
+    assert about["direct"] == {f"the reduced engine pays from {TURNS_PAY_FROM} cases on": 2}
+
+
+def test_machines_that_cannot_be_built(tmp_path: Path) -> None:
+    """A row without a turn."""
+    text = f'{CYCLE}[parameters."points.eccentric_pin.radius_mm"]\nvalues = [5.0, 500.0]\n'
+    found = plan(tmp_path, text)
+    chunk = read(run_chunk(found.job.text(), 0, np.array([[5.0], [500.0]])))
+    assert chunk["outcome"].to_pylist()[1] != "followed"
+    assert chunk["outcome"].to_pylist()[0] == "followed"
+    assert chunk["turns"].to_pylist() == [1, 0]
+    assert np.isnan(chunk["clamped_share"].to_numpy()).tolist() == [False, True]
+
+
+def test_identity_and_record_of_a_plan(tmp_path: Path) -> None:
+    """Turns and level are part of them; transitions have no word of turns."""
+    turn, other, transition = (
+        plan(tmp_path, f"{head}{FEW}") for head in (CYCLE, CYCLE.replace("60.0", "61.0"), "")
+    )
+    assert len({item.job.identity for item in (turn, other, transition)}) == 3
+    assert read_job(turn.job.text()) == turn.job
+    assert read_job(transition.job.text()) == transition.job
+    assert b'"turn"' not in transition.job.text()
+    assert not {"window", "turns", "least_force_N"} & {*plan_record(transition)}
+    record = plan_record(turn)
+    assert (record["window"], record["turns"], record["least_force_N"]) == ("cycle", 3, 60.0)
+    assert (transition.job.columns, turn.job.columns) == (COLUMNS, TURN_COLUMNS)
+    usual = plan(tmp_path, f'[case]\nwindow = "cycle"\n{FEW}').job
+    assert usual.turn is not None
+    assert (usual.turn.turns, usual.turn.least_force_N) == (TURNS, 0.0)
+    assert "clamped_share" in usual.quantities
+
+
+def test_chunks_of_turns(tmp_path: Path) -> None:
+    """Smaller than those of transitions; whole machines where each is another one."""
+    sizes = [item.stop - item.start for item in
+             plan(tmp_path, CYCLE + TABLE.replace("600", "100_000")).chunks()]  # fmt: skip
+    assert len(sizes) == 64
+    assert max(sizes) - min(sizes) <= 1
+    grid = CYCLE + GEOMETRY.replace("chunk = 4\n", "")
+    # Two scenarios of the direct engine a machine, 0.126 s: two machines take the shortest time.
+    assert {item.stop - item.start for item in plan(tmp_path, grid).chunks()} <= {2, 4}
+
+
+def test_restitutions_of_all_stops_are_columns_of_turns(e62: Mechanism) -> None:
+    path = "stops.steeve.restitution"
+    assert find_target(path, e62).kind == "model"
+    assert find_target(path, e62, turns=True).kind == "restitution"
+    assert find_target("restitution", e62, turns=True) == find_target("restitution", e62)
+
+
+def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
+    swept: tuple[Any, Any, Any], tmp_path: Path, e62: Mechanism
+) -> None:
+    found, rows, content = swept
+    with Store(tmp_path / "out", found) as store:
+        (chunk,) = found.chunks()
+        store.write(chunk, content)
+        assert store.rows(chunk) is not None
+    table = read_sweep(tmp_path / "out")
+    assert table.quantities == tuple(every(e62))
+    assert (table.stored, table.scenarios) == (len(rows), len(rows))
+    for changed in ("turns = 3", "least_force_N = 60.0"):
+        text = found.job.study.replace(changed, changed.replace("3", "4").replace("60.", "6."))
+        (tmp_path / "other").mkdir(exist_ok=True)
+        other = plan(tmp_path / "other", text.partition("\n")[2].partition("\n")[2])
+        with pytest.raises(InputError, match=f"differ in: {changed.partition(' ')[0]}"):
+            Store(tmp_path / "out", other)
+
+
+@pytest.mark.slow
+def test_a_study_from_its_file_to_its_figures(tmp_path: Path) -> None:
+    """By the command: estimate, rows, the same folder again, a picture of the period."""
+    asked = '["clamped_share", "largest_torque_N_m_pendulum"]'
+    text = f"quantities = {asked}\n{CYCLE}{FEW}"
+    file, out = study(tmp_path, text), str(tmp_path / "out")
+    assert main(["sweep", file, "--dry-run"]) == 0
+    for _ in range(2):
+        assert main(["sweep", file, "--out", out, "--workers", "1"]) == 0
+    rows = read_sweep(out)
+    assert rows.stored == TURNS_PAY_FROM
+    assert set(rows.table["engine"].to_pylist()) == {"reduced"}
+    torque = rows.table["largest_torque_N_m_pendulum"]
+    assert rows.table.schema.field("largest_torque_N_m_pendulum").metadata == {b"unit": b"N m"}
+    assert min(torque.to_pylist()) > 10.0
+    for name in ("clamped_share", "repeats_after", "turns"):
+        assert main(["plot", out, "--quantity", name]) == 0
+        assert (tmp_path / "out" / "plots" / f"main_effects_{name}.svg").is_file()
+    assert main(["verify", out]) == 0
+    assert main(["plot", out, "--quantity", "premise_holds"]) == 2
+
+
+def test_numbers_of_turns_are_whole() -> None:
+    """Of text they are damage; a parameter of another sweep may have their names."""
+    columns = {"scenario": np.arange(2), "turns": ["1", "2"]}
+    with pytest.raises(DamageError, match="'turns'"):
+        read(encode(columns, words=("turns",), units={}, about={}))
+    for values in (np.arange(2, dtype=np.int32), np.arange(2.0)):
+        content = encode({**columns, "turns": values}, words=(), units={}, about={})
+        assert read(content)["turns"].to_pylist() == [0, 1]

@@ -1,0 +1,427 @@
+"""The table of turns: both engines against each other and against certified turns, and the choice.
+
+The direct engine reads a turn off its own run, by Pinocchio at every node; the reduced engine adds
+it up in compiled code from tables. They share the mechanism, names and units.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from judge import press
+
+from nipper_pin import (
+    Case,
+    DriveMode,
+    EventKind,
+    InputError,
+    Mechanism,
+    TurnTable,
+    UnknownNameError,
+    load,
+    simulate,
+    turn_table,
+)
+from nipper_pin.hybrid.result.turns import (
+    TURN,
+    TURN_DRIVE,
+    TURN_STOP,
+    is_of_drive,
+    of_turn,
+    turn_names,
+)
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.reduced.turns import TurnStatus, turns
+from nipper_pin.study.turns import TURNS_PAY_FROM, engine_choice
+from nipper_pin.study.turns import run as run_module
+
+TESTS = Path(__file__).parents[1]
+KINDS = {"closing_index": "collision", "rest_index": "rest", "loss_index": "release"}
+# Round-off of forces that the direct engine solves for, by the largest one.
+FORCE = 1e-10
+# Errors that grow from turn to turn are stated with room: the engines agree to this anyhow.
+CLOSE = 1e-7
+EPS = float(np.finfo(float).eps)
+
+
+@pytest.fixture(scope="module")
+def certified() -> dict[str, Any]:
+    text = (TESTS / "reference/e62_cycle.json").read_text(encoding="utf-8")
+    cases: dict[str, Any] = json.loads(text)["cases"]
+    return cases
+
+
+@pytest.mark.parametrize("engine", ["direct", "reduced"])
+def test_certified_turns(e62: Mechanism, certified: dict[str, Any], engine: Any) -> None:
+    """An independent solution in 60 digits, at both of its speeds."""
+    speeds = [450.0, 650.0]
+    table = turn_table(e62, speed_rpm=speeds, engine=engine, tolerance=1e-12, turns=3)
+    assert table.why == f"{engine}: asked for"
+    assert (table.engine == engine).all()
+    assert (table.outcome == "followed").all()
+    assert table.turns.tolist() == table.repeats_after.tolist() == [1, 1]
+    for i, speed in enumerate(speeds):
+        case = certified[f"{speed:.0f}"]
+        own = {name: table.quantity(name)[i] for name in turn_names(e62)}
+        held = next(row for row in case["phases"] if row["closed"] == "jaw")
+        rest = next(row for row in case["rests"] if row["stop"] == "jaw")
+        hits = {stop: [row for row in case["collisions"] if row["stop"] == stop]
+                for stop in ("jaw", "steeve")}  # fmt: skip
+        index = {
+            "closing_index": float(hits["jaw"][0]["index"]),
+            "rest_index": 24.0 + float(rest["time_s"]) * speed / 60.0 * 40.0,
+            "opening_index": 24.0 + float(held["end_s"]) * speed / 60.0 * 40.0,
+        }
+        for key, value in index.items():
+            assert own[key] == pytest.approx(value, abs=1e-10), key
+        assert math.isnan(own["loss_index"])
+        stretch = float(held["end_s"]) - float(held["start_s"])
+        assert own["clamped_time_s"] == pytest.approx(stretch, rel=1e-11)
+        assert own["clamped_share"] == pytest.approx(stretch * speed / 60.0, rel=1e-11)
+        for name, key in (("least", "min"), ("largest", "max")):
+            true = float(held[f"lip_force_{key}_N"])
+            assert own[f"{name}_clamping_force_N"] == pytest.approx(true, rel=FORCE)
+        highest = max(float(row["rebound_amplitude"]) for row in hits["jaw"])
+        assert abs(own["largest_gap"] - highest) <= 2.0 * own["largest_gap_error"] + EPS * highest
+        lost = float(case["energy_lost_total_J"])
+        assert own["energy_lost_turn_J"] == pytest.approx(lost, rel=1e-7)
+        if engine == "direct":
+            assert abs(own["energy_lost_turn_J"] - lost) <= 1e-9 * lost
+            for key, value in index.items():
+                assert abs(own[key] - value) <= 2.0 * own[f"{key}_error"] + 64.0 * EPS
+        for stop, rows in hits.items():
+            P = [float(row.get("impulse_lip_N_s", row["impulse"])) for row in rows]
+            assert own[f"largest_impulse_N_s_{stop}"] == pytest.approx(max(P), rel=1e-11)
+            assert 4 <= own[f"collisions_{stop}"] <= len(P)
+            # Series are at 2e-8 of their first impulse where the reference ends them.
+            error = abs(own[f"impulse_sum_N_s_{stop}"] - sum(P))
+            stated = 2.0 * own[f"impulse_sum_error_N_s_{stop}"] + 1e-7 * sum(P)
+            # What an engine leaves out of a series is a part of its last bounce.
+            assert error <= (stated if engine == "direct" else 1e-3 * sum(P))
+
+
+MACHINES = {
+    "e62": ([450.0, 1300.0, 1900.0], 3, 60.0, 1e-2),
+    "film_claw": ([600.0], 2, 0.0, 1e-7),
+    "slider_crank": ([120.0, 180.0], 2, 250.0, 1e-4),
+    "wiper": ([100.0], 3, 5e-4, 1e-4),
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] if name == "wiper" else []) for name in MACHINES],
+)
+def test_engines_agree(name: str, e62: Mechanism) -> None:
+    """Within the errors that both state; the E62 alternates at 1,900 r/min, the claw loses.
+
+    A rate ends the series, so that both compute the same bounces.
+    """
+    speeds, cycles, level, rate = MACHINES[name]
+    mechanism = e62 if name == "e62" else drawn_mechanism(GALLERY[name]())
+    keys: dict[str, Any] = {"turns": cycles, "rest_rate": rate, "least_force_N": level}
+    direct, reduced = (turn_table(mechanism, speed_rpm=speeds, engine=engine, **keys)
+                       for engine in ("direct", "reduced"))  # fmt: skip
+    for key in ("turns", "repeats_after", "outcome"):
+        assert getattr(direct, key).tolist() == getattr(reduced, key).tolist(), key
+    for i, speed in enumerate(speeds):
+        one, other = ({key: table.quantity(key)[i] for key in turn_names(mechanism)}
+                      for table in (direct, reduced))  # fmt: skip
+        stated = both_errors(mechanism, speed, int(direct.turns[i]), cycles, rate)
+        for key, value in one.items():
+            if "error" in key:
+                continue
+            assert math.isnan(value) == math.isnan(other[key]), key
+            if not math.isnan(value):
+                allowed = largest_difference(key, one, other, stated, mechanism)
+                allowed *= 60.0 / speed if key == "clamped_time_s" else 1.0
+                if "least" not in key:
+                    allowed = min(allowed, CLOSE * abs(value))
+                assert abs(value - other[key]) <= allowed, (key, value, other[key], allowed)
+    if name == "film_claw":
+        assert np.isfinite(direct.loss_index).all()
+    else:
+        assert np.isnan(direct.loss_index).all() == (name != "wiper")
+
+
+def both_errors(
+    mechanism: Mechanism, speed: float, turn: int, cycles: int, rate: float
+) -> dict[str, float]:
+    """Errors of event times that both engines state, summed, as parts of a turn."""
+    run = simulate(mechanism, Case(speed_rpm=speed, window="cycle", cycles=cycles, rest_rate=rate))
+    found = turns(mechanism, speed_rpm=speed, cycles=cycles, rest_rate=rate)
+    T, clamp = 60.0 / speed, mechanism.transition_stop
+    mine = [(t, kind, stop, error) for t, kind, stop, error in
+            zip(found.time, found.kind, found.stop, found.time_error, strict=True)]  # fmt: skip
+    theirs = [(event.t, str(event.kind.value), event.stops[0], run.errors[event.number - 1].time)
+              for event in run.events]  # fmt: skip
+    sums: dict[str, float] = {}
+    for events in (mine, theirs):
+        inside = [item for item in events if turn - 1 <= item[0] / T < turn]
+        for key, kind in KINDS.items():
+            error = next((e for _, k, stop, e in inside if (k, stop) == (kind, clamp)), 0.0)
+            sums[key] = sums.get(key, 0.0) + error / T
+        # A stop at rest is thrown open where another one arrives, which does not move.
+        sums["opening_index"] = 1e-12
+    return sums
+
+
+def largest_difference(
+    key: str, one: dict[str, float], other: dict[str, float], stated: dict[str, float],
+    mechanism: Mechanism,
+) -> float:  # fmt: skip
+    """What two engines may differ by in a quantity."""
+    item, stop = of_turn(key, mechanism)
+    if key.endswith("_index"):
+        return 40.0 * stated[key] + 64.0 * EPS
+    if key.startswith("clamped"):
+        return sum(stated.values()) + 64.0 * EPS
+    unit = "N" if "largest_clamping_force_N" in one else "N_m"
+    if "clamping_force" in key:
+        return other[f"clamping_force_error_{unit}"] + FORCE * one[f"largest_clamping_force_{unit}"]
+    if key == "largest_gap":
+        return one["largest_gap_error"] + other["largest_gap_error"]
+    sums = {name: sum(side[f"impulse_sum_error{kind}_{name}"] for side in (one, other))
+            for name in (s.name for s in mechanism.stops)
+            for kind in ("_N_s", "_N_m_s") if f"impulse_sum_error{kind}_{name}" in one}  # fmt: skip
+    if item in TURN_STOP:
+        return 0.0 if item.name == "collisions" else sums[stop] + 4.0 * EPS * abs(one[key])
+    if key == "energy_lost_turn_J":
+        # The loss goes with the square of an impulse: dE = 2 E dP / P, at most that of the largest.
+        largest = max(value for name, value in one.items() if name.startswith("largest_impulse"))
+        return 2.0 * one[key] / largest * sum(sums.values()) + 16.0 * EPS * one[key]
+    return 0.0
+
+
+@pytest.mark.slow
+def test_turns_that_repeat_after_two(e62: Mechanism) -> None:
+    """Both engines find the same period, and a turn of it, though not at the same turn."""
+    found = [turn_table(e62, speed_rpm=1900.0, turns=40, engine=engine)
+             for engine in ("direct", "reduced")]  # type: ignore[arg-type] # fmt: skip
+    for table in found:
+        assert table.repeats_after.tolist() == [2]
+        assert 10 < table.turns[0] < 40
+    one, other = (table.energy_lost[0] for table in found)
+    # Turns of the period differ in 2e-3; those of one parity of the two engines do not.
+    even = (found[0].turns[0] - found[1].turns[0]) % 2 == 0
+    assert (abs(one / other - 1.0) < 1e-8) == even
+
+
+def test_which_engine_it_is(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the number of cases, the machine, the drive and what is installed; it says why."""
+    asked: list[int] = []
+    monkeypatch.setattr(run_module.Run, "direct", lambda _, number: asked.append(number))
+    monkeypatch.setattr(run_module.Run, "reduced", lambda *_, **__: [3])
+    monkeypatch.setattr(engine_choice, "turn_model", lambda _: "tables")
+    speeds = np.linspace(400.0, 700.0, TURNS_PAY_FROM)
+
+    def why(mechanism: Mechanism = e62, count: int = TURNS_PAY_FROM, **keys: Any) -> str:
+        asked.clear()
+        return turn_table(mechanism, speed_rpm=speeds[:count], **keys).why
+
+    assert why() == f"reduced: {TURNS_PAY_FROM} cases of one mechanism; 1 that it cannot follow: " \
+        "direct"  # fmt: skip
+    assert asked == [3]
+    few = TURNS_PAY_FROM - 1
+    assert why(count=few) == f"direct: the reduced engine pays from {TURNS_PAY_FROM} cases on"
+    assert asked == [*range(few)]
+    assert "held drives" in why(drive=DriveMode.INERTIAL)
+    law = replace(e62, stops=tuple(replace(stop, law=object()) for stop in e62.stops))
+    assert why(law) == "direct: the reduced engine has constant restitutions, and stop 'jaw' has " \
+        "a law"  # fmt: skip
+    with pytest.raises(InputError, match="stop 'jaw' has a law"):
+        why(law, engine="reduced")
+    force = replace(e62, forces=(type("Force", (), {"name": "oil", "kind": "orifice"}),))  # type: ignore[arg-type]
+    assert "'oil'" in why(force)
+    monkeypatch.setattr(engine_choice, "installed", lambda _: False)
+    assert "numba, which is not installed" in why()
+
+
+def test_a_machine_without_tables_is_followed_by_the_direct_engine() -> None:
+    """Of a needle bar that starts with no stop closed, the reduced engine has none."""
+    mechanism = drawn_mechanism(GALLERY["needle_bar"]())
+    found = engine_choice.chosen(
+        lambda: engine_choice._model(mechanism, DriveMode.HELD), engine="auto", count=99,
+        pays_from=9, unfit=lambda: None, numba=lambda: True,
+    )  # fmt: skip
+    assert found[0] is None
+    assert found[1].startswith("direct: ")
+    assert "needle_bar" in found[1]
+
+
+def test_cases_that_one_engine_cannot_follow(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are marked with the reason; the direct engine follows those that the tables cannot."""
+    for engine in ("direct", "reduced"):
+        many = turn_table(e62, speed_rpm=450.0, max_collisions=3, engine=engine)  # type: ignore[arg-type]
+        assert many.outcome.tolist() == ["too_many_collisions"]
+        assert "max_collisions" in many.message[0]
+        assert np.isnan(many.collisions["jaw"]).all()
+        assert np.isnan(many.energy_lost).all()
+        assert (many.turns[0], many.repeats_after[0]) == (0, 0)
+    real = run_module.turn_quantities
+
+    def leaving(*words: Any, **keys: Any) -> Any:
+        found = real(*words, **keys)
+        status = np.where(np.arange(len(found.status)) == 1, int(TurnStatus.LEFT_GAP), 0)
+        return replace(found, status=status)
+
+    monkeypatch.setattr(run_module, "turn_quantities", leaving)
+    monkeypatch.setattr(engine_choice, "TURNS_PAY_FROM", 2)
+    table = turn_table(e62, speed_rpm=[450.0, 600.0, 650.0])
+    assert table.engine.tolist() == ["reduced", "direct", "reduced"]
+    assert table.outcome.tolist() == ["followed"] * 3
+    assert table.message == (
+        "", "the reduced engine: a flight leaves the tables; build them with a larger room", "",
+    )  # fmt: skip
+    assert table.why.endswith("; 1 that it cannot follow: direct")
+    assert np.isnan(table.clamping_force_error).tolist() == [False, True, False]
+    alone = turn_table(e62, speed_rpm=600.0)
+    assert table.closing_index[1] == alone.closing_index[0]
+    forced = turn_table(e62, speed_rpm=[450.0, 600.0, 650.0], engine="reduced")
+    assert forced.outcome.tolist() == ["followed", "left_gap", "followed"]
+    assert forced.turns.tolist() == [1, 0, 1]
+
+
+def test_a_failed_case_is_marked(e62: Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside others that are followed."""
+    simulated = run_module.simulate
+
+    def sometimes(mechanism: Mechanism, case: Case) -> Any:
+        if case.speed_rpm == 500.0:
+            message = "cannot be followed"
+            raise InputError(message)
+        return simulated(mechanism, case)
+
+    monkeypatch.setattr(run_module, "simulate", sometimes)
+    table = turn_table(e62, speed_rpm=[450.0, 500.0])
+    assert table.outcome.tolist() == ["followed", "failed"]
+    assert table.message == ("", "cannot be followed")
+    assert np.isfinite(table.closing_index).tolist() == [True, False]
+    assert table.repeats_after.tolist() == [1, 0]
+
+
+def test_values_of_a_case_are_those_of_a_machine(e62: Mechanism) -> None:
+    """Springs and restitutions of any stop, as if the machine had them; a batch is its cases."""
+    given = {"restitution": {"jaw": 0.31, "steeve": 0.12}, "stiffness_N_per_m": 8700.0,
+             "preload_length_mm": 12.5}  # fmt: skip
+    changed = load("e62", {"stops.jaw.restitution": 0.31, "stops.steeve.restitution": 0.12,
+                           "springs.steeve.stiffness_N_per_m": 8700.0,
+                           "springs.steeve.preload_length_mm": 12.5})  # fmt: skip
+    own = turn_table(changed, speed_rpm=500.0)
+    tables = [turn_table(e62, speed_rpm=500.0, engine=engine, **given)  # type: ignore[arg-type]
+              for engine in ("direct", "reduced")]  # fmt: skip
+    usual = turn_table(e62, speed_rpm=500.0)
+    for table in tables:
+        for key in ("clamped_time", "energy_lost", "largest_gap", "largest_clamping_force"):
+            value = getattr(own, key)[0]
+            assert getattr(table, key)[0] == pytest.approx(value, rel=1e-7), key
+            assert abs(getattr(usual, key)[0] / value - 1.0) > 1e-4, key
+    many = turn_table(e62, speed_rpm=[450.0, 500.0, 550.0], engine="reduced",
+                      **given)  # type: ignore[arg-type] # fmt: skip
+    for key in turn_names(e62):
+        assert many.quantity(key)[1].tobytes() == tables[1].quantity(key)[0].tobytes()
+
+
+def test_arguments_that_cannot_be_used(e62: Mechanism) -> None:
+    with pytest.raises(UnknownNameError, match="known: jaw, steeve"):
+        turn_table(e62, speed_rpm=450.0, restitution={"lip": 0.3})
+    for keys, words in (
+        ({"turns": 0}, "turns = 0"),
+        ({"turns": 2.5}, "turns = 2.5"),
+        ({"turns": 10_001}, "1 to 10000"),
+        ({"least_force_N": -1.0}, "least_force_N"),
+        ({"least_force_N": math.nan}, "least_force_N"),
+        ({"restitution": {"steeve": 1.5}}, "restitution of steeve"),
+        ({"restitution": {"jaw": [0.1, 0.2], "steeve": [0.1, 0.2, 0.3]}}, "same number of cases"),
+        ({"speed_rpm": 0.0}, "speed_rpm"),
+        ({"preload_length_mm": 11_000.0}, "in mm"),
+        ({"tolerance": 1.0}, "tolerance"),
+        ({"rest_rate": -1.0}, "rest_rate"),
+        ({"engine": "fast"}, "auto, direct or reduced"),
+        ({"drive": "loose"}, "held or inertial"),
+    ):
+        with pytest.raises(InputError, match=words):
+            turn_table(e62, **{"speed_rpm": 450.0, **keys})  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="no stop that could clamp"):
+        turn_table(replace(e62, transition_stop=""), speed_rpm=450.0)
+    with pytest.raises(InputError, match=r"nip\.load"):
+        turn_table("e62", speed_rpm=450.0)  # type: ignore[arg-type]
+
+
+def test_torques_only_where_they_are_asked_for(e62: Mechanism) -> None:
+    """Of both engines, alike to what the reduced one states and its own."""
+    usual = turn_table(e62, speed_rpm=650.0)
+    assert usual.largest_torque == usual.largest_torque_error == {}
+    with pytest.raises(KeyError):
+        usual.quantity("largest_torque_N_m_pendulum")
+    direct, reduced = (
+        turn_table(e62, speed_rpm=[450.0, 650.0], turns=1, torques=True, engine=engine)
+        for engine in ("direct", "reduced")
+    )  # type: ignore[arg-type]
+    for drive in ("pendulum", "tension"):
+        one, other = (table.largest_torque[drive] for table in (direct, reduced))
+        assert (np.abs(one - other) <= reduced.largest_torque_error[drive] + FORCE * one).all()
+        assert (one[1] > one[0] > 0.1).all()
+        assert np.isnan(direct.largest_torque_error[drive]).all()
+        name = f"largest_torque_N_m_{drive}"
+        np.testing.assert_array_equal(direct.to_frame("pyarrow")[name].to_numpy(), one)
+
+
+def test_a_table_in_one_line_in_a_page_and_in_columns(e62: Mechanism) -> None:
+    table = turn_table(e62, speed_rpm=[450.0, 650.0], least_force_N=60.0)
+    assert repr(table) == f"<TurnTable of e62: 2 cases, 2 followed; {table.why}>"
+    assert len(table) == 2
+    page = table._repr_html_()
+    assert "Turns of e62: 2 cases" in page
+    assert "closing_index" in page
+    frame = table.to_frame("pyarrow")
+    parameters = [
+        "speed_rpm", "stops.jaw.restitution", "stops.steeve.restitution",
+        "springs.steeve.stiffness_N_per_m", "springs.steeve.preload_length_mm",
+    ]  # fmt: skip
+    head = ["engine", "outcome", "message", *parameters, "turns", "repeats_after"]
+    names = turn_names(e62)
+    assert frame.column_names == [*head, *(name for name in names if name != "repeats_after")]
+    assert frame["springs.steeve.preload_length_mm"].to_pylist() == [11.0, 11.0]
+    assert frame["stops.jaw.restitution"].to_pylist() == [0.2, 0.2]
+    for name in names:
+        np.testing.assert_array_equal(frame[name].to_numpy(), table.quantity(name))
+    with pytest.raises(KeyError):
+        table.quantity("impulse_sum_N_m_s_jaw")
+
+
+def test_names_of_quantities_say_their_unit(e62: Mechanism) -> None:
+    """Of each machine those of its stops; a hinge's stop without contact point has N m."""
+    for item in (*TURN, *TURN_STOP, *TURN_DRIVE):
+        if item.unit in ("s", "N", "N m", "J", "N s", "N m s"):
+            assert item.name.endswith("_" + item.unit.replace(" ", "_"))
+        else:
+            assert item.unit in ("", "{gap}")
+    machine = press()
+    assert {name for name in turn_names(machine) if "_flap" in name} == {
+        "collisions_flap", "impulse_sum_N_m_s_flap", "impulse_sum_error_N_m_s_flap",
+        "largest_impulse_N_m_s_flap", "largest_impulse_error_N_m_s_flap",
+    }  # fmt: skip
+    assert "impulse_sum_N_s_ball" in turn_names(machine)
+    assert "impulse_sum_N_s_steeve" in turn_names(e62)
+    assert of_turn("largest_gap", e62)[0].unit_at(e62, "jaw") == "rad"
+    fields = {*TurnTable.__dataclass_fields__}
+    assert {item.column for item in (*TURN, *TURN_STOP, *TURN_DRIVE)} <= fields
+    torques = {name for name in turn_names(machine, drives=True) if "torque" in name}
+    assert torques == {"largest_torque_N_sled", "largest_torque_error_N_sled"}
+    assert is_of_drive("largest_torque_N_sled", machine)
+    assert not is_of_drive("largest_torque_N_m_sled", machine)
+
+
+def test_words_of_the_reduced_engine_are_those_of_a_table() -> None:
+    assert TurnStatus.FOLLOWED.name.lower() == "followed"
+    assert EventKind.RELEASE.value == KINDS["loss_index"]

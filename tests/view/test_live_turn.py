@@ -1,0 +1,192 @@
+"""The whole turn beside the numbers of the live page, against turns of the direct engine."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from nipper_pin import Case, EventKind, Mechanism, SimulationError, Window, load, simulate
+from nipper_pin.view.live import whole_turn
+from nipper_pin.view.live.answer import answer, as_html
+from nipper_pin.view.live.settings import Knob, knobs
+from nipper_pin.view.live.whole_turn import Rows, WholeTurns, turn_rows, unusable
+
+pytest.importorskip("numba", reason="numba is not installed (extra `study`)")
+
+
+@pytest.fixture(scope="module")
+def controls(e62: Mechanism) -> tuple[Knob, ...]:
+    return knobs(e62, 650.0)
+
+
+def asked(controls: tuple[Knob, ...], **values: float) -> dict[str, float]:
+    return {item.key: values.get(item.key.rpartition(".")[2], item.start) for item in controls}
+
+
+def read(rows: Rows) -> dict[str, str]:
+    return {key: value for key, _, value in rows}
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"speed": 650.0},
+        {"speed": 860.0, "restitution": 0.3, "stiffness": 8.0, "preload": 12.0},
+    ],
+)
+def test_numbers_are_those_of_the_direct_engine(
+    e62: Mechanism, controls: tuple[Knob, ...], values: dict[str, float]
+) -> None:
+    """Indices of touch, rest and opening, and the time between the last two, of the second turn.
+
+    Each slider moves the rest by more than its three decimals.
+    """
+    found = read(turn_rows(e62, controls, asked(controls, **values)))
+    shown = {"speed": 650.0, "restitution": 0.2, "stiffness": 9.0, "preload": 11.0} | values
+    changed = {
+        "stops.jaw.restitution": shown["restitution"],
+        "springs.steeve.stiffness_N_per_m": 1e3 * shown["stiffness"],
+        "springs.steeve.preload_length_mm": shown["preload"],
+    }
+    case = Case(speed_rpm=shown["speed"], window=Window.CYCLE, cycles=2)
+    run = simulate(load("e62", changed), case)
+    period = run.shaft.period
+    touch = next(hit for hit in run.collisions if hit.stop == "jaw" and hit.t > period)
+    later = [event for event in run.events if event.t > touch.t]
+    rest = next(item for item in later if item.kind is EventKind.REST and "jaw" in item.stops)
+    opening = next(
+        item for item in later
+        if item.t > rest.t and "jaw" in item.closed_before and "jaw" not in item.closed_after
+    )  # fmt: skip
+    for key, t in (("closing", touch.t), ("rest", rest.t), ("opening", opening.t)):
+        index = run.mechanism.cylinder.index_from_angle(float(run.shaft.angle(t)))
+        assert float(found[key]) == pytest.approx(index, abs=6e-4), key
+    assert float(found["held"]) == pytest.approx(1e3 * (opening.t - rest.t), rel=6e-4)
+    assert float(found["clamped"]) == pytest.approx((opening.t - rest.t) / period, rel=6e-4)
+    assert (found["lost"], found["repeats"]) == ("not lost", "every turn")
+    assert found["turn_engine"].startswith("reduced, ")
+
+
+def test_words_in_place_of_numbers(
+    e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A jaw that does not rest; turns that alternate; clamping that is lost; turns not followed."""
+    found = read(turn_rows(e62, controls, asked(controls, speed=1600.0)))
+    assert found["rest"] == "no rest before it opens"
+    assert (found["clamped"], found["opening"]) == ("0", "none")
+    real = whole_turn.turn_quantities
+
+    def doctored(**changes: Any) -> Rows:
+        monkeypatch.setattr(
+            whole_turn, "turn_quantities", lambda *a, **b: replace(real(*a, **b), **changes)
+        )
+        return turn_rows(e62, controls, asked(controls))
+
+    known = real(e62, speed_rpm=650.0)
+    table = known.table.copy()
+    table[0, 2] = 3.0
+    lost = read(doctored(table=table))["lost"]
+    assert float(lost) == pytest.approx((24.0 + 40.0 * 3.0 / 6.283185307) % 40.0, abs=6e-4)
+    assert read(doctored(repeats_after=known.repeats_after + 1))["repeats"] == "after 2 turns"
+    assert read(doctored(repeats_after=0 * known.repeats_after))["repeats"] == "not within 32 turns"
+    refused = read(doctored(status=known.status + 5))
+    assert refused["turn"] == "not followed: there are more collisions than max_collisions allows"
+    assert refused["turn_engine"].startswith("none")
+
+
+def test_without_tables_the_reason_is_told(
+    e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert unusable(e62) == ""
+    law: Any = "any"
+    lawful = tuple(replace(stop, law=law) for stop in e62.stops)
+    why = unusable(replace(e62, stops=lawful))
+    assert "constant restitutions" in why
+    rows = read(turn_rows(e62, controls, asked(controls), why))
+    assert rows["turn"] == f"not followed: {why}"
+    assert rows["turn_engine"] == "none; simulate --window cycle takes the direct one"
+    monkeypatch.setattr(whole_turn, "installed", lambda _: False)
+    assert unusable(e62) == "it needs numba (extra study)"
+    monkeypatch.undo()
+
+    def fails(*_: Any, **__: Any) -> Any:
+        message = "a dead centre"
+        raise SimulationError(message)
+
+    monkeypatch.setattr(whole_turn, "turn_quantities", fails)
+    assert unusable(e62) == "a dead centre"
+    assert read(turn_rows(e62, controls, asked(controls)))["turn"] == "not followed: a dead centre"
+
+
+def test_tables_are_made_beside_the_page(
+    e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In another thread, the wider ones too; then a turn comes at once, in the one that asks."""
+    gate, told = threading.Event(), threading.Event()
+    real = whole_turn.unusable
+    monkeypatch.setattr(whole_turn, "unusable", lambda machine: (gate.wait(), real(machine))[1])
+    turns = WholeTurns(e62, controls, told.set)
+    turns.start()
+    one, other = asked(controls), asked(controls, speed=700.0)
+    assert turns.rows(one) == (("turn", "whole turn", "its tables are being made"),)
+    gate.set()
+    assert told.wait(60.0)
+
+    def built(*_: Any, **__: Any) -> Any:
+        message = "tables are made while a slider waits"
+        raise AssertionError(message)
+
+    monkeypatch.setattr("nipper_pin.reduced.turns.turn.build_turns", built)
+    assert read(turns.rows(one))["rest"] != read(turns.rows(other))["rest"]
+    high = asked(controls, speed=900.0, restitution=0.8, preload=0.0)
+    assert read(turns.rows(high))["rest"] == "no rest before it opens"
+
+
+def test_the_turn_has_a_table_of_its_own(e62: Mechanism, controls: tuple[Knob, ...]) -> None:
+    """Below the numbers, or below the reason why there are none."""
+    rows = (("closing", "index <of> touch", "34.05"),)
+    for values in ({}, {"speed": 900.0, "restitution": 0.7}):
+        page = as_html(answer(e62, controls, asked(controls, **values)), rows)
+        head, _, table = page.partition('<table id="turn"')
+        assert "34.05" not in head
+        assert "index &lt;of&gt; touch" in table
+        assert 'data-key="closing"' in table
+
+
+def test_the_page_shows_a_turn_that_comes_later(
+    e62: Mechanism, controls: tuple[Knob, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without another answer, and the film goes on; a slider that moved meanwhile is followed."""
+    viser = pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
+    from nipper_pin.view.live.page import Page
+
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    waits = iter([True])
+    wake = SimpleNamespace(wait=lambda _: next(waits), clear=lambda: None, set=lambda: None)
+    try:
+        page = Page(server, e62, controls)
+        assert "its tables are being made" in page._numbers.content
+        monkeypatch.setattr(page, "_wake", wake)
+        monkeypatch.setattr(page.turns, "rows", lambda _: (("closing", "index", "34.05"),))
+        before = page._answer
+        page._turned()
+        follow = page._follow
+        asked_for: list[str] = []
+        monkeypatch.setattr(page, "_follow", lambda: (asked_for.append("one"), follow())[1])
+        with pytest.raises(StopIteration):
+            page.run()
+        assert (asked_for, page._answer) == ([], before)
+        assert "34.05" in page._numbers.content
+        page._turned()
+        page._sliders["speed"].value = 700.0
+        waits = iter([True])
+        with pytest.raises(StopIteration):
+            page.run()
+        assert asked_for == ["one"]
+        assert "speed 700 r/min" in page._numbers.content
+    finally:
+        server.stop()
