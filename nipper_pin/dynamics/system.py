@@ -14,8 +14,10 @@ from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GA
 from .assembly import (
     Partition,
     close_velocities,
+    inverses,
     inverted,
     partition,
+    products,
 )
 from .coefficients import coefficients
 from .elements import elements
@@ -380,6 +382,7 @@ class System:
         jacobian: FloatArray,
         phase: ConstraintSet,
         split: Partition,
+        inverse: FloatArray | None = None,
     ) -> FloatArray:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
 
@@ -390,6 +393,7 @@ class System:
             jacobian: Closure Jacobian G, shape (N, m, nv).
             phase: The phase; every independent coordinate is a held drive or a closed stop.
             split: Dependent and independent coordinates.
+            inverse: What :func:`inverses` gives for them, where it is known already.
 
         Returns:
             a, shape (N, nv).
@@ -400,7 +404,7 @@ class System:
         if phase.stops:
             a[:, phase.stops] = 0.0
         if split.dependent:
-            opening = self.body.closure_accelerations(q, v, a)[:, :, None]
-            block = jacobian[:, :, split.columns]
-            a[:, split.columns] = -np.linalg.solve(block, opening)[:, :, 0]
+            if inverse is None:
+                inverse = inverses(jacobian, split)
+            a[:, split.columns] = -products(inverse, self.body.closure_accelerations(q, v, a))
         return a

@@ -51,21 +51,22 @@ def kinematic_panel(
     motion = system.shaft.driven(times)
     system.prescribe(motion, guess, rates, phase)
     q_nodes, jacobian = close_positions(system.body, guess, split)
-    inverse = _inverses(jacobian, split)[0]
-    v_nodes = close_velocities(rates, jacobian, split)
+    inverse = _inverses(jacobian, split)
+    v_nodes = close_velocities(rates, jacobian, split, inverse)
     # Stops may lock links through closures, or all of them while drive trains wind up: what these
     # would have of the accelerations of the dynamics is round-off of the forces on them.
-    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
+    known = jacobian, phase, split, inverse
+    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, *known)
     moving = np.abs(h * v_nodes).max(axis=0)
     # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, q_nodes, split, inverse)
+    round_off = _round_off(system, q_nodes, split, inverse[0])
     rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
     if resolution.adaptive and rough_a.max() > 1.0:
         still = moving + h**2 * np.abs(a_nodes).max(axis=0)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
         rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
-    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, phase, split).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, *known).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
-from ...dynamics.assembly import Partition, close_positions, close_velocities
+from ...dynamics.assembly import Partition, close_positions, close_velocities, inverses
 from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
@@ -182,12 +182,13 @@ def forces_at(
         q, v, a of shape (K, nv) and the forces of constraint.
     """
     q, v, jacobian, motion = state_at(system, phase, panel, t)
+    known = jacobian, phase, panel.split, inverses(jacobian, panel.split)
     if panel.integrated:
         a = system.accelerations(motion, q, v, phase)
     else:
         # Near a dead centre, and of links of very different masses, those of the dynamics differ.
-        a = system.determined_accelerations(motion, q, v, jacobian, phase, panel.split)
-    return q, v, a, multipliers(system, motion, q, v, a, jacobian, phase, panel.split)
+        a = system.determined_accelerations(motion, q, v, *known)
+    return q, v, a, multipliers(system, motion, q, v, a, *known)
 
 
 def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:
