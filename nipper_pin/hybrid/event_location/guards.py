@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import StrEnum
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ from .roots import first_descent, polish
 # A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
 # that by a factor of no more than 1 + 2 log(N) / pi, which is 3.7 for 64 of them.
 _FARTHEST = 0.5 * 3.7
+# Steps of Newton's method from the ends of its bracket at which a root is inside beyond doubt.
+_MARGIN = 100.0
 
 
 class TriggerKind(StrEnum):
@@ -203,10 +206,14 @@ def _force_root(
         sigma = (t - panel.t) / panel.h
         return interpolant(sigma), float(np.interp(sigma, samples, slope))
 
+    @cache
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
+    near = _polished(panel, bracket, rough)
+    if near is not None and _surely_within(panel, bracket, near, *exact(near)):
+        return polish(exact, *(panel.t + panel.h * end for end in bracket), near)
     while bracket is not None:
         left, right = bracket
         # The interpolant is not resolved as far as the force itself: it may fall too soon.
@@ -226,6 +233,16 @@ def _force_root(
             return _polished(panel, (left, right), rough, exact)
         bracket = first_descent(samples[start:], values[start:], interpolant)
     return None
+
+
+def _surely_within(
+    panel: Panel, bracket: tuple[float, float], t: float, value: float, slope: float
+) -> bool:
+    """True if a function falls through zero well inside a bracket, by its value at a time."""
+    if slope >= 0.0:
+        return False
+    left, right = (panel.t + panel.h * end for end in bracket)
+    return _MARGIN * abs(value / slope) < min(t - left, right - t)
 
 
 def _positive(values: FloatArray) -> bool:
