@@ -38,6 +38,9 @@ _WORST_CONTRACTION = 0.5
 # Sweeps over the finest of nested grids after which the last coefficients are known: what follows
 # them, if it is so many times too large, no other sweep makes small enough.
 _TELLING_SWEEPS, _TOO_ROUGH = 2, 2.0
+# The same on the grid before, of coefficients that decay by at least this factor from the one before
+# that: an estimate, so that what is foreseen has to be further off.
+_DECAYS, _FORESEEN_ROUGH = 0.1, 8.0
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
@@ -81,10 +84,14 @@ def flight_panel(
         a = prolonged(a, (finest - 1) // stride + 1)
         if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
             if stride > 1:
-                continue
-            if iteration.too_rough:
+                if not (iteration.nearly(a) and iteration.converges(a, stride, 1)):
+                    foreseen = iteration.foreseen(a) if stride == 2 else 0.0
+                    if foreseen > _FORESEEN_ROUGH * tolerance:
+                        return Attempt(None, none, shorter(foreseen / tolerance, finest))
+                    continue
+            elif iteration.too_rough:
                 return Attempt(None, none, shorter(iteration.left_over(a) / tolerance, len(a)))
-            if not (iteration.allows_round_off() and iteration.settled):
+            elif not (iteration.allows_round_off() and iteration.settled):
                 return Attempt(None, none, 0.5)
         left_over = iteration.left_over(a)
         if left_over <= tolerance:
@@ -253,6 +260,19 @@ class _Picard:
             a: Accelerations at the nodes, shape (N, nv).
         """
         return float(np.maximum.reduce(decayed(a) * self._weight)) / (2.0 * len(a)) ** 2
+
+    def nearly(self, a: FloatArray) -> bool:
+        """True if one more sweep ends the iteration on a grid that resolves the motion."""
+        next_but_one = self._change * self._contraction**2
+        return next_but_one <= self._tolerance and self.left_over(a) <= self._tolerance
+
+    def foreseen(self, a: FloatArray) -> float:
+        """What :meth:`left_over` will be on the next grid, if coefficients decay as they do to here.
+
+        From grid to grid the degree doubles. Zero where they do not decay, as those of round-off.
+        """
+        here, before = self.left_over(a), self.left_over(a[::2])
+        return here * (here / before) ** 2 if here < _DECAYS * before else 0.0
 
     def _is_too_rough(self, a: FloatArray) -> bool:
         """True if what follows the last coefficients is too large, even beside round-off."""
