@@ -65,4 +65,4 @@ def multipliers(
     la_g = products(inverse.transpose(0, 2, 1), missing.take(split.columns, 1))
     rest = missing - products(jacobian.transpose(0, 2, 1), la_g)
     drive = rest[:, system.driven_columns] + trains
-    return Multipliers(la_g, rest[:, list(phase.stops)] * phase.senses, drive)
+    return Multipliers(la_g, rest[:, phase.columns] * phase.senses, drive)

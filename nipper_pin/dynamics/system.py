@@ -7,6 +7,7 @@ from enum import StrEnum
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
@@ -19,7 +20,7 @@ from .assembly import (
     partition,
     products,
 )
-from .coefficients import coefficients
+from .coefficients import coefficients, column_index
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
@@ -42,6 +43,7 @@ class ConstraintSet:
         closed: Names of the closed stops.
         shut: The closed stops.
         stops: Their coordinates.
+        columns: The same as an index, a slice where that is possible.
         places: Where they hold these coordinates, shape (closed,) [rad or m].
         senses: Direction in which each pushes, 1 or -1, shape (closed,).
         open: The other stops.
@@ -58,6 +60,7 @@ class ConstraintSet:
     closed: frozenset[str]
     shut: tuple[Stop, ...]
     stops: tuple[int, ...]
+    columns: slice | NDArray[np.intp]
     places: FloatArray
     senses: FloatArray
     open: tuple[Stop, ...]
@@ -136,6 +139,7 @@ class System:
                 closed=closed,
                 shut=shut,
                 stops=stops,
+                columns=column_index(np.array(stops, dtype=np.intp)),
                 places=np.array([stop.at for stop in shut]),
                 senses=np.array([stop.sense for stop in shut]),
                 open=others,
@@ -250,8 +254,8 @@ class System:
             q[:, self.driven_columns] = motion[0]
             v[:, self.driven_columns] = motion[1]
         if phase.stops:
-            q[:, phase.stops] = phase.places
-            v[:, phase.stops] = 0.0
+            q[:, phase.columns] = phase.places
+            v[:, phase.columns] = 0.0
 
     def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Generalised forces of all springs and dampers, shape (N, nv).
@@ -341,7 +345,7 @@ class System:
                 + numbers.train_damping * v_law
             )
         if phase.stops:
-            tau[:, phase.stops] = 0.0
+            tau[:, phase.columns] = 0.0
         return tau
 
     def respond(
@@ -402,7 +406,7 @@ class System:
         if self.held:
             a[:, self.driven_columns] = motion[2]
         if phase.stops:
-            a[:, phase.stops] = 0.0
+            a[:, phase.columns] = 0.0
         if split.dependent:
             if inverse is None:
                 inverse = inverses(jacobian, split)

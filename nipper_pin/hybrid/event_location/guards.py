@@ -211,9 +211,10 @@ def _force_root(
         la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
-    near = _polished(panel, bracket, rough)
-    if near is not None and _surely_within(panel, bracket, near, *exact(near)):
-        return polish(exact, *(panel.t + panel.h * end for end in bracket), near)
+    first, last = (panel.t + panel.h * end for end in bracket)
+    near = polish(rough, first, last)
+    if _surely_within(first, last, near, *exact(near)):
+        return polish(exact, first, last, near)
     while bracket is not None:
         left, right = bracket
         # The interpolant is not resolved as far as the force itself: it may fall too soon.
@@ -235,14 +236,9 @@ def _force_root(
     return None
 
 
-def _surely_within(
-    panel: Panel, bracket: tuple[float, float], t: float, value: float, slope: float
-) -> bool:
+def _surely_within(left: float, right: float, t: float, value: float, slope: float) -> bool:
     """True if a function falls through zero well inside a bracket, by its value at a time."""
-    if slope >= 0.0:
-        return False
-    left, right = (panel.t + panel.h * end for end in bracket)
-    return _MARGIN * abs(value / slope) < min(t - left, right - t)
+    return slope < 0.0 and _MARGIN * abs(value / slope) < min(t - left, right - t)
 
 
 def _positive(values: FloatArray) -> bool:

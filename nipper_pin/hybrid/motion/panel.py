@@ -13,7 +13,7 @@ from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
-from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
+from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 
 
 class Begin(NamedTuple):
@@ -114,8 +114,8 @@ class Panel:
         h = self.h
         sigma = (t - self.t) / h
         if not self.integrated:
-            q, v = self.interpolate(np.array([t]))
-            return q[0], v[0]
+            weights = value_weights(self.order, sigma)
+            return product(weights, self.q), product(weights, self.v)
         twice, once = product(motion_weights(self.order, sigma), self.a)
         return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
 

@@ -38,8 +38,8 @@ _WORST_CONTRACTION = 0.5
 # Sweeps over the finest of nested grids after which the last coefficients are known: what follows
 # them, if it is so many times too large, no other sweep makes small enough.
 _TELLING_SWEEPS, _TOO_ROUGH = 2, 2.0
-# The same on the grid before, of coefficients that decay by at least this factor from the one before
-# that: an estimate, so that what is foreseen has to be further off.
+# The same foreseen on the grid before, where coefficients decay at least by this factor from grid
+# to grid: an estimate, so that it has to be further off.
 _DECAYS, _FORESEEN_ROUGH = 0.1, 8.0
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
@@ -267,7 +267,7 @@ class _Picard:
         return next_but_one <= self._tolerance and self.left_over(a) <= self._tolerance
 
     def foreseen(self, a: FloatArray) -> float:
-        """What :meth:`left_over` will be on the next grid, if coefficients decay as they do to here.
+        """What :meth:`left_over` will be on the next grid, if coefficients go on to decay.
 
         From grid to grid the degree doubles. Zero where they do not decay, as those of round-off.
         """
