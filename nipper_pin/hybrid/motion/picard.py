@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import FloatArray, product
+from ...arrays import FloatArray, largest, product
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
@@ -135,7 +135,7 @@ def _next(moved: FloatArray, guess: FloatArray) -> float:
         moved: Changes in the second sweep, shape (N - 1, nv).
         guess: Changes in the first sweep, likewise.
     """
-    latest, first = np.abs(moved).max(axis=0), np.abs(guess).max(axis=0)
+    latest, first = largest(moved), largest(guess)
     return float((latest * latest / (first + SMALLEST)).max())
 
 
@@ -213,7 +213,7 @@ class _Picard:
             q, v = product(operator, a * free).reshape(shape) + lines
             new = system.respond(forcing, q, v, self._phase)
             if not self._weight.size:
-                self._way += h**2 * np.maximum.reduce(np.abs(new))
+                self._way += h**2 * largest(new)
                 self._weigh()
                 if np.maximum.reduce(self._weight) * self._still > self._tolerance:
                     # A link stands nearly still: all that it has may be round-off of the others.
