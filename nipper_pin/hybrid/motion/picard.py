@@ -41,6 +41,9 @@ _TELLING_SWEEPS, _TOO_ROUGH = 2, 2.0
 # The same foreseen on the grid before, where coefficients decay at least by this factor from grid
 # to grid: an estimate, so that it has to be further off.
 _DECAYS, _FORESEEN_ROUGH = 0.1, 8.0
+# Contraction of the sweeps on a panel that is short beside all that happens on it: the few nodes of
+# a coarse grid are to be trusted.
+_SHORT = 1e-2
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
@@ -263,6 +266,8 @@ class _Picard:
 
     def nearly(self, a: FloatArray) -> bool:
         """True if one more sweep ends the iteration on a grid that resolves the motion."""
+        if self._contraction > _SHORT:
+            return False
         next_but_one = self._change * self._contraction**2
         return next_but_one <= self._tolerance and self.left_over(a) <= self._tolerance
 
