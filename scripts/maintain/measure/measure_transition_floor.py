@@ -35,6 +35,7 @@ from nipper_pin.hybrid.contact.bounce_series import BounceSeries
 from nipper_pin.hybrid.event_location import guards
 from nipper_pin.hybrid.motion import picard
 from nipper_pin.hybrid.motion.panel import Panel
+from nipper_pin.hybrid.motion.sweeps import Sweeps
 
 SPEED_RPM, PEER = 650.0, "rtol 1e-11"
 Work = Callable[[], object]
@@ -46,7 +47,7 @@ CALLS: dict[str, Owned] = {
     "laws of the drives": (ShaftMotion, ("driven", "driven_at")),
 }
 DENSE: tuple[Owned, ...] = (
-    (picard._Picard, ("converges", "left_over", "motion")),
+    (Sweeps, ("converges", "left_over", "motion")),
     (picard, ("prolonged",)),
     (guards, ("_flight_root", "polish")),
     (System, ("condition", "lift", "closed_velocity")),
