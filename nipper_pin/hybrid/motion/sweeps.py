@@ -95,6 +95,7 @@ class Sweeps:
         # Relative changes of positions in the latest sweep, shape (N - 1, nv).
         self._moved = np.empty((0, len(q)))
         self._start = t, q, v
+        self._smooth = system.elements is None
         self._still = ROUND_OFF_SAFETY * COORDINATE_ROUND_OFF * system.shaft.rate**2
         self._allowed = False
         self._change = np.inf
@@ -174,7 +175,7 @@ class Sweeps:
 
     def nearly(self, a: FloatArray) -> bool:
         """True if one more sweep ends the iteration on a grid that resolves the motion."""
-        if self._contraction > _SHORT:
+        if self._contraction > _SHORT or not self._smooth:
             return False
         next_but_one = self._change * self._contraction**2
         return next_but_one <= self._tolerance and self.left_over(a) <= self._tolerance
@@ -182,8 +183,11 @@ class Sweeps:
     def foreseen(self, a: FloatArray) -> float:
         """What :meth:`left_over` will be on the next grid, if coefficients go on to decay.
 
-        From grid to grid the degree doubles. Zero where they do not decay, as those of round-off.
+        From grid to grid the degree doubles. Zero where they do not decay, as those of round-off,
+        and where tables or struts may bend the motion between two nodes.
         """
+        if not self._smooth:
+            return 0.0
         here, before = self.left_over(a), self.left_over(a[::2])
         return here * (here / before) ** 2 if here < _DECAYS * before else 0.0
 
