@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from eigenpy import PartialPivLU
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, product
 from ..errors import ConvergenceError, SingularConfigurationError
 from ..tolerances.mechanics import (
     CLOSURE_RESIDUAL,
@@ -129,11 +130,10 @@ def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
     """
     if not matrix.size:
         return 1.0, matrix
-    try:
-        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.inf, np.full_like(matrix, np.nan)
-    return math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse)), inverse
+    # Eigen inverts one small matrix in a third of the time of numpy; a singular one has no numbers.
+    inverse: FloatArray = PartialPivLU(matrix).inverse()
+    condition = math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse))
+    return (condition if math.isfinite(condition) else np.inf), inverse
 
 
 def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
@@ -183,7 +183,7 @@ def close_positions(
         if not math.isfinite(residual):
             break
         best = min(best, residual)
-        q[:, dependent] -= _solve(jacobian[:, :, dependent], g[:, :, None])
+        q[:, dependent] -= _solve(jacobian.take(dependent, 2), g)
     message = (
         f"the loops do not close: {best * MM_PER_M:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"
@@ -192,13 +192,16 @@ def close_positions(
     raise ConvergenceError(message, **evidence, row=int(np.argmax(np.abs(g).max(axis=0))))
 
 
-def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:
+def close_velocities(
+    v: FloatArray, jacobian: FloatArray, split: Partition, inverse: FloatArray | None = None
+) -> FloatArray:
     """Solve G v = 0 for the dependent velocities; the independent ones are kept.
 
     Args:
         v: Velocities, shape (N, nv).
         jacobian: Closure Jacobian G, shape (N, m, nv).
         split: Dependent and independent coordinates.
+        inverse: What :func:`inverses` gives for them, where it is known already.
 
     Returns:
         Closed velocities, shape (N, nv).
@@ -206,16 +209,55 @@ def close_velocities(v: FloatArray, jacobian: FloatArray, split: Partition) -> F
     v = v.copy()
     dependent = split.columns
     v[:, dependent] = 0.0
-    v[:, dependent] = _solve(jacobian[:, :, dependent], -(jacobian @ v[:, :, None]))
+    if inverse is None:
+        inverse = inverses(jacobian, split)
+    v[:, dependent] = -products(inverse, products(jacobian, v))
     return v
 
 
-def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
+def inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
+    """Inverses of the dependent blocks of the closures, shape (N, m, m).
+
+    Args:
+        jacobian: Closure Jacobian G, shape (N, m, nv).
+        split: Dependent and independent coordinates.
+
+    Raises:
+        SingularConfigurationError: A block is singular.
+    """
+    blocks = jacobian.take(split.columns, 2)
+    if len(blocks) == 1:
+        condition, inverse = inverted(blocks[0])
+        if condition == np.inf:
+            raise _singular()
+        return inverse[None]
     try:
-        return np.asarray(np.linalg.solve(matrices, right)[:, :, 0], dtype=np.float64)
+        return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
     except np.linalg.LinAlgError as error:
-        message = (
-            "the closures are singular here: the mechanism stands exactly in a dead centre; "
-            "change the dimensions or the drive"
-        )
-        raise SingularConfigurationError(message, condition=np.inf) from error
+        raise _singular() from error
+
+
+def products(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Products of N matrices (N, r, c) and N vectors (N, c), shape (N, r)."""
+    return np.asarray(np.matmul(matrices, vectors[:, :, None])[:, :, 0])
+
+
+def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve N small systems, shapes (N, m, m) and (N, m)."""
+    if len(matrices) == 1:
+        condition, inverse = inverted(matrices[0])
+        if condition == np.inf:
+            raise _singular()
+        return product(inverse, right[0])[None]
+    try:
+        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
+    except np.linalg.LinAlgError as error:
+        raise _singular() from error
+
+
+def _singular() -> SingularConfigurationError:
+    message = (
+        "the closures are singular here: the mechanism stands exactly in a dead centre; "
+        "change the dimensions or the drive"
+    )
+    return SingularConfigurationError(message, condition=np.inf)

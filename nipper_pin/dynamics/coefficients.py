@@ -97,7 +97,7 @@ def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
         damping[damper.index] += damper.damping
     return Coefficients(
         driven=driven,
-        columns=_columns(driven),
+        columns=column_index(driven),
         inertia=inertia,
         train_stiffness=inertia * omega**2,
         train_damping=2.0 * ratio * omega * inertia,
@@ -115,7 +115,7 @@ def _coefficients(mechanism: Mechanism, held: bool) -> Coefficients:
     )
 
 
-def _columns(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
+def column_index(places: NDArray[np.intp]) -> slice | NDArray[np.intp]:
     """Return equally spaced, increasing indices as a slice, and other ones unchanged."""
     steps = set(np.diff(places).tolist()) or {1}
     step = min(steps)

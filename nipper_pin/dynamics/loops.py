@@ -100,8 +100,9 @@ class Loops:
             way = whirl.take(self._slides, 1) * x + 2j * spin.take(self._slides, 1) * rate + pace
             whirl = np.hstack([whirl, way])
         apart = (turned * whirl).dot(self._gaps) * owners
-        rows = np.stack([apart.imag * self._signs[:, 0], apart.real], axis=2)
-        return np.asarray(rows.reshape(len(q), -1), dtype=np.float64)
+        rows = np.empty((*apart.shape, 2))
+        rows[:, :, 0], rows[:, :, 1] = apart.imag * self._signs[:, 0], apart.real
+        return rows.reshape(len(q), -1)
 
     def _turned(self, q: FloatArray) -> NDArray[np.complex128]:
         """Units turned with the bodies, then with the slides, shape (N, joints + slides)."""

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..arrays import FloatArray
-from .assembly import Partition
+from .assembly import Partition, inverses, products
 from .shaft import Driven
 from .system import ConstraintSet, System
 
@@ -39,6 +37,7 @@ def multipliers(
     jacobian: FloatArray,
     phase: ConstraintSet,
     split: Partition,
+    inverse: FloatArray | None = None,
 ) -> Multipliers:
     """Solve M a + h = tau + G' la_g + W' la_N for the forces of constraint.
 
@@ -55,16 +54,15 @@ def multipliers(
         jacobian: Closure Jacobian G, shape (N, m, nv).
         phase: The phase.
         split: Dependent and independent coordinates; no given one may be dependent.
+        inverse: What :func:`inverses` gives for them, where it is known already.
     """
     missing = system.body.inverse_dynamics(q, v, a) - system.applied_forces(q, v)
     trains = 0.0 if system.held else system.train_torques(motion, q, v)
     if not system.held:
         missing[:, system.driven_columns] += system.inertia * a[:, system.driven_columns] - trains
-    dependent = list(split.dependent)
-    transposed = np.swapaxes(jacobian[:, :, dependent], 1, 2)
-    la_g: FloatArray = np.asarray(
-        np.linalg.solve(transposed, missing[:, dependent, None])[:, :, 0], dtype=np.float64
-    )
-    rest = missing - np.einsum("nij,ni->nj", jacobian, la_g)
+    if inverse is None:
+        inverse = inverses(jacobian, split)
+    la_g = products(inverse.transpose(0, 2, 1), missing.take(split.columns, 1))
+    rest = missing - products(jacobian.transpose(0, 2, 1), la_g)
     drive = rest[:, system.driven_columns] + trains
-    return Multipliers(la_g, rest[:, list(phase.stops)] * phase.senses, drive)
+    return Multipliers(la_g, rest[:, phase.columns] * phase.senses, drive)

@@ -60,9 +60,11 @@ class OpenTree:
 
     def inverse_dynamics(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Generalised forces M a + h of the bare links (no armature), shape (N, nv)."""
-        return np.array(
-            [pin.rnea(self._plain, self._plain_data, *state) for state in zip(q, v, a, strict=True)]
-        ).reshape(q.shape)
+        model, data, solve = self._plain, self._plain_data, pin.rnea
+        forces = np.empty_like(q)
+        for row in range(len(q)):
+            forces[row] = solve(model, data, q[row], v[row], a[row])
+        return forces
 
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """Mass matrix M of the bare links at one configuration, shape (nv, nv)."""

@@ -7,6 +7,7 @@ from enum import StrEnum
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
@@ -14,10 +15,12 @@ from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GA
 from .assembly import (
     Partition,
     close_velocities,
+    inverses,
     inverted,
     partition,
+    products,
 )
-from .coefficients import coefficients
+from .coefficients import coefficients, column_index
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
@@ -40,6 +43,7 @@ class ConstraintSet:
         closed: Names of the closed stops.
         shut: The closed stops.
         stops: Their coordinates.
+        columns: The same as an index, a slice where that is possible.
         places: Where they hold these coordinates, shape (closed,) [rad or m].
         senses: Direction in which each pushes, 1 or -1, shape (closed,).
         open: The other stops.
@@ -56,6 +60,7 @@ class ConstraintSet:
     closed: frozenset[str]
     shut: tuple[Stop, ...]
     stops: tuple[int, ...]
+    columns: slice | NDArray[np.intp]
     places: FloatArray
     senses: FloatArray
     open: tuple[Stop, ...]
@@ -134,6 +139,7 @@ class System:
                 closed=closed,
                 shut=shut,
                 stops=stops,
+                columns=column_index(np.array(stops, dtype=np.intp)),
                 places=np.array([stop.at for stop in shut]),
                 senses=np.array([stop.sense for stop in shut]),
                 open=others,
@@ -248,8 +254,8 @@ class System:
             q[:, self.driven_columns] = motion[0]
             v[:, self.driven_columns] = motion[1]
         if phase.stops:
-            q[:, phase.stops] = phase.places
-            v[:, phase.stops] = 0.0
+            q[:, phase.columns] = phase.places
+            v[:, phase.columns] = 0.0
 
     def applied_forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Generalised forces of all springs and dampers, shape (N, nv).
@@ -339,7 +345,7 @@ class System:
                 + numbers.train_damping * v_law
             )
         if phase.stops:
-            tau[:, phase.stops] = 0.0
+            tau[:, phase.columns] = 0.0
         return tau
 
     def respond(
@@ -380,6 +386,7 @@ class System:
         jacobian: FloatArray,
         phase: ConstraintSet,
         split: Partition,
+        inverse: FloatArray | None = None,
     ) -> FloatArray:
         """Accelerations of a phase without freedom: G a + G_dot v = 0, whatever the forces are.
 
@@ -390,6 +397,7 @@ class System:
             jacobian: Closure Jacobian G, shape (N, m, nv).
             phase: The phase; every independent coordinate is a held drive or a closed stop.
             split: Dependent and independent coordinates.
+            inverse: What :func:`inverses` gives for them, where it is known already.
 
         Returns:
             a, shape (N, nv).
@@ -398,9 +406,9 @@ class System:
         if self.held:
             a[:, self.driven_columns] = motion[2]
         if phase.stops:
-            a[:, phase.stops] = 0.0
+            a[:, phase.columns] = 0.0
         if split.dependent:
-            opening = self.body.closure_accelerations(q, v, a)[:, :, None]
-            block = jacobian[:, :, split.columns]
-            a[:, split.columns] = -np.linalg.solve(block, opening)[:, :, 0]
+            if inverse is None:
+                inverse = inverses(jacobian, split)
+            a[:, split.columns] = -products(inverse, self.body.closure_accelerations(q, v, a))
         return a

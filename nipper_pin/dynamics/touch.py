@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..arrays import FloatArray, product
-from ..tolerances.mechanics import CLOSURE_RESIDUAL, GOOD_CONDITION, TRACKING_RESIDUAL
+from ..tolerances.mechanics import GOOD_CONDITION, TRACKING_RESIDUAL
 from .assembly import Partition, close_positions, close_velocities, inverted, partition
 from .multibody import Multibody
 
@@ -72,31 +72,35 @@ def assemble(
     if not len(path):
         return q[0], start.motion @ rates, start.jacobian
     columns = list(given)
-    jacobian, split = start.jacobian[None], start.split
+    jacobian, split, gaps = start.jacobian, start.split, np.zeros(body.closure_rows)
     before: FloatArray | None = None
-    for number, target in enumerate(path, start=1):
-        slopes, known = _slopes(jacobian[0], columns, split)
+    for target in path:
+        slopes, inverse, known = _slopes(jacobian, columns, split)
         if known != split:
             before, split = None, known
         bent = slopes if before is None else 1.5 * slopes - 0.5 * before
         moved, before = target - q[0, columns], slopes
-        q[0, split.columns] += product(bent, moved)
+        # The step and, by the same matrices, what the last one has left open.
+        q[0, split.columns] += product(bent, moved) - product(inverse, gaps)
         q[0, columns] = target
-        # Only the end of the path has to be exact.
-        share = CLOSURE_RESIDUAL if number == len(path) else TRACKING_RESIDUAL
-        q, jacobian = close_positions(body, q, split, share)
-    _, split = _slopes(jacobian[0], columns, split)
+        (gaps,), (jacobian,) = body.closures(q)
+        if np.vdot(gaps, gaps) > TRACKING_RESIDUAL * body.reach_m**2:
+            # One step of Newton's method would leave more than its square.
+            q, (jacobian,) = close_positions(body, q, split, TRACKING_RESIDUAL)
+            gaps = np.zeros(body.closure_rows)
+    q, jacobians = close_positions(body, q, split)
+    _, _, split = _slopes(jacobians[0], columns, split)
     v = np.zeros((1, body.nv))
     v[0, columns] = rates
-    return q[0], close_velocities(v, jacobian, split)[0], jacobian[0]
+    return q[0], close_velocities(v, jacobians, split)[0], jacobians[0]
 
 
 def _slopes(
     jacobian: FloatArray, given: list[int], split: Partition
-) -> tuple[FloatArray, Partition]:
-    """Dependent coordinates by the given ones, and the split; another one if it has become bad."""
+) -> tuple[FloatArray, FloatArray, Partition]:
+    """Dependent coordinates by the given ones and by gaps; the split, another if it is bad."""
     condition, inverse = inverted(jacobian.take(split.columns, 1))
     if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
         split = partition(jacobian, given, [])
         _, inverse = inverted(jacobian.take(split.columns, 1))
-    return -product(inverse, jacobian.take(given, 1)), split
+    return -product(inverse, jacobian.take(given, 1)), inverse, split

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import StrEnum
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ from .roots import first_descent, polish
 # A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
 # that by a factor of no more than 1 + 2 log(N) / pi, which is 3.7 for 64 of them.
 _FARTHEST = 0.5 * 3.7
+# Steps of Newton's method from the ends of its bracket at which a root is inside beyond doubt.
+_MARGIN = 100.0
 
 
 class TriggerKind(StrEnum):
@@ -203,10 +206,15 @@ def _force_root(
         sigma = (t - panel.t) / panel.h
         return interpolant(sigma), float(np.interp(sigma, samples, slope))
 
+    @cache
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
         return float(la_N[0, column]), rough(t)[1]
 
+    first, last = (panel.t + panel.h * end for end in bracket)
+    near = polish(rough, first, last)
+    if _surely_within(first, last, near, *exact(near)):
+        return polish(exact, first, last, near)
     while bracket is not None:
         left, right = bracket
         # The interpolant is not resolved as far as the force itself: it may fall too soon.
@@ -226,6 +234,11 @@ def _force_root(
             return _polished(panel, (left, right), rough, exact)
         bracket = first_descent(samples[start:], values[start:], interpolant)
     return None
+
+
+def _surely_within(left: float, right: float, t: float, value: float, slope: float) -> bool:
+    """True if a function falls through zero well inside a bracket, by its value at a time."""
+    return slope < 0.0 and _MARGIN * abs(value / slope) < min(t - left, right - t)
 
 
 def _positive(values: FloatArray) -> bool:

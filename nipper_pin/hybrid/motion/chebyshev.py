@@ -170,9 +170,19 @@ def motion_weights(order: int, sigma: float) -> FloatArray:
     Returns:
         Shape (2, order).
     """
-    angle = math.acos(max(min(2.0 * sigma - 1.0, 1.0), -1.0))
     grid = nodes(order)
-    return product(np.cos(angle * grid.degrees), grid.both).reshape(2, order)
+    return product(np.cos(_angle(sigma) * grid.degrees), grid.both).reshape(2, order)
+
+
+def value_weights(order: int, sigma: float) -> FloatArray:
+    """Weights of node values in their interpolant at one place sigma, shape (order,)."""
+    grid = nodes(order)
+    return product(np.cos(_angle(sigma) * grid.degrees[:order]), grid.integrals[0])
+
+
+def _angle(sigma: float) -> float:
+    """Angle whose cosine is the place of sigma between -1 and 1."""
+    return math.acos(max(min(2.0 * sigma - 1.0, 1.0), -1.0))
 
 
 def prolonged(values: FloatArray, count: int) -> FloatArray:
@@ -229,11 +239,14 @@ class Series:
         even, odd = sum(self.coefficients[::2]), sum(self.coefficients[1::2])
         return even - odd, even + odd
 
-    def falls_once(self, left: float, right: float) -> tuple[float, float] | None:
-        """The bracket itself if the series is known to have one zero in it, a fall."""
-        if self.falls and self.value(left) > 0.0 >= self.value(right):
-            return left, right
-        return None
+    def falls_once(self, left: float, right: float) -> tuple[float, float, float] | None:
+        """The bracket and the zero of its chord if the series has one zero there, a fall."""
+        if not self.falls:
+            return None
+        first, last = self.value(left), self.value(right)
+        if not first > 0.0 >= last:
+            return None
+        return left, right, left + (right - left) * first / (first - last)
 
     def value(self, sigma: float) -> float:
         """Value at sigma."""

@@ -37,13 +37,16 @@ def serves(system: System, panel: Panel, start: FloatArray, end: FloatArray) -> 
     if not system.body.closure_rows:
         return True
     condition = system.condition(panel.split, end)
-    turned = float(system.turns(panel.q - panel.q[0]).max())
-    if condition < _SPOILT * system.good_condition and condition * turned < 1.0:
+    if not condition < _SPOILT * system.good_condition:
+        return False
+    turns = system.turns(panel.q - panel.q[0])
+    # The Euclidean norm bounds the largest element, and is found faster.
+    if condition**2 * np.vdot(turns, turns) < 1.0:
         return True
     jacobians = np.stack([start, end])
-    if turned > _ONE_PLACE:
+    if turns.max() > _ONE_PLACE:
         jacobians = np.concatenate([jacobians, system.body.closures(panel.q)[1]])
-    return condition < _SPOILT * system.good_condition and _keeps_sign(jacobians, panel.split)
+    return _keeps_sign(jacobians, panel.split)
 
 
 def suited_split(

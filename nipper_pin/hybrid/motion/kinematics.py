@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import FloatArray
+from ...arrays import FloatArray, largest, product
 from ...dynamics.assembly import (
     Partition,
     close_positions,
@@ -51,21 +51,22 @@ def kinematic_panel(
     motion = system.shaft.driven(times)
     system.prescribe(motion, guess, rates, phase)
     q_nodes, jacobian = close_positions(system.body, guess, split)
-    inverse = _inverses(jacobian, split)[0]
-    v_nodes = close_velocities(rates, jacobian, split)
+    inverse = _inverses(jacobian, split)
+    v_nodes = close_velocities(rates, jacobian, split, inverse)
     # Stops may lock links through closures, or all of them while drive trains wind up: what these
     # would have of the accelerations of the dynamics is round-off of the forces on them.
-    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, jacobian, phase, split)
-    moving = np.abs(h * v_nodes).max(axis=0)
+    known = jacobian, phase, split, inverse
+    a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, *known)
+    moving = h * largest(v_nodes)
     # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, q_nodes, split, inverse)
+    round_off = _round_off(system, q_nodes, split, inverse[0])
     rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
     if resolution.adaptive and rough_a.max() > 1.0:
-        still = moving + h**2 * np.abs(a_nodes).max(axis=0)
+        still = moving + h**2 * largest(a_nodes)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
         rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
-    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, jacobian, phase, split).la_N
+    forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, *known).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
@@ -91,7 +92,7 @@ def _excess(
     """
     left_over = np.maximum(tail(panel.q) - round_off, 0.0)
     rough = left_over / (resolution.tolerance * moving + SMALLEST)
-    size = np.abs(forces).max(axis=0) + SMALLEST
+    size = largest(forces) + SMALLEST
     rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
     return float(max(item.max(initial=0.0) for item in (rough, rough_force)))
 
@@ -118,10 +119,10 @@ def _rough_accelerations(
         round_off: Round-off of the positions, shape (nv,).
         resolution: Number of nodes, and what they may leave unresolved.
     """
-    changed = np.abs(h * v).max(axis=0) + h**2 * np.abs(a).max(axis=0) + SMALLEST
+    changed = h * largest(v) + h**2 * largest(a) + SMALLEST
     # The last coefficients of round-off may be small by chance, but rates, found without them, are
     # then not the integral of accelerations.
-    apart = np.abs(v - v[0] - h * (nodes(len(v)).once @ a)).max(axis=0)
+    apart = largest(v - v[0] - h * product(nodes(len(v)).once, a))
     apart = np.maximum(h * apart - round_off, 0.0)
     left_over = np.maximum(h**2 * tail(a), apart)
     return np.asarray(left_over / (np.sqrt(resolution.tolerance) * changed))
@@ -159,7 +160,7 @@ def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
 
 def _round_off(system: System, q: FloatArray, split: Partition, inverse: FloatArray) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
-    size = np.abs(q).max(axis=0) + EPS
+    size = largest(q) + EPS
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
     size[split.columns] += np.minimum(moved, MAX_AMPLIFICATION)
     return np.asarray(COORDINATE_ROUND_OFF * size)

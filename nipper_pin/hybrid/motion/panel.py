@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
-from ...dynamics.assembly import Partition, close_positions, close_velocities
+from ...dynamics.assembly import Partition, close_positions, close_velocities, inverses
 from ...dynamics.multipliers import Multipliers, multipliers
 from ...dynamics.shaft import Driven
 from ...dynamics.system import ConstraintSet, System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, SMALLEST
-from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes
+from .chebyshev import evaluate, evaluate_motion, motion_weights, nodes, value_weights
 
 
 class Begin(NamedTuple):
@@ -114,8 +114,8 @@ class Panel:
         h = self.h
         sigma = (t - self.t) / h
         if not self.integrated:
-            q, v = self.interpolate(np.array([t]))
-            return q[0], v[0]
+            weights = value_weights(self.order, sigma)
+            return product(weights, self.q), product(weights, self.v)
         twice, once = product(motion_weights(self.order, sigma), self.a)
         return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
 
@@ -182,12 +182,13 @@ def forces_at(
         q, v, a of shape (K, nv) and the forces of constraint.
     """
     q, v, jacobian, motion = state_at(system, phase, panel, t)
+    known = jacobian, phase, panel.split, inverses(jacobian, panel.split)
     if panel.integrated:
         a = system.accelerations(motion, q, v, phase)
     else:
         # Near a dead centre, and of links of very different masses, those of the dynamics differ.
-        a = system.determined_accelerations(motion, q, v, jacobian, phase, panel.split)
-    return q, v, a, multipliers(system, motion, q, v, a, jacobian, phase, panel.split)
+        a = system.determined_accelerations(motion, q, v, *known)
+    return q, v, a, multipliers(system, motion, q, v, a, *known)
 
 
 def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray) -> FloatArray:

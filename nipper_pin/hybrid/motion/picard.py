@@ -2,42 +2,26 @@
 
 from __future__ import annotations
 
-import math
-from functools import cached_property
-
 import numpy as np
 
-from ...arrays import FloatArray, product
+from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
-from ...tolerances.hybrid import (
-    COORDINATE_ROUND_OFF,
-    ITERATION_FLOOR,
-    NOTICED_ROUND_OFF,
-    ROUND_OFF_SAFETY,
-    SMALLEST,
-)
+from ...tolerances.hybrid import ITERATION_FLOOR
 from ..case import Resolution
-from .chebyshev import decayed, nodes, prolonged
-from .noise_floor import of_closures, roughness
+from .chebyshev import prolonged
 from .panel import Attempt, Begin, Panel, forces_at, judged, shorter
+from .sweeps import Sweeps
 
 # Sweeps start on coarse grids, nested in the finest one, and move on when they have gained what
 # such a grid can hold; a short flight never needs the finest one.
-_STRIDES = (4, 2, 1)
+_COARSE_STRIDES = (4, 2)
 _COARSE_SWEEPS = 2
 _MAX_SWEEPS = 24
 _EASY_SWEEPS = 14
-# The error of sweep k behaves like (L h)^k / k!, so the first sweeps may gain little; later ones
-# that gain less than this show a panel too long for the iteration.
-_FREE_SWEEPS = 4
-# But none of them a change by this multiple of the motion, whose square and cube would follow.
-_DIVERGED = 1e9
-_WORST_CONTRACTION = 0.5
-# Sweeps over the finest of nested grids after which the last coefficients are known: what follows
-# them, if it is so many times too large, no other sweep makes small enough.
-_TELLING_SWEEPS, _TOO_ROUGH = 2, 2.0
+# What a coarse grid foretells of the finest one is an estimate, and has to be so much too large.
+_FORESEEN_ROUGH = 8.0
 # Growth of panels as long as they do not need the finest grid.
 _LONGER = 2.0
 # Motion on one panel [rad or m] beyond which inertia could no longer be neglected beside that of a
@@ -70,33 +54,23 @@ def flight_panel(
         SimulationError: A link has run away, as one does that a turning shaft throws outwards.
     """
     finest = resolution.flight_nodes
-    nested = resolution.adaptive and (finest - 1) % _STRIDES[0] == 0
+    nested = resolution.adaptive and (finest - 1) % _COARSE_STRIDES[0] == 0
     tolerance = resolution.tolerance if resolution.adaptive else ITERATION_FLOOR
     if h * h * np.vdot(begin.v, begin.v) > _RUN_AWAY**2:
         raise _run_away(system, h * begin.v)
-    iteration = _Picard(system, phase, begin, h, finest, tolerance, nested)
+    sweeps = Sweeps(system, phase, begin, h, finest, tolerance, nested)
     none = np.empty((0, len(phase.stops)))
-    a = begin.a[None]
-    for stride in _STRIDES if nested else (1,):
-        a = prolonged(a, (finest - 1) // stride + 1)
-        if not iteration.converges(a, stride, _MAX_SWEEPS if stride == 1 else _COARSE_SWEEPS):
-            if stride > 1:
-                continue
-            if iteration.too_rough:
-                return Attempt(None, none, shorter(iteration.left_over(a) / tolerance, len(a)))
-            if not (iteration.allows_round_off() and iteration.settled):
-                return Attempt(None, none, 0.5)
-        left_over = iteration.left_over(a)
-        if left_over <= tolerance:
-            break
-    q_nodes, v_nodes = iteration.motion(a)
+    a, left_over = _swept(sweeps, begin.a[None], finest, tolerance, nested)
+    if a is None:
+        return Attempt(None, none, left_over)
+    q_nodes, v_nodes = sweeps.motion(a)
     panel = Panel(begin.t, h, q_nodes, v_nodes, a, split, integrated=True)
     forces = forces_at(system, phase, panel, panel.times)[3].la_N if phase.stops else none
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    hard = iteration.sweeps > _EASY_SWEEPS
-    if left_over > tolerance and iteration.allows_round_off():
-        left_over = iteration.left_over(a)
+    hard = sweeps.count > _EASY_SWEEPS
+    if left_over > tolerance and sweeps.allows_round_off():
+        left_over = sweeps.left_over(a)
         if left_over <= tolerance:
             # No shorter panel would resolve it either.
             return Attempt(panel, forces, 1.0 if hard else _LONGER)
@@ -105,6 +79,43 @@ def flight_panel(
         return Attempt(panel, forces, _LONGER)
     attempt = judged(panel, forces, left_over / tolerance, len(a))
     return attempt._replace(factor=min(attempt.factor, 1.0)) if hard else attempt
+
+
+def _swept(
+    sweeps: Sweeps, a: FloatArray, finest: int, tolerance: float, nested: bool
+) -> tuple[FloatArray, float] | tuple[None, float]:
+    """Sweep over one grid after the other, until one of them resolves the motion.
+
+    Args:
+        sweeps: The iteration.
+        a: Acceleration at the first node, shape (1, nv).
+        finest: Number of nodes of the finest grid.
+        tolerance: Relative accuracy of the positions.
+        nested: True if there are coarser grids.
+
+    Returns:
+        Accelerations at the nodes and what they leave over; or None and the ratio of the length of
+        the next attempt.
+    """
+    for stride in _COARSE_STRIDES if nested else ():
+        a = prolonged(a, (finest - 1) // stride + 1)
+        if sweeps.converges(a, stride, _COARSE_SWEEPS) or (
+            sweeps.nearly(a) and sweeps.converges(a, stride, 1)
+        ):
+            left_over = sweeps.left_over(a)
+            if left_over <= tolerance:
+                return a, left_over
+        elif stride == _COARSE_STRIDES[-1]:
+            foreseen = sweeps.foreseen(a)
+            if foreseen > _FORESEEN_ROUGH * tolerance:
+                return None, shorter(foreseen / tolerance, finest)
+    a = prolonged(a, finest)
+    if not sweeps.converges(a, 1, _MAX_SWEEPS):
+        if sweeps.too_rough:
+            return None, shorter(sweeps.left_over(a) / tolerance, finest)
+        if not (sweeps.allows_round_off() and sweeps.settled):
+            return None, 0.5
+    return a, sweeps.left_over(a)
 
 
 def _run_away(system: System, moved: FloatArray) -> SimulationError:
@@ -116,185 +127,3 @@ def _run_away(system: System, moved: FloatArray) -> SimulationError:
         "and nothing holds it; give it a stop or a spring, or simulate a shorter time"
     )
     return SimulationError(message, joint=name, moved=float(moved[fastest]))
-
-
-def _next(moved: FloatArray, guess: FloatArray) -> float:
-    """Estimate of the change by a third sweep, the largest of all coordinates.
-
-    The first change is that of the guess: a large one, of a coordinate that is then right at once,
-    would hide another one that hardly moves towards its solution.
-
-    Args:
-        moved: Changes in the second sweep, shape (N - 1, nv).
-        guess: Changes in the first sweep, likewise.
-    """
-    latest, first = np.abs(moved).max(axis=0), np.abs(guess).max(axis=0)
-    return float((latest * latest / (first + SMALLEST)).max())
-
-
-class _Picard:
-    """Picard iteration of one panel.
-
-    Args:
-        system: The system.
-        phase: The phase.
-        begin: Where the panel begins.
-        h: Its length [s].
-        finest: Number of nodes of the finest grid.
-        tolerance: Relative change of the positions that ends the iteration.
-        nested: True if the iteration starts on coarser grids.
-    """
-
-    def __init__(
-        self,
-        system: System,
-        phase: ConstraintSet,
-        begin: Begin,
-        h: float,
-        finest: int,
-        tolerance: float,
-        nested: bool,
-    ) -> None:
-        """Compute what no sweep changes."""
-        self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
-        t, q, v, _ = begin
-        elapsed = h * nodes(finest).sigma
-        motion = system.shaft.driven(t + elapsed)
-        self._forcing = system.forcing(motion, phase)
-        # Motion without acceleration; that of held drives is known.
-        self._lines = np.empty((2, finest, len(q)))
-        self._lines[0] = q + elapsed[:, None] * v
-        self._lines[1] = v
-        if system.held:
-            self._lines[:, :, system.driven_columns] = motion[:2]
-        # Way on the panel beside which changes of positions count, shape (nv,).
-        self._way = np.abs(h * v) + SMALLEST
-        # Relative change of positions by change of acceleration, shape (nv,); the same for every
-        # node: arrays of one shape are multiplied three times as fast as a row is repeated.
-        self._weight = np.empty(0)
-        self._weights = np.empty((finest, len(q)))
-        self._free = system.free[None].repeat(finest, 0)
-        # Relative changes of positions in the latest sweep, shape (N - 1, nv).
-        self._moved = np.empty((0, len(q)))
-        self._start = t, q, v
-        self._still = ROUND_OFF_SAFETY * COORDINATE_ROUND_OFF * system.shaft.rate**2
-        self._allowed = False
-        self._change = np.inf
-        self._contraction = 1.0
-        # What turns integrals over the unit interval into positions and velocities.
-        self._scales = np.array([h * h, h])[:, None, None]
-        self.sweeps, self.too_rough, self._nested = 0, False, nested
-
-    def converges(self, a: FloatArray, stride: int, most: int) -> bool:
-        """Sweep over one grid, in place, until another sweep would change nothing that matters.
-
-        Args:
-            a: Accelerations at the nodes, shape (N, nv), the first one exact.
-            stride: Step from node to node on the finest grid.
-            most: Largest number of sweeps.
-
-        Returns:
-            True if it converged.
-        """
-        count, h, system = len(a), self._h, self._system
-        # Nothing changes at the first node.
-        operator = (nodes(count).motion[:, 1:] * self._scales).reshape(-1, count)
-        lines, forcing = self._lines[:, stride::stride].copy(), self._forcing[stride::stride].copy()
-        moved = unknown = a[1:]
-        shape, free, weights = lines.shape, self._free[:count], self._weights[1:count]
-        for sweep in range(1, most + 1):
-            q, v = product(operator, a * free).reshape(shape) + lines
-            new = system.respond(forcing, q, v, self._phase)
-            if not self._weight.size:
-                self._way += h**2 * np.maximum.reduce(np.abs(new))
-                self._weigh()
-                if np.maximum.reduce(self._weight) * self._still > self._tolerance:
-                    # A link stands nearly still: all that it has may be round-off of the others.
-                    self._allow(of_closures(system, v[0], new[0]))
-            guess, moved = moved, (new - unknown) * weights
-            self._moved = moved
-            # The Euclidean norm bounds the largest element, and is found faster.
-            previous, change = self._change, math.sqrt(np.vdot(moved, moved))
-            self._change = change
-            if not change < _DIVERGED:
-                return False
-            unknown[:] = new
-            self.sweeps += 1
-            # The first sweep of a grid shows what the one before did not hold.
-            known = self._contraction if sweep == 1 else 0.0
-            self._contraction = min(max(change / max(previous, SMALLEST), known), 1.0)
-            # The next sweep would change by this times the contraction, so it is not needed.
-            if change * self._contraction <= self._tolerance and (
-                sweep == 1 or self.sweeps > 2 or _next(moved, guess) <= self._tolerance
-            ):
-                return True
-            if stride == 1 and sweep == _TELLING_SWEEPS and self._is_too_rough(a):
-                self.too_rough = True
-                return False
-            if sweep > _FREE_SWEEPS and change > _WORST_CONTRACTION * previous:
-                return change <= ITERATION_FLOOR
-        return False
-
-    @property
-    def settled(self) -> bool:
-        """True if the latest sweep has changed no position by more than the tolerance."""
-        return float(np.abs(self._moved).max(initial=0.0)) <= self._tolerance
-
-    def _weigh(self) -> None:
-        # What is prescribed does not move: its accelerations are round-off of the armature.
-        self._weight = self._weights[:] = self._h**2 * self._phase.moving / self._way
-
-    def left_over(self, a: FloatArray) -> float:
-        """Relative change of positions by what follows the last coefficients of accelerations.
-
-        Two integrations divide the coefficient of degree k by about (2 k)^2.
-
-        Args:
-            a: Accelerations at the nodes, shape (N, nv).
-        """
-        return float(np.maximum.reduce(decayed(a) * self._weight)) / (2.0 * len(a)) ** 2
-
-    def _is_too_rough(self, a: FloatArray) -> bool:
-        """True if what follows the last coefficients is too large, even beside round-off."""
-        least = _TOO_ROUGH * self._tolerance
-        if not self._nested or self.left_over(a) <= least:
-            return False
-        beside = self._weight * (self._way / (self._way + self._allowance(self._roughness)))
-        return float(np.maximum.reduce(decayed(a) * beside)) > least * (2.0 * len(a)) ** 2
-
-    @cached_property
-    def _roughness(self) -> FloatArray:
-        """Round-off of accelerations at the start of the panel, shape (nv,)."""
-        return roughness(self._system, self._phase, *self._start)
-
-    def allows_round_off(self) -> bool:
-        """Weigh anew, so that round-off of accelerations is within the tolerance.
-
-        Returns:
-            Whether there is any coordinate to which this makes a difference.
-        """
-        if self._allowed or not self._weight.size:
-            return False
-        self._allowed = True
-        return self._allow(self._roughness)
-
-    def _allow(self, rough: FloatArray) -> bool:
-        """Weigh changes beside round-off of accelerations, too; True if that matters anywhere."""
-        allowance = self._allowance(rough)
-        matters = bool((self._phase.moving * (allowance > NOTICED_ROUND_OFF * self._way)).any())
-        self._moved = self._moved * (self._way / (self._way + allowance))
-        self._way += allowance
-        self._weigh()
-        return matters
-
-    def _allowance(self, rough: FloatArray) -> FloatArray:
-        """Ways beside which round-off of accelerations is within the tolerance, shape (nv,)."""
-        return np.asarray(ROUND_OFF_SAFETY * self._h**2 * rough / self._tolerance)
-
-    def motion(self, a: FloatArray) -> FloatArray:
-        """Positions and velocities at the nodes, shape (2, N, nv), of accelerations there."""
-        count = len(a)
-        operator = nodes(count).motion.reshape(-1, count)
-        moved = product(operator, a * self._free[:count]).reshape(2, *a.shape)
-        stride = (self._lines.shape[1] - 1) // (count - 1)
-        return np.asarray(moved * self._scales + self._lines[:, ::stride])

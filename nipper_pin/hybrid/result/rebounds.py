@@ -137,11 +137,12 @@ def _highest(panel: Panel, begin: float, end: float, stop: Stop) -> float:
         coefficients = grid.integrals[0] @ stop.gaps(panel.q)
         rates = h * (grid.integrals[0] @ stop.rates(panel.v))
     value, rate = Series(coefficients), Series(rates)
+    single = rate.falls_once(left, right)
+    if single is not None:
+        return value.value(polish(rate.value_and_slope, *single))
     found = [value.value(left), value.value(right)]
-    bracket = rate.falls_once(left, right)
-    if bracket is None:
-        sampled = h * (grid.sample_value @ stop.rates(panel.v))
-        bracket = first_descent(grid.samples, sampled, rate.value)
+    sampled = h * (grid.sample_value @ stop.rates(panel.v))
+    bracket = first_descent(grid.samples, sampled, rate.value)
     if bracket is not None:
         peak = polish(rate.value_and_slope, *bracket)
         if left < peak < right:
