@@ -66,14 +66,20 @@ class TurnQuantities:
 
     closed_at = _Column(rows.CLOSED_AT)
     """Travel to the first collision of the clamping stop [rad]."""
+    closed_error = _Column(rows.CLOSED_ERROR)
+    """Bound on the error of that; so are the others called."""
     rests_at = _Column(rows.RESTS_AT)
     """Travel to its first rest [rad]; NaN where it does not settle."""
+    rests_error = _Column(rows.RESTS_ERROR)
     lost_at = _Column(rows.LOST_AT)
     """Travel to where its force falls to zero [rad]; NaN where that does not happen."""
+    lost_error = _Column(rows.LOST_ERROR)
     opened_at = _Column(rows.OPENED_AT)
     """Travel to where another stop throws it open [rad]; NaN where none does."""
+    opened_error = _Column(rows.OPENED_ERROR)
     clamped = _Column(rows.CLAMPED)
     """Travel with the stop closed and its force above the given one [rad]."""
+    clamped_error = _Column(rows.CLAMPED_ERROR)
     least_force = _Column(rows.LEAST_FORCE)
     """Smallest force while it is closed [N]; along the joint of a stop without a contact point."""
     most_force = _Column(rows.MOST_FORCE)
@@ -81,16 +87,22 @@ class TurnQuantities:
     force_error = _Column(rows.FORCE_ERROR)
     """Bound on the errors of both [N]."""
     largest_gap = _Column(rows.LARGEST_GAP)
-    """Largest gap of its rebounds [rad or m]."""
+    """Largest gap of rebounds that end at the same stop [rad or m]; NaN without one."""
     gap_error = _Column(rows.GAP_ERROR)
     """Bound on the error of that."""
     energy_lost = _Column(rows.LOST_ENERGY)
-    """Kinetic energy lost in all collisions [J]."""
+    """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
+    energy_lost_error = _Column(rows.LOSS_ERROR)
 
     @property
     def clamped_time(self) -> FloatArray:
         """Time of the turn with the clamping stop closed and its force above the given one [s]."""
         return np.asarray((self.clamped.T / self.speed).T)
+
+    @property
+    def clamped_time_error(self) -> FloatArray:
+        """Bound on the error of that [s]."""
+        return np.asarray((self.clamped_error.T / self.speed).T)
 
     @property
     def clamped_share(self) -> FloatArray:
@@ -99,12 +111,12 @@ class TurnQuantities:
 
     @property
     def collisions(self) -> FloatArray:
-        """Collisions of each stop, shape (n, stops)."""
+        """Collisions of each stop that were computed, shape (n, stops)."""
         return self._of_stops(rows.COUNT)
 
     @property
     def impulse_sum(self) -> FloatArray:
-        """Sum of their normal impulses, shape (n, stops) [N s or N m s]."""
+        """Sum of normal impulses, those of a series beyond the last too, shape (n, stops)."""
         return self._of_stops(rows.IMPULSE_SUM)
 
     @property
@@ -114,8 +126,13 @@ class TurnQuantities:
 
     @property
     def largest_impulse(self) -> FloatArray:
-        """Largest of the impulses, shape (n, stops)."""
+        """Largest of the impulses, shape (n, stops) [N s or N m s]."""
         return self._of_stops(rows.IMPULSE_MOST)
+
+    @property
+    def largest_impulse_error(self) -> FloatArray:
+        """Bound on the errors of those."""
+        return self._of_stops(rows.MOST_ERROR)
 
     def _of_stops(self, place: int) -> FloatArray:
         return np.asarray(self.table[..., rows.TURN_NUMBERS + place :: rows.PER_STOP])
