@@ -1,7 +1,7 @@
 """A turn of the planar nipper in 80-bit arithmetic, with what holds its jaw shut.
 
-The events are those of ``extended.py``; the force at the lips follows from the equation of motion of
-``planar.py`` along the closed jaw. Nothing here is shared with the package.
+The events are those of ``extended.py``; the force at the lips follows from the equation of motion
+of ``planar.py`` along the closed jaw. Nothing here is shared with the package.
 """
 
 from __future__ import annotations
@@ -47,8 +47,11 @@ class HeldTurn:
         self.run.start = self.run.machine.psi_foremost()
         self.holds: list[Hold] = []
         held, time, end = STEEVE, L(0), 2 * PI / self.run.machine.speed
+        pressed = self.run.held(held, np.zeros(1, dtype=L))["force"][0] > 0
         while held:
-            name, until = self.run.hold(held, time, end)
+            # A stop that is not pressed shut at the start opens there.
+            name, until = self.run.hold(held, time, end) if pressed else (RELEASE, time)
+            pressed = True
             if held == JAW:
                 self.holds.append(Hold(time, until, name))
             if not name:
@@ -114,14 +117,14 @@ class HeldTurn:
 
     def energy_lost(self) -> Any:
         """Kinetic energy lost in all collisions, J."""
-        hits = [event for event in self.events if event.kind == COLLISION]
-        return sum(
-            (hit.impulse * (1 - self.run.restitution(hit.stop)) * -hit.approach / 2 for hit in hits),
-            L(0),
-        )
+        total = L(0)
+        for hit in self.events:
+            if hit.kind == COLLISION:
+                total -= hit.impulse * (1 - self.run.restitution(hit.stop)) * hit.approach / 2
+        return total
 
     def impulse_sum(self, stop: str) -> Any:
-        """Sum of the impulses at a stop, with those of each series beyond the last that is known."""
+        """Sum of impulses at a stop, with those of each series beyond the last that is known."""
         total, e = L(0), self.run.restitution(stop)
         last = L(0)
         for event in self.events:

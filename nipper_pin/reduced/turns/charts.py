@@ -26,6 +26,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 _PLACES = 9
 _NODES_X = 8
+# Travel over which the change of a rate is taken [rad].
+_BESIDE = 1e-3
 # Halvings of the gap of a chart that reaches a dead centre.
 _HALVINGS = 4
 
@@ -89,9 +91,17 @@ class Surroundings:
         kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
         extent = 1.0 if kind == "revolute" else self.mechanism.reach_m
         wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
-        # In a radian a rate changes by about itself.
-        size = rounded.size(self.sampler.size + arc.after.index) + abs(rate) * wrong
+        size = rounded.size(self.sampler.size + arc.after.index) + self._bend(rate) * wrong
         return rate, size, 1.0 / arc.after.rate(n[0]), wrong
+
+    def _bend(self, rate: float) -> float:
+        """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""
+        arc = self.arc
+        before = arc.travels[-1:] - min(_BESIDE, 0.5 * arc.travels[-1])
+        (row,) = self.sampler.along(before, np.zeros(1), arc.path[-1:])
+        _, m = self.sampler.rates(before, row)
+        change = rate - arc.after.rate(m[0])
+        return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before[0])))
 
     @property
     def width(self) -> float:

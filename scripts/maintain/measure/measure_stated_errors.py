@@ -4,10 +4,9 @@
 
 Random machines (speed, restitution, spring, also touch angles at which the jaw touches slowly) are
 solved in 80-bit arithmetic by tests/reference/extended.py, and by both engines at many tolerances,
-transitions and whole turns, or with --turns
-all as whole turns of the reduced engine, with their quantities; in processes with other BLAS kernels, of which each case has one. The
-folder keeps each case that is done: the same command goes on where it was stopped, and a larger
---cases adds to it.
+transitions and whole turns, in processes with other BLAS kernels, of which each case has one. With
+--turns all are whole turns, of the reduced engine, with their quantities. The folder keeps each
+case that is done: the same command goes on where it was stopped, and a larger --cases adds to it.
 """
 
 from __future__ import annotations
