@@ -105,7 +105,7 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
                 found[CLOSED_AT], found[CLOSED_ERROR] = at, wrong
         elif row[KIND] == REST:
             if limits and i > 0 and events[i - 1, KIND] == COLLISION:
-                _add_rest_of_series(charts, work, found, events[i - 1], row, speed)
+                _add_rest_of_series(charts, work, found, events[i - 1], row, speed, clamps)
             if clamps and np.isnan(found[RESTS_AT]):
                 found[RESTS_AT], found[RESTS_ERROR] = at, wrong
     for i in range(hold_count):
@@ -130,18 +130,23 @@ def _add_collision(found: FloatArray, row: FloatArray, clamps: bool) -> None:
     found[place + MOST_ERROR] = max(found[place + MOST_ERROR], impulse + wrong)
     found[LOST_ENERGY] += row[ENERGY]
     found[LOSS_ERROR] += row[ENERGY_ERROR] + 4.0 * EPS * row[ENERGY]
-    if not clamps or np.isnan(row[AMPLITUDE]):
-        return
+    if clamps and not np.isnan(row[AMPLITUDE]):
+        _raise_gap(found, row[AMPLITUDE], row[AMPLITUDE_ERROR])
+
+
+@compiled
+def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
+    """The largest gap so far, and the largest that it can be in truth."""
     if np.isnan(found[LARGEST_GAP]):
         found[LARGEST_GAP] = found[GAP_ERROR] = 0.0
-    found[LARGEST_GAP] = max(found[LARGEST_GAP], row[AMPLITUDE])
-    found[GAP_ERROR] = max(found[GAP_ERROR], row[AMPLITUDE] + row[AMPLITUDE_ERROR])
+    found[LARGEST_GAP] = max(found[LARGEST_GAP], gap)
+    found[GAP_ERROR] = max(found[GAP_ERROR], gap + wrong)
 
 
 @compiled
 def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: FloatArray,
-                        rest: FloatArray, speed: float) -> None:  # fmt: skip
-    """Add impulses and losses of the bounces beyond the last one that was computed.
+                        rest: FloatArray, speed: float, clamps: bool) -> None:  # fmt: skip
+    """Add impulses, losses and the gap of the bounces beyond the last one that was computed.
 
     Each is slower than the one before by the restitution, as far as x'' stays as it is.
     """
@@ -165,6 +170,8 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
     found[place + SUM_ERROR] += further * (uneven + by_rate)
     found[LOST_ENERGY] += lost
     found[LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
+    if clamps and a < 0.0:
+        _raise_gap(found, 0.5 * w * w / -a, w * w / -a * (uneven + by_rate))
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,6 +109,15 @@ class Surroundings:
         """Largest gap of the nearest other stop along the arc."""
         gaps = self.along.gaps.min(axis=0, initial=np.inf)
         return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
+
+    @property
+    def room(self) -> float:
+        """Largest gap of the arc's own stop at which the nearest other one may close."""
+        gaps = self.along.gaps
+        slopes = np.abs(self.along.slopes[: len(gaps)])
+        rooms = np.where(slopes > 0.0, gaps / np.where(slopes > 0.0, slopes, 1.0), np.inf)
+        room = float(rooms.min(axis=0, initial=np.inf).max())
+        return room if math.isfinite(room) else 0.0
 
     def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
         """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""

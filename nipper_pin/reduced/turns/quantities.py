@@ -21,7 +21,7 @@ from ..kernels import turn_layout as rows
 from ..results import ENGINE
 from .model import START_INDEX, TurnModel
 from .results import TurnStatus
-from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model
+from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model, wider
 
 _LEFT_GAP = int(TurnStatus.LEFT_GAP)
 
@@ -186,7 +186,10 @@ def turn_quantities(
     found = np.empty((n, last or 1, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
     left = np.arange(n)
     for room in ROOMS:
-        model = turn_model(mechanism, start_index, room)
+        wide = wider(mechanism, start_index, room)
+        if wide is None:
+            break
+        model = wide
         here = told[left], found[left]
         _run(model, [item[left] for item in cases], settings, *here)
         told[left], found[left] = here
