@@ -39,7 +39,8 @@ def force_at(charts: Charts, work: Work, c: int, u: float) -> tuple[float, float
     """
     cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
     width = charts.span[c] / cells
-    cell = min(max(int(u / width), 0), cells - 1)
+    # The end of a cell belongs to it: beyond the last one functions are constant.
+    cell = min(max(int(u / width * (1.0 - 8.0 * EPS)), 0), cells - 1)
     place = 2.0 * (u - cell * width) / width - 1.0
     C, C_u = _series(charts.inertia[c], cell, count, place)
     a, a_u = _series(work.line[c], cell, count, place)
@@ -121,7 +122,7 @@ def _part(charts: Charts, work: Work, c: int, begin: float, end: float, left: fl
 
 @compiled
 def held(charts: Charts, work: Work, hold: FloatArray,
-         level: float) -> tuple[float, float, float, float, float]:  # fmt: skip
+         level: float) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Forces of a closed stop on a stretch.
 
     Args:
@@ -131,8 +132,8 @@ def held(charts: Charts, work: Work, hold: FloatArray,
         level: Force [N].
 
     Returns:
-        Least and largest force, bound on their errors, travel with a force above the level, and
-        bound on the error of that.
+        Least force, largest force and travel with a force above the level, each before the bound on
+        its error.
     """
     c, begin, end = int(hold[HOLD_CHART]), hold[HOLD_BEGIN], hold[HOLD_END]
     absolute, relative = wrong_by(charts, work, c)
@@ -141,7 +142,9 @@ def held(charts: Charts, work: Work, hold: FloatArray,
     u = begin
     old, old_slope = force_at(charts, work, c, u)
     least = most = old
-    ends = abs(old_slope) * hold[HOLD_BEGIN_ERROR]
+    # The stretch may begin and end a little earlier or later.
+    ends = 2.0 * abs(old_slope) * hold[HOLD_BEGIN_ERROR]
+    low, high = old - ends, old + ends
     above = beside = 0.0
     if old >= level - near - ends:
         beside += hold[HOLD_BEGIN_ERROR]
@@ -163,8 +166,11 @@ def held(charts: Charts, work: Work, hold: FloatArray,
         u, old, old_slope = new, force, slope
         if new >= end:
             break
-    ends = max(ends, abs(old_slope) * hold[HOLD_END_ERROR])
+    ends = 2.0 * abs(old_slope) * hold[HOLD_END_ERROR]
+    low, high = min(low, old - ends), max(high, old + ends)
     if old >= level - near - ends:
         beside += hold[HOLD_END_ERROR]
-    wrong = absolute + relative * max(abs(least), abs(most)) + 2.0 * ends
-    return least, most, wrong, above, beside + 8.0 * EPS * (end - begin)
+    least_wrong = absolute + relative * abs(least) + max(least - low, 0.0)
+    most_wrong = absolute + relative * abs(most) + max(high - most, 0.0)
+    beside += 8.0 * EPS * (end - begin)
+    return least, least_wrong, most, most_wrong, above, beside

@@ -40,7 +40,9 @@ from .turn_layout import (
     IMPULSE_MOST,
     IMPULSE_SUM,
     KIND,
+    LARGEST_ERROR,
     LARGEST_GAP,
+    LEAST_ERROR,
     LEAST_FORCE,
     LOSS_ERROR,
     LOST_AT,
@@ -111,7 +113,10 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
     for i in range(hold_count):
         if int(holds[i, HOLD_TURN]) == turn:
             _add_hold(charts, work, found, holds[i], level)
-    # Bounds on the largest values became bounds on their errors.
+    # Bounds on the least and the largest values become bounds on their errors.
+    found[LEAST_ERROR] = found[LEAST_FORCE] - found[LEAST_ERROR]
+    found[LARGEST_ERROR] -= found[MOST_FORCE]
+    found[FORCE_ERROR] = max(found[LEAST_ERROR], found[LARGEST_ERROR])
     found[GAP_ERROR] -= found[LARGEST_GAP]
     for place in range(TURN_NUMBERS, len(found), PER_STOP):
         most = found[place + IMPULSE_MOST]
@@ -178,14 +183,18 @@ def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: 
 def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArray,
               level: float) -> None:  # fmt: skip
     """Add a stretch on which the clamping stop was closed."""
-    least, most, wrong, above, beside = held(charts, work, hold, level)
-    if np.isnan(found[FORCE_ERROR]):
-        found[LEAST_FORCE], found[MOST_FORCE], found[FORCE_ERROR] = least, most, wrong
+    least, low, most, high, above, beside = held(charts, work, hold, level)
+    if np.isnan(found[LEAST_FORCE]):
+        found[LEAST_FORCE] = found[LEAST_ERROR] = least
+        found[MOST_FORCE] = found[LARGEST_ERROR] = most
+    found[LEAST_FORCE], found[MOST_FORCE] = (
+        min(found[LEAST_FORCE], least),
+        max(found[MOST_FORCE], most),
+    )
+    found[LEAST_ERROR] = min(found[LEAST_ERROR], least - low)
+    found[LARGEST_ERROR] = max(found[LARGEST_ERROR], most + high)
     found[CLAMPED] += above
     found[CLAMPED_ERROR] += beside
-    found[LEAST_FORCE] = min(found[LEAST_FORCE], least)
-    found[MOST_FORCE] = max(found[MOST_FORCE], most)
-    found[FORCE_ERROR] = max(found[FORCE_ERROR], wrong)
     ended, end = int(hold[ENDED_BY]), charts.begin[int(hold[HOLD_CHART])] + hold[HOLD_END]
     wrong = hold[HOLD_END_ERROR] + 4.0 * EPS * _TURN
     if ended == RELEASE and np.isnan(found[LOST_AT]):

@@ -85,7 +85,9 @@ class TurnQuantities:
     most_force = _Column(rows.MOST_FORCE)
     """Largest force while it is closed [N]."""
     force_error = _Column(rows.FORCE_ERROR)
-    """Bound on the errors of both [N]."""
+    """Bound on the errors of both [N]; the next two are those of each."""
+    least_force_error = _Column(rows.LEAST_ERROR)
+    most_force_error = _Column(rows.LARGEST_ERROR)
     largest_gap = _Column(rows.LARGEST_GAP)
     """Largest gap of rebounds that end at the same stop [rad or m]; NaN without one."""
     gap_error = _Column(rows.GAP_ERROR)

@@ -21,8 +21,8 @@ _TIMES = (
     ("clamped time", "clamped", "clamped", "clamped_error"),
 )
 _NUMBERS = (
-    ("least force", "least_force", "least_force", "force_error"),
-    ("largest force", "most_force", "most_force", "force_error"),
+    ("least force", "least_force", "least_force", "least_force_error"),
+    ("largest force", "most_force", "most_force", "most_force_error"),
     ("largest gap", "largest_gap", "largest_gap", "gap_error"),
     ("energy lost", "energy_lost", "energy_lost", "energy_lost_error"),
 )
