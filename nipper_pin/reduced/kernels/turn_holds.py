@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...arrays import FloatArray
@@ -70,54 +72,72 @@ def _extreme(charts: Charts, work: Work, c: int, low: float, high: float, rises:
     return 0.5 * (low + high)
 
 
+class _Stretch(NamedTuple):
+    """A stretch on which a stop is closed, and a level of its force.
+
+    Attributes:
+        charts: The charts.
+        work: Combined for the case.
+        c: The chart.
+        begin: Travel in the chart [rad].
+        end: Likewise.
+        level: Force [N].
+        wrong: Bound on the error of the force there [N].
+    """
+
+    charts: Charts
+    work: Work
+    c: int
+    begin: float
+    end: float
+    level: float
+    wrong: float
+
+
 @compiled
-def _passes(charts: Charts, work: Work, c: int, low: float, high: float, level: float,
-             rises: bool) -> float:  # fmt: skip
-    """Place where the force passes a level between two places on either side of it."""
+def _passes(at: _Stretch, low: float, high: float, rises: bool) -> float:
+    """Place where the force passes the level between two places on either side of it."""
     u = 0.5 * (low + high)
     for _ in range(_SEARCH_STEPS):
-        force, slope = force_at(charts, work, c, u)
-        if (force >= level) == rises:
+        force, slope = force_at(at.charts, at.work, at.c, u)
+        if (force >= at.level) == rises:
             high = u
         else:
             low = u
-        new = u - (force - level) / slope if slope != 0.0 else low
+        new = u - (force - at.level) / slope if slope != 0.0 else low
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - u) <= 2.0 * EPS * charts.span[c]:
+        if abs(new - u) <= 2.0 * EPS * at.charts.span[at.c]:
             return new
         u = new
     return u
 
 
 @compiled
-def _unsure(charts: Charts, work: Work, c: int, u: float, begin: float, end: float, level: float,
-             wrong: float) -> float:  # fmt: skip
-    """Travel to either side of a place beyond which the force is surely off a level."""
-    slope = abs(force_at(charts, work, c, u)[1])
-    beside = 8.0 * EPS * charts.span[c]
+def _unsure(at: _Stretch, u: float) -> float:
+    """Travel to either side of a place beyond which the force is surely off the level."""
+    slope = abs(force_at(at.charts, at.work, at.c, u)[1])
+    beside, most = 8.0 * EPS * at.charts.span[at.c], at.end - at.begin
     if slope > 0.0:
-        beside += min(2.0 * wrong / slope, end - begin)
-    while beside < end - begin:
-        low, high = max(u - beside, begin), min(u + beside, end)
-        before = abs(force_at(charts, work, c, low)[0] - level)
-        after = abs(force_at(charts, work, c, high)[0] - level)
-        if (low == begin or before >= wrong) and (high == end or after >= wrong):
+        beside += min(2.0 * at.wrong / slope, most)
+    while beside < most:
+        low, high = max(u - beside, at.begin), min(u + beside, at.end)
+        before = abs(force_at(at.charts, at.work, at.c, low)[0] - at.level)
+        after = abs(force_at(at.charts, at.work, at.c, high)[0] - at.level)
+        if (low == at.begin or before >= at.wrong) and (high == at.end or after >= at.wrong):
             break
         beside *= 2.0
-    return beside
+    return float(beside)
 
 
 @compiled
-def _part(charts: Charts, work: Work, c: int, begin: float, end: float, left: float, old: float,
-           right: float, force: float, level: float,
-           wrong: float) -> tuple[float, float]:  # fmt: skip
-    """Travel with a force above a level, of a part where it rises or falls, and its error."""
-    if (old >= level) == (force >= level):
-        return (right - left if force >= level else 0.0), 0.0
-    place = _passes(charts, work, c, left, right, level, force >= level)
-    beside = _unsure(charts, work, c, place, begin, end, level, wrong)
-    return (place - left if old >= level else right - place), beside
+def _part(at: _Stretch, left: float, old: float, right: float,
+          force: float) -> tuple[float, float]:  # fmt: skip
+    """Travel with a force above the level, of a part where it rises or falls, and its error."""
+    if (old >= at.level) == (force >= at.level):
+        return (right - left if force >= at.level else 0.0), 0.0
+    place = _passes(at, left, right, force >= at.level)
+    return (place - left if old >= at.level else right - place), _unsure(at, place)
 
 
 @compiled
@@ -138,6 +158,7 @@ def held(charts: Charts, work: Work, hold: FloatArray,
     c, begin, end = int(hold[HOLD_CHART]), hold[HOLD_BEGIN], hold[HOLD_END]
     absolute, relative = wrong_by(charts, work, c)
     near = absolute + relative * abs(level)
+    at = _Stretch(charts, work, c, begin, end, level, near)
     step = charts.span[c] / (charts.inertia.shape[1] * _PLACES)
     u = begin
     old, old_slope = force_at(charts, work, c, u)
@@ -154,13 +175,13 @@ def held(charts: Charts, work: Work, hold: FloatArray,
         if (old_slope > 0.0) != (slope > 0.0):
             middle = _extreme(charts, work, c, u, new, old_slope > 0.0)
             top, _ = force_at(charts, work, c, middle)
-            share, wide = _part(charts, work, c, begin, end, u, old, middle, top, level, near)
+            share, wide = _part(at, u, old, middle, top)
             above, beside = above + share, beside + wide
             if abs(top - level) <= near:
-                beside += 2.0 * _unsure(charts, work, c, middle, begin, end, level, near)
+                beside += 2.0 * _unsure(at, middle)
             least, most = min(least, top), max(most, top)
             u, old = middle, top
-        share, wide = _part(charts, work, c, begin, end, u, old, new, force, level, near)
+        share, wide = _part(at, u, old, new, force)
         above, beside = above + share, beside + wide
         least, most = min(least, force), max(most, force)
         u, old, old_slope = new, force, slope

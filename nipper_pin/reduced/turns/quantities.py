@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...errors import InputError
-from ...extras import require
 from ...mechanism import Mechanism
-from ...units import S_PER_MIN
-from ..inputs import check_run, column, spring_rows
+from ..inputs import check_run
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
-from .model import START_INDEX, TurnModel
-from .results import TurnStatus
-from .turn import BESIDE, ROOMS, STRETCHES, scratch, turn_model, wider
-
-_LEFT_GAP = int(TurnStatus.LEFT_GAP)
+from .batch import Settings, cases_of, follow_all
+from .model import START_INDEX
+from .turn import turn_model
 
 
 class _Column:
@@ -180,24 +174,13 @@ def turn_quantities(
     """
     check_run(rest_rate, tolerance, max_collisions)
     _check_counts(turns, 1 if last is None else last)
-    settings = _Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
+    settings = Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
-    cases = _cases(model, speed_rpm, restitution, stiffness, preload)
+    cases = cases_of(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases[0])
     told = np.zeros((n, 3), dtype=np.int64)
     found = np.empty((n, last or 1, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)))
-    left = np.arange(n)
-    for room in ROOMS:
-        wide = wider(mechanism, start_index, room)
-        if wide is None:
-            break
-        model = wide
-        here = told[left], found[left]
-        _run(model, [item[left] for item in cases], settings, *here)
-        told[left], found[left] = here
-        left = left[told[left, 0] == _LEFT_GAP]
-        if not len(left):
-            break
+    follow_all(mechanism, start_index, cases, settings, told, found)
     status, followed, again = told.T.copy()
     table = found[:, 0] if last is None else found
     return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], table)
@@ -209,86 +192,3 @@ def _check_counts(turns: int, last: int) -> None:
         if value < 1:
             message = f"{key} = {value!r} cannot be used: a whole number from 1"
             raise InputError(message, key=key, value=value)
-
-
-@dataclass(frozen=True)
-class _Settings:
-    """What all cases of a batch share."""
-
-    turns: int
-    least_force: float
-    rest_rate: float
-    tolerance: float
-    most: int
-
-
-def _run(
-    model: TurnModel,
-    cases: list[FloatArray],
-    settings: _Settings,
-    told: NDArray[np.int64],
-    found: FloatArray,
-) -> None:
-    """Follow cases on one model."""
-    run_turns, grids = _compiled()
-    run_turns(
-        grids,
-        model.charts,
-        scratch(model, settings.most),
-        *cases,
-        np.ones(len(told)),
-        settings.rest_rate,
-        settings.tolerance,
-        settings.turns,
-        model.begin,
-        model.clamp,
-        settings.least_force,
-        np.empty((settings.turns * (settings.most + BESIDE), rows.EVENT_COLUMNS)),
-        np.empty((settings.turns * STRETCHES, rows.HOLD_COLUMNS)),
-        np.empty((settings.turns + 1, 5)),
-        told,
-        found,
-    )
-
-
-def _cases(
-    model: TurnModel,
-    speed_rpm: ArrayLike,
-    restitution: ArrayLike | Mapping[str, ArrayLike] | None,
-    stiffness: ArrayLike | None,
-    preload: ArrayLike | None,
-) -> list[FloatArray]:
-    """Speeds [rad/s], restitutions, spring rates and deflections of n cases."""
-    speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
-    if restitution is None:
-        restitution = {}
-    if not isinstance(restitution, Mapping):
-        restitution = {model.transition_stop: restitution}
-    columns = [
-        column(f"restitution of {name}", restitution.get(name, own), 0.0, 1.0)
-        for name, own in zip(model.stops, model.restitution, strict=True)
-    ]
-    springs = len(model.springs)
-    rates = spring_rows("stiffness", model.stiffness if stiffness is None else stiffness, springs,
-                        0.0)  # fmt: skip
-    lengths = spring_rows("preload", model.preload if preload is None else preload, springs,
-                          -math.inf)  # fmt: skip
-    try:
-        (n,) = np.broadcast_shapes(speed.shape, *(item.shape for item in columns),
-                                   rates.shape[:1], lengths.shape[:1])  # fmt: skip
-    except ValueError as error:
-        message = f"the arrays of a batch need the same number of cases: {error}"
-        raise InputError(message) from error
-    e_N = np.stack([np.broadcast_to(item, (n,)) for item in columns], axis=1)
-    full = (speed, (n,)), (e_N, e_N.shape), (rates, (n, springs)), (lengths, (n, springs))
-    return [np.ascontiguousarray(np.broadcast_to(item, shape)) for item, shape in full]
-
-
-@cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of a batch and its grids; numba is loaded here."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.grids import grids
-    from ..kernels.turn_quantities import run_turns
-
-    return run_turns, grids()
