@@ -47,7 +47,7 @@ class Row:
     @property
     def known(self) -> bool:
         """Whether what follows it is determined."""
-        return not (self.rate_error >= _UNKNOWN * abs(self.rate))
+        return self.kind != "collision" or self.rate_error < _UNKNOWN * abs(self.rate)
 
 
 def judged(machine: Geometry, base: Mechanism, setting: Setting) -> tuple[Verdict, str]:
