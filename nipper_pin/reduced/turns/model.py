@@ -68,6 +68,32 @@ class TurnModel:
         return self.stops.index(self.transition_stop)
 
 
+def unfit(mechanism: Mechanism) -> str | None:
+    """Return why turns of a mechanism cannot be followed, before anything is sampled.
+
+    Args:
+        mechanism: The mechanism, its drives held.
+
+    Returns:
+        One sentence, or None.
+    """
+    free = mechanism.degrees_of_freedom - len(mechanism.drives)
+    if free != 1:
+        return (
+            f"turns of the reduced engine have one degree of freedom in flight, and {free} are left"
+        )
+    driven = {item.index for item in mechanism.drives}
+    for stop in mechanism.stops:
+        if stop.law is not None:
+            return f"the reduced engine has constant restitutions, and stop {stop.name!r} has a law"
+        if stop.index in driven:
+            return f"stop {stop.name!r} is on a driven coordinate: it cannot bounce"
+    if mechanism.forces:
+        names = ", ".join(f"{item.kind} {item.name}" for item in mechanism.forces)
+        return f"the reduced engine has springs and dampers only, no {names}"
+    return None
+
+
 def build_turns(
     mechanism: Mechanism, *, start_index: float = START_INDEX, tolerance: float = 1e-11,
     room: float = 1.0,
@@ -87,6 +113,10 @@ def build_turns(
         InputError: The mechanism cannot be reduced.
         SimulationError: A point cannot be reached or is singular.
     """
+    reason = unfit(mechanism)
+    if reason is not None:
+        message = f"{mechanism.name}: {reason}; use the direct engine"
+        raise InputError(message, model=mechanism.name)
     angle = mechanism.cylinder.angle_from_index(start_index)
     system = system_at(mechanism, 0.0, angle)
     if not comes_back(system):
