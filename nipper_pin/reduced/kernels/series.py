@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 
 from ...arrays import FloatArray
+from ...tolerances.reduced import LIMIT_CHANGE_SHARE
 from .compiled import compiled
 from .flight_errors import drift
 from .panel import acceleration
@@ -39,6 +40,29 @@ def limit(series: FloatArray, count: int, changes: float) -> tuple[float, float]
         gained = abs(last - previous)
         previous = last
     return best, best_error
+
+
+@compiled
+def still_changes(series: FloatArray, count: int) -> float:
+    """By what a limit still changes if its changes with each bounce go on to fall as the last did.
+
+    Extrapolations of two orders may agree better than either is right, since the bounces that they
+    share are nearest to the limit; so one is compared with those without the last bounces.
+    """
+    first = max(0, count - _POINTS)
+    size = count - first
+    if size < 3:
+        return 0.0
+    for i in range(size):
+        series[2, i] = series[0, first + i] - series[0, count - 1]
+    older, old, now = np.nan, np.nan, series[2, 0]
+    for order in range(1, size):
+        for i in range(size - order):
+            far, near = series[1, first + i], series[1, first + i + order]
+            series[2, i] = (far * series[2, i + 1] - near * series[2, i]) / (far - near)
+        older, old, now = old, now, series[2, 0]
+    before, last = abs(old - older), abs(now - old)
+    return float(last * min(last / before, 1.0)) if before > 0.0 else 0.0
 
 
 @compiled
@@ -76,5 +100,7 @@ def settles(case: FloatArray, poly: FloatArray, degree: int, sizes: FloatArray, 
         else:
             further, uncertain = limit(series, count, changes)
             found = uncertain <= tolerance * (series[0, count - 1] + ahead)
-            ahead = further if found else ahead
+            if found:
+                ahead = further
+                uncertain = max(uncertain, LIMIT_CHANGE_SHARE * still_changes(series, count))
     return found and still < 0.0, ahead, uncertain

@@ -36,8 +36,10 @@ from .turn_layout import (
     COLLISION,
     ENDED_BY,
     HOLD_BEGIN,
+    HOLD_BEGIN_ERROR,
     HOLD_CHART,
     HOLD_END,
+    HOLD_END_ERROR,
     HOLD_TURN,
     RELEASE,
     REST,
@@ -86,7 +88,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     smallest = tolerance ** (1.0 / 3.0)
     most = work.series.shape[1]
     c, x, v, resting, dx, dw = begin
-    u = t = dt = origin = fastest_rebound = 0.0
+    u = t = dt = origin = fastest_rebound = unsure = 0.0
     n = turn = bounces = hold = 0
     last = -1
     touching = free = settled = False
@@ -110,8 +112,13 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 holds[hold, HOLD_BEGIN], holds[hold, HOLD_END] = u, min(place, travel)
                 same = charts.stop[charts.after[c]] == stop
                 holds[hold, ENDED_BY] = RELEASE if not at_end else (REST if same else COLLISION)
+                holds[hold, HOLD_BEGIN_ERROR] = unsure
+                holds[hold, HOLD_END_ERROR] = 0.0 if same else charts.corner_error[c]
+                if not at_end:
+                    freed = release_error(work.line[c], sizes, cells, count_u, span, place)
+                    holds[hold, HOLD_END_ERROR] = freed
                 hold += 1
-            late, since = dt, u
+            late, since, unsure = dt, u, 0.0
             u = travel if at_end else place
             t = (_TURN * turn + charts.begin[c] + u) / speed
             x = v = dx = dw = 0.0
@@ -153,7 +160,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 note(events, n, REST, stop, t, _TURN * turn + charts.begin[c] + u, late)
                 n += 1
                 resting = settled = True
-                dt = late
+                dt, unsure = late, speed * late + 4.0 * EPS * _TURN
                 continue
         if not resting:
             begins_at_stop, before = x == 0.0, kept(work.nodes)

@@ -20,6 +20,7 @@ from .turn_layout import (
     APPROACH,
     COLLISION,
     ENERGY,
+    ENERGY_ERROR,
     IMPULSE,
     IMPULSE_ERROR,
     KIND,
@@ -91,6 +92,7 @@ def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_
     # The inertia changes by less than itself over a chart.
     relative = charts.inertia_residual[c] + speed * dt / charts.travel[c]
     row[IMPULSE_ERROR] = C * (1.0 + e_N) * (dv + abs(v) * relative) / lever
+    row[ENERGY_ERROR] = C * (1.0 - e_N * e_N) * (abs(v) * (dv + abs(v) * relative) + dv * dv)
 
 
 @compiled

@@ -14,21 +14,22 @@ COLLISION, REST, RELEASE = range(3)
 # Columns of the table of events.
 (
     KIND, STOP, TIME, TRAVEL, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE,
-    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR,
-) = range(13)  # fmt: skip
-EVENT_COLUMNS = 13
-# Columns of the stretches on which the clamping stop is closed; the last is the kind of the event
-# that ends one, REST where it goes on in the next chart.
-HOLD_TURN, HOLD_CHART, HOLD_BEGIN, HOLD_END, ENDED_BY = range(5)
-HOLD_COLUMNS = 5
+    TIME_ERROR, RATE_ERROR, IMPULSE_ERROR, AMPLITUDE_ERROR, ENERGY_ERROR,
+) = range(14)  # fmt: skip
+EVENT_COLUMNS = 14
+# Columns of the stretches on which the clamping stop is closed. ENDED_BY is the kind of the event
+# that ends one, REST where it goes on in the next chart; the errors are those of its ends [rad].
+HOLD_TURN, HOLD_CHART, HOLD_BEGIN, HOLD_END, ENDED_BY, HOLD_BEGIN_ERROR, HOLD_END_ERROR = range(7)
+HOLD_COLUMNS = 7
 # Quantities of a turn; travels are counted from its start. For each stop a few more follow.
 (
     CLOSED_AT, RESTS_AT, LOST_AT, OPENED_AT, CLAMPED, LEAST_FORCE, MOST_FORCE, FORCE_ERROR,
-    LARGEST_GAP, GAP_ERROR, LOST_ENERGY,
-) = range(11)  # fmt: skip
-TURN_NUMBERS = 11
-COUNT, IMPULSE_SUM, IMPULSE_MOST, SUM_ERROR = range(4)
-PER_STOP = 4
+    LARGEST_GAP, GAP_ERROR, LOST_ENERGY, CLOSED_ERROR, RESTS_ERROR, LOST_ERROR, OPENED_ERROR,
+    CLAMPED_ERROR, LOSS_ERROR, LEAST_ERROR, LARGEST_ERROR,
+) = range(19)  # fmt: skip
+TURN_NUMBERS = 19
+COUNT, IMPULSE_SUM, IMPULSE_MOST, SUM_ERROR, MOST_ERROR = range(5)
+PER_STOP = 5
 # Ends of turns: chart and travel of the last rest's end (-1 without one), then chart, gap and its
 # rate, and bounds on the errors of both.
 END_COLUMNS = 7

@@ -2,50 +2,66 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...tolerances.mechanics import EPS
 from .arrival_check import along
 from .compiled import compiled
-from .flight_errors import size
-from .layout import AT_REST, RESIDUAL
-from .panel import chebyshev
+from .flight_errors import drift
+from .layout import AT_REST
 from .turn import follow
+from .turn_charts import chart_at
+from .turn_holds import held
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
+    APPROACH,
     CLAMPED,
+    CLAMPED_ERROR,
     CLOSED_AT,
+    CLOSED_ERROR,
     COLLISION,
     COUNT,
     ENDED_BY,
     ENERGY,
+    ENERGY_ERROR,
     FORCE_ERROR,
     GAP_ERROR,
-    HOLD_BEGIN,
     HOLD_CHART,
     HOLD_END,
+    HOLD_END_ERROR,
     HOLD_TURN,
     IMPULSE,
     IMPULSE_ERROR,
     IMPULSE_MOST,
     IMPULSE_SUM,
     KIND,
+    LARGEST_ERROR,
     LARGEST_GAP,
+    LEAST_ERROR,
     LEAST_FORCE,
+    LOSS_ERROR,
     LOST_AT,
     LOST_ENERGY,
+    LOST_ERROR,
+    MOST_ERROR,
     MOST_FORCE,
     OPENED_AT,
+    OPENED_ERROR,
     PER_STOP,
     RELEASE,
     REST,
     RESTS_AT,
+    RESTS_ERROR,
+    SEPARATION,
     STOP,
     SUM_ERROR,
+    TIME,
+    TIME_ERROR,
     TRAVEL,
     TURN_NUMBERS,
     Charts,
@@ -53,88 +69,11 @@ from .turn_layout import (
 )
 
 _TURN = 2.0 * pi
-_PLACES = 24
-_SEARCH_STEPS = 60
-
-
-@compiled
-def force_at(charts: Charts, work: TurnWork, c: int, u: float) -> float:
-    """Normal force of a closed stop at its contact point [N]; along the joint without one."""
-    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
-    width = charts.span[c] / cells
-    cell = min(max(int(u / width), 0), cells - 1)
-    C = chebyshev(charts.inertia[c], cell, 0, count, 2.0 * (u - cell * width) / width - 1.0)
-    a = along(work.line[c], cell, count, width, u)
-    return float(-C * a / charts.lever[charts.stop[c]])
-
-
-@compiled
-def _peak(charts: Charts, work: TurnWork, c: int, low: float, high: float, sign: float) -> float:
-    """Largest value of sign times the force between two places that hold one."""
-    for _ in range(_SEARCH_STEPS):
-        third = (high - low) / 3.0
-        left, right = low + third, high - third
-        if sign * force_at(charts, work, c, left) < sign * force_at(charts, work, c, right):
-            low = left
-        else:
-            high = right
-    return force_at(charts, work, c, 0.5 * (low + high))
-
-
-@compiled
-def _passes(charts: Charts, work: TurnWork, c: int, low: float, high: float,
-            level: float) -> float:  # fmt: skip
-    """Place where the force passes a level between two places on either side of it."""
-    rising = force_at(charts, work, c, high) >= level
-    for _ in range(_SEARCH_STEPS):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if (force_at(charts, work, c, middle) >= level) == rising:
-            high = middle
-        else:
-            low = middle
-    return high
-
-
-@compiled
-def held(charts: Charts, work: TurnWork, c: int, begin: float, end: float,
-         level: float) -> tuple[float, float, float]:  # fmt: skip
-    """Least and largest force of a closed stop on a stretch, and the travel with a force above.
-
-    Args:
-        charts: The charts.
-        work: Combined for the case.
-        c: The chart.
-        begin: Travel in the chart [rad].
-        end: Likewise.
-        level: Force [N].
-    """
-    cells = charts.inertia.shape[1]
-    count = max(4, int((end - begin) / charts.span[c] * cells * _PLACES) + 1)
-    step = (end - begin) / count
-    least = most = older = old = force_at(charts, work, c, begin)
-    above = 0.0
-    for j in range(1, count + 1):
-        u = end if j == count else begin + step * j
-        force = force_at(charts, work, c, u)
-        if (old >= level) != (force >= level):
-            place = _passes(charts, work, c, u - step, u, level)
-            above += place - (u - step) if old >= level else u - place
-        elif force >= level:
-            above += step
-        least, most = min(least, force), max(most, force)
-        if j > 1 and old > older and old >= force:
-            most = max(most, _peak(charts, work, c, u - 2.0 * step, u, 1.0))
-        if j > 1 and old < older and old <= force:
-            least = min(least, _peak(charts, work, c, u - 2.0 * step, u, -1.0))
-        older, old = old, force
-    return least, most, above
 
 
 @compiled
 def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds: FloatArray,
-           hold_count: int, turn: int, clamp: int, level: float,
+           hold_count: int, turn: int, clamp: int, level: float, speed: float, limits: bool,
            found: FloatArray) -> None:  # fmt: skip
     """Quantities of one turn.
 
@@ -148,61 +87,120 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
         turn: Number of the turn, from 0.
         clamp: Place of the clamping stop among the stops.
         level: Force above which it clamps [N].
+        speed: Cylinder speed [rad/s].
+        limits: Whether series of bounces end at their limit.
         found: Written, shape (TURN_NUMBERS + PER_STOP stops,).
     """
     found[:] = np.nan
-    found[CLAMPED] = found[LOST_ENERGY] = 0.0
+    found[CLAMPED] = found[LOST_ENERGY] = found[CLAMPED_ERROR] = found[LOSS_ERROR] = 0.0
     found[TURN_NUMBERS:] = 0.0
     for i in range(count):
         row = events[i]
         if not _TURN * turn <= row[TRAVEL] < _TURN * (turn + 1):
             continue
         at = row[TRAVEL] - _TURN * turn
+        wrong = speed * row[TIME_ERROR] + 4.0 * EPS * row[TRAVEL]
+        clamps = int(row[STOP]) == clamp
         if row[KIND] == COLLISION:
-            _add_collision(found, row, at, int(row[STOP]) == clamp)
-        elif int(row[STOP]) == clamp and row[KIND] == REST and np.isnan(found[RESTS_AT]):
-            found[RESTS_AT] = at
+            _add_collision(found, row, clamps)
+            if clamps and np.isnan(found[CLOSED_AT]):
+                found[CLOSED_AT], found[CLOSED_ERROR] = at, wrong
+        elif row[KIND] == REST:
+            if limits and i > 0 and events[i - 1, KIND] == COLLISION:
+                _add_rest_of_series(charts, work, found, events[i - 1], row, speed, clamps)
+            if clamps and np.isnan(found[RESTS_AT]):
+                found[RESTS_AT], found[RESTS_ERROR] = at, wrong
     for i in range(hold_count):
         if int(holds[i, HOLD_TURN]) == turn:
             _add_hold(charts, work, found, holds[i], level)
+    # Bounds on the least and the largest values become bounds on their errors.
+    found[LEAST_ERROR] = found[LEAST_FORCE] - found[LEAST_ERROR]
+    found[LARGEST_ERROR] -= found[MOST_FORCE]
+    found[FORCE_ERROR] = max(found[LEAST_ERROR], found[LARGEST_ERROR])
+    found[GAP_ERROR] -= found[LARGEST_GAP]
+    for place in range(TURN_NUMBERS, len(found), PER_STOP):
+        most = found[place + IMPULSE_MOST]
+        found[place + MOST_ERROR] += 4.0 * EPS * most - most
 
 
 @compiled
-def _add_collision(found: FloatArray, row: FloatArray, at: float, clamps: bool) -> None:
-    """Count a collision, its impulse and its loss; the closing and the gaps of the clamping one."""
+def _add_collision(found: FloatArray, row: FloatArray, clamps: bool) -> None:
+    """Count a collision, its impulse and its loss; the gap after one of the clamping stop."""
     place = TURN_NUMBERS + PER_STOP * int(row[STOP])
+    impulse, wrong = row[IMPULSE], row[IMPULSE_ERROR]
     found[place + COUNT] += 1.0
-    found[place + IMPULSE_SUM] += row[IMPULSE]
-    found[place + SUM_ERROR] += row[IMPULSE_ERROR]
-    found[place + IMPULSE_MOST] = max(found[place + IMPULSE_MOST], row[IMPULSE])
+    found[place + IMPULSE_SUM] += impulse
+    found[place + SUM_ERROR] += wrong + 4.0 * EPS * impulse
+    found[place + IMPULSE_MOST] = max(found[place + IMPULSE_MOST], impulse)
+    found[place + MOST_ERROR] = max(found[place + MOST_ERROR], impulse + wrong)
     found[LOST_ENERGY] += row[ENERGY]
-    if not clamps:
+    found[LOSS_ERROR] += row[ENERGY_ERROR] + 4.0 * EPS * row[ENERGY]
+    if clamps and not np.isnan(row[AMPLITUDE]):
+        _raise_gap(found, row[AMPLITUDE], row[AMPLITUDE_ERROR])
+
+
+@compiled
+def _raise_gap(found: FloatArray, gap: float, wrong: float) -> None:
+    """The largest gap so far, and the largest that it can be in truth."""
+    if np.isnan(found[LARGEST_GAP]):
+        found[LARGEST_GAP] = found[GAP_ERROR] = 0.0
+    found[LARGEST_GAP] = max(found[LARGEST_GAP], gap)
+    found[GAP_ERROR] = max(found[GAP_ERROR], gap + wrong)
+
+
+@compiled
+def _add_rest_of_series(charts: Charts, work: TurnWork, found: FloatArray, row: FloatArray,
+                        rest: FloatArray, speed: float, clamps: bool) -> None:  # fmt: skip
+    """Add impulses, losses and the gap of the bounces beyond the last one that was computed.
+
+    Each is slower than the one before by the restitution, as far as x'' stays as it is.
+    """
+    stop, w, ahead = int(row[STOP]), row[SEPARATION], rest[TIME] - row[TIME]
+    travel = row[TRAVEL] % _TURN
+    c = chart_at(charts, stop, travel)
+    if w <= 0.0 or c < 0:
         return
-    if np.isnan(found[CLOSED_AT]):
-        found[CLOSED_AT] = at
-    if row[AMPLITUDE] > found[LARGEST_GAP] or np.isnan(found[LARGEST_GAP]):
-        found[LARGEST_GAP], found[GAP_ERROR] = row[AMPLITUDE], row[AMPLITUDE_ERROR]
+    place, e_N = TURN_NUMBERS + PER_STOP * stop, w / -row[APPROACH]
+    cells, count = charts.inertia.shape[1], charts.inertia.shape[2]
+    width, u = charts.span[c] / cells, travel - charts.begin[c]
+    cell = min(max(int(u / width), 0), cells - 1)
+    a = along(work.line[c], cell, count, width, u)
+    uneven = 1.0
+    if a < 0.0:
+        uneven = drift(work.sizes[c], speed, w, a, ahead) + speed * ahead / charts.travel[c]
+    further = row[IMPULSE] * e_N / (1.0 - e_N)
+    lost = row[ENERGY] * e_N * e_N / (1.0 - e_N * e_N)
+    by_rate = row[IMPULSE_ERROR] / row[IMPULSE]
+    found[place + IMPULSE_SUM] += further
+    found[place + SUM_ERROR] += further * (uneven + by_rate)
+    found[LOST_ENERGY] += lost
+    found[LOSS_ERROR] += 2.0 * lost * (uneven + by_rate)
+    if clamps and a < 0.0:
+        _raise_gap(found, 0.5 * w * w / -a, w * w / -a * (uneven + by_rate))
 
 
 @compiled
 def _add_hold(charts: Charts, work: TurnWork, found: FloatArray, hold: FloatArray,
               level: float) -> None:  # fmt: skip
     """Add a stretch on which the clamping stop was closed."""
-    c, begin, end = int(hold[HOLD_CHART]), hold[HOLD_BEGIN], hold[HOLD_END]
-    least, most, above = held(charts, work, c, begin, end, level)
+    least, low, most, high, above, beside = held(charts, work, hold, level)
+    if np.isnan(found[LEAST_FORCE]):
+        found[LEAST_FORCE] = found[LEAST_ERROR] = least
+        found[MOST_FORCE] = found[LARGEST_ERROR] = most
+    found[LEAST_FORCE], found[MOST_FORCE] = (
+        min(found[LEAST_FORCE], least),
+        max(found[MOST_FORCE], most),
+    )
+    found[LEAST_ERROR] = min(found[LEAST_ERROR], least - low)
+    found[LARGEST_ERROR] = max(found[LARGEST_ERROR], most + high)
     found[CLAMPED] += above
-    found[LEAST_FORCE] = least if np.isnan(found[LEAST_FORCE]) else min(found[LEAST_FORCE], least)
-    found[MOST_FORCE] = most if np.isnan(found[MOST_FORCE]) else max(found[MOST_FORCE], most)
-    lever, C = charts.lever[charts.stop[c]], np.abs(charts.inertia[c, :, 0]).max()
-    wrong = size(work.sizes[c], RESIDUAL, 0.0) * 2.0 * C / lever
-    wrong += charts.inertia_residual[c] * max(abs(least), abs(most))
-    before = -inf if np.isnan(found[FORCE_ERROR]) else found[FORCE_ERROR]
-    found[FORCE_ERROR] = max(before, wrong)
-    ended = int(hold[ENDED_BY])
+    found[CLAMPED_ERROR] += beside
+    ended, end = int(hold[ENDED_BY]), charts.begin[int(hold[HOLD_CHART])] + hold[HOLD_END]
+    wrong = hold[HOLD_END_ERROR] + 4.0 * EPS * _TURN
     if ended == RELEASE and np.isnan(found[LOST_AT]):
-        found[LOST_AT] = charts.begin[c] + end
+        found[LOST_AT], found[LOST_ERROR] = end, wrong
     if ended == COLLISION and np.isnan(found[OPENED_AT]):
-        found[OPENED_AT] = charts.begin[c] + end
+        found[OPENED_AT], found[OPENED_ERROR] = end, wrong
 
 
 @compiled
@@ -247,5 +245,5 @@ def run_turns(grids: FloatArray, charts: Charts, work: TurnWork, speed: FloatArr
             for j in range(min(found.shape[1], done)):
                 summed(
                     charts, work, events, count, holds, hold, done - 1 - j, clamp, level,
-                    found[i, j],
+                    speed[i], rest_rate == 0.0, found[i, j],
                 )  # fmt: skip

@@ -146,28 +146,50 @@ class Walk:
         count = max(1, math.ceil((end - begin) / _STEP))
         u = np.linspace(0.0, end - begin, count + 1)[1:]
         before, low = home[None], 0.0
-        opened: set[str] = set()
         travels, path = [0.0], [home]
+        rates = _rates_of(sampler, others, 0.0, home)
+        opened = {other.name for other, rate in zip(others, rates, strict=True)
+                  if rate > 0.0 or other.gap(home) > 0.0}  # fmt: skip
         for travel in u:
             ((row,),) = sampler.along(np.array([travel]), np.zeros(1), before)
-            opened |= {other.name for other in others if other.gap(row) > 0.0}
-            passed = [other for other in others if other.gap(row) < 0.0]
-            if any(other.name not in opened and low == 0.0 for other in passed):
-                names = ", ".join(repr(other.name) for other in passed)
+            after = _rates_of(sampler, others, float(travel), row)
+            # Where each stop has closed, or the lowest place of its gap is beyond it.
+            beyond = [(other, float(travel)) for other in others if other.gap(row) < 0.0]
+            for other, old, new in zip(others, rates, after, strict=True):
+                if old < 0.0 <= new and other.gap(row) >= 0.0:
+                    place, lowest = self._dip(sampler, other, low, float(travel), before)
+                    beyond += [(other, place)] if other.gap(lowest) < 0.0 else []
+            if any(other.name not in opened and low == 0.0 for other, _ in beyond):
+                names = ", ".join(repr(other.name) for other, _ in beyond)
                 message = f"stop {stop.name!r} cannot stay closed beside {names}: they jam"
                 raise SimulationError(message, stop=stop.name)
-            if passed:
-                corners = [self._corner(sampler, other, low, float(travel), before)
-                           for other in passed]  # fmt: skip
+            if beyond:
+                corners = [self._corner(sampler, other, low, high, before)
+                           for other, high in beyond]  # fmt: skip
                 first = int(np.argmin([corner for corner, _ in corners]))
-                (corner, q), after = corners[first], passed[first]
-                q[after.index] = after.at
+                (corner, q), (other, _) = corners[first], beyond[first]
+                q[other.index] = other.at
                 travels, path = [*travels, corner], [*path, q]
-                return Arc(stop, begin, begin + corner, after, np.array(travels), np.array(path))
-            before, low = row[None], float(travel)
+                return Arc(stop, begin, begin + corner, other, np.array(travels), np.array(path))
+            before, low, rates = row[None], float(travel), after
             travels.append(low)
             path.append(row)
         return Arc(stop, begin, end, stop, np.array(travels), np.array(path))
+
+    @staticmethod
+    def _dip(
+        sampler: Sampler, other: Stop, low: float, high: float, before: FloatArray
+    ) -> tuple[float, FloatArray]:
+        """Where the gap of another stop is lowest between two travels, and the configuration."""
+        middle, row = low, before[0]
+        for _ in range(_ROOT_STEPS):
+            middle = 0.5 * (low + high)
+            ((row,),) = sampler.along(np.array([middle]), np.zeros(1), before)
+            if other.gap(row) < 0.0:
+                return middle, row
+            (rate,) = _rates_of(sampler, [other], middle, row)
+            low, high = (middle, high) if rate < 0.0 else (low, middle)
+        return middle, row
 
     @staticmethod
     def _corner(
@@ -190,6 +212,12 @@ class Walk:
                 break
             travel = new
         return travel, row
+
+
+def _rates_of(sampler: Sampler, others: list[Stop], travel: float, row: FloatArray) -> list[float]:
+    """Rates of the gaps of other stops by the travel, with the stop closed."""
+    m = sampler.rates(np.array([travel]), row[None])[1][0]
+    return [other.rate(m) for other in others]
 
 
 def _closed(system: System, stop: Stop, near: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,8 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 _PLACES = 9
 _NODES_X = 8
+# Travel over which the change of a rate is taken [rad].
+_BESIDE = 1e-3
 # Halvings of the gap of a chart that reaches a dead centre.
 _HALVINGS = 4
 
@@ -89,15 +92,32 @@ class Surroundings:
         kind = next(j.kind for j in self.mechanism.joints if j.index == arc.after.index)
         extent = 1.0 if kind == "revolute" else self.mechanism.reach_m
         wrong = CORNER_ROUND_OFF * (TURN + extent / abs(rate))
-        # In a radian a rate changes by about itself.
-        size = rounded.size(self.sampler.size + arc.after.index) + abs(rate) * wrong
+        size = rounded.size(self.sampler.size + arc.after.index) + self._bend(rate) * wrong
         return rate, size, 1.0 / arc.after.rate(n[0]), wrong
+
+    def _bend(self, rate: float) -> float:
+        """Bound on the change of the rate of the gap ahead in a radian, near the end of the arc."""
+        arc = self.arc
+        before = arc.travels[-1:] - min(_BESIDE, 0.5 * arc.travels[-1])
+        (row,) = self.sampler.along(before, np.zeros(1), arc.path[-1:])
+        _, m = self.sampler.rates(before, row)
+        change = rate - arc.after.rate(m[0])
+        return float(abs(rate) + 2.0 * abs(change / (arc.travels[-1] - before[0])))
 
     @property
     def width(self) -> float:
         """Largest gap of the nearest other stop along the arc."""
         gaps = self.along.gaps.min(axis=0, initial=np.inf)
         return float(gaps.max()) if np.isfinite(gaps).all() else 0.0
+
+    @property
+    def room(self) -> float:
+        """Largest gap of the arc's own stop at which the nearest other one may close."""
+        gaps = self.along.gaps
+        slopes = np.abs(self.along.slopes[: len(gaps)])
+        rooms = np.where(slopes > 0.0, gaps / np.where(slopes > 0.0, slopes, 1.0), np.inf)
+        room = float(rooms.min(axis=0, initial=np.inf).max())
+        return room if math.isfinite(room) else 0.0
 
     def acceleration(self, w: float, place: int) -> tuple[float, FloatArray]:
         """X'' at a place on the stop with a rate w, and its terms, at a lively speed."""

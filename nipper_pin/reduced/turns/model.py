@@ -23,6 +23,8 @@ from .fit import unfit_turns
 START_INDEX = 24.0
 # Gap of a chart that no other meets, by the width of the flight between its stops.
 _SHARE_OF_WIDTH = 0.25
+# Least gap of a chart, by that at which another stop closes.
+_LEAST_SHARE = 1.0 / 16.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +131,7 @@ def surroundings(
     """
     reason = unfit_turns(mechanism)
     if reason is not None:
-        message = f"{mechanism.name}: {reason}"
+        message = f"{mechanism.name}: {reason}; use the direct engine"
         raise InputError(message, model=mechanism.name)
     angle = mechanism.cylinder.angle_from_index(start_index)
     system = system_at(mechanism, 0.0, angle)
@@ -202,6 +204,10 @@ def _reach(
         rates[to] = max(rates[to], w)
         if a < 0.0:
             gaps[to] = max(gaps[to], _ROOM * 0.5 * w * w / -a)
+    # Where stops meet slowly, a stop that is released flies higher than after their collision.
+    for number, item in enumerate(around):
+        if gaps[number] > 0.0:
+            gaps[number] = max(gaps[number], _LEAST_SHARE * item.room)
     # The charts of one stop are alike, and those of two that meet are crossed by the same flights.
     for _ in range(2):
         for number, item in enumerate(around):

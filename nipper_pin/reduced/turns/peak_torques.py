@@ -21,10 +21,10 @@ from ..inputs import check_run, number
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
 from .cases import BESIDE, check_size, room_for, turn_cases
-from .model import START_INDEX
+from .model import START_INDEX, TurnModel
 from .results import TurnStatus
 from .torques import torque_model, torque_scratch
-from .turn import ROOMS, STRETCHES, scratch, turn_model
+from .turn import ROOMS, STRETCHES, scratch, turn_model, wider
 
 # Panels of a turn that there is room for, by its collisions and other events.
 _PANELS = 2
@@ -99,14 +99,15 @@ def turn_torques(
     drives = tuple(item.name for item in mechanism.drives)
     told, left = np.zeros(n, dtype=np.int64), np.arange(n)
     found = room_for(n, last, 2 * len(drives)).reshape(n, -1, 2, len(drives))
-    run = _Run(mechanism, start_index, turns, rest_rate or 0.0, tolerance, max_collisions)
+    run = _Run(mechanism, turns, rest_rate or 0.0, tolerance, max_collisions)
     for room in ROOMS:
+        model = wider(mechanism, start_index, room) if len(left) else None
+        if model is None:
+            break
         here = told[left], found[left]
-        run.on(room, [item[left] for item in numbers], *here)
+        run.on(model, room, [item[left] for item in numbers], *here)
         told[left], found[left] = here
         left = left[told[left] == int(TurnStatus.LEFT_GAP)]
-        if not len(left):
-            break
     table = found[:, 0] if last is None else found
     return TurnTorques(mechanism.name, drives, told, table[..., 0, :], table[..., 1, :])
 
@@ -116,17 +117,20 @@ class _Run:
     """What all cases of a batch share."""
 
     mechanism: Mechanism
-    start_index: float
     turns: int
     rest_rate: float
     tolerance: float
     most: int
 
     def on(
-        self, room: float, cases: list[FloatArray], told: NDArray[np.int64], found: FloatArray
+        self,
+        model: TurnModel,
+        room: float,
+        cases: list[FloatArray],
+        told: NDArray[np.int64],
+        found: FloatArray,
     ) -> None:
         """Follow cases on the tables with a room, and write their status and torques."""
-        model = turn_model(self.mechanism, self.start_index, room)
         torques = torque_model(self.mechanism, model, room)
         run_torques, grids = _compiled()
         events = self.most + BESIDE

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
-from ...extras import require
 from ...mechanism import Mechanism
 from ..inputs import check_run, number
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
-from .cases import BESIDE, check_size, room_for, turn_cases
-from .model import START_INDEX, TurnModel
-from .results import TurnStatus
-from .turn import ROOMS, STRETCHES, scratch, turn_model
-
-_LEFT_GAP = int(TurnStatus.LEFT_GAP)
+from .batch import Settings, follow_all
+from .cases import check_size, room_for, turn_cases
+from .model import START_INDEX
+from .turn import turn_model
 
 
 class _Column:
@@ -65,31 +60,45 @@ class TurnQuantities:
 
     closed_at = _Column(rows.CLOSED_AT)
     """Travel to the first collision of the clamping stop [rad]."""
+    closed_error = _Column(rows.CLOSED_ERROR)
+    """Bound on the error of that; so are the others called."""
     rests_at = _Column(rows.RESTS_AT)
     """Travel to its first rest [rad]; NaN where it does not settle."""
+    rests_error = _Column(rows.RESTS_ERROR)
     lost_at = _Column(rows.LOST_AT)
     """Travel to where its force falls to zero [rad]; NaN where that does not happen."""
+    lost_error = _Column(rows.LOST_ERROR)
     opened_at = _Column(rows.OPENED_AT)
     """Travel to where another stop throws it open [rad]; NaN where none does."""
+    opened_error = _Column(rows.OPENED_ERROR)
     clamped = _Column(rows.CLAMPED)
     """Travel with the stop closed and its force above the given one [rad]."""
+    clamped_error = _Column(rows.CLAMPED_ERROR)
     least_force = _Column(rows.LEAST_FORCE)
     """Smallest force while it is closed [N]; along the joint of a stop without a contact point."""
     most_force = _Column(rows.MOST_FORCE)
     """Largest force while it is closed [N]."""
     force_error = _Column(rows.FORCE_ERROR)
-    """Bound on the errors of both [N]."""
+    """Bound on the errors of both [N]; the next two are those of each."""
+    least_force_error = _Column(rows.LEAST_ERROR)
+    most_force_error = _Column(rows.LARGEST_ERROR)
     largest_gap = _Column(rows.LARGEST_GAP)
-    """Largest gap of its rebounds [rad or m]."""
+    """Largest gap of rebounds that end at the same stop [rad or m]; NaN without one."""
     gap_error = _Column(rows.GAP_ERROR)
     """Bound on the error of that."""
     energy_lost = _Column(rows.LOST_ENERGY)
-    """Kinetic energy lost in all collisions [J]."""
+    """Kinetic energy lost in all collisions [J], those of a series beyond the last too."""
+    energy_lost_error = _Column(rows.LOSS_ERROR)
 
     @property
     def clamped_time(self) -> FloatArray:
         """Time of the turn with the clamping stop closed and its force above the given one [s]."""
         return np.asarray((self.clamped.T / self.speed).T)
+
+    @property
+    def clamped_time_error(self) -> FloatArray:
+        """Bound on the error of that [s]."""
+        return np.asarray((self.clamped_error.T / self.speed).T)
 
     @property
     def clamped_share(self) -> FloatArray:
@@ -98,12 +107,12 @@ class TurnQuantities:
 
     @property
     def collisions(self) -> FloatArray:
-        """Collisions of each stop, shape (n, stops)."""
+        """Collisions of each stop that were computed, shape (n, stops)."""
         return self._of_stops(rows.COUNT)
 
     @property
     def impulse_sum(self) -> FloatArray:
-        """Sum of their normal impulses, shape (n, stops) [N s or N m s]."""
+        """Sum of normal impulses, those of a series beyond the last too, shape (n, stops)."""
         return self._of_stops(rows.IMPULSE_SUM)
 
     @property
@@ -113,8 +122,13 @@ class TurnQuantities:
 
     @property
     def largest_impulse(self) -> FloatArray:
-        """Largest of the impulses, shape (n, stops)."""
+        """Largest of the impulses, shape (n, stops) [N s or N m s]."""
         return self._of_stops(rows.IMPULSE_MOST)
+
+    @property
+    def largest_impulse_error(self) -> FloatArray:
+        """Bound on the errors of those."""
+        return self._of_stops(rows.MOST_ERROR)
 
     def _of_stops(self, place: int) -> FloatArray:
         return np.asarray(self.table[..., rows.TURN_NUMBERS + place :: rows.PER_STOP])
@@ -162,71 +176,14 @@ def turn_quantities(
     check_size("turns", turns, max_collisions)
     start_index = number("start_index", start_index, -math.inf, math.inf)
     least_force = number("least_force", least_force, -math.inf, math.inf)
-    settings = _Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
+    settings = Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)
     n = len(cases[0])
     told = np.zeros((n, 3), dtype=np.int64)
-    found = room_for(n, last, rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops))
-    left = np.arange(n)
-    for room in ROOMS:
-        model = turn_model(mechanism, start_index, room)
-        here = told[left], found[left]
-        _run(model, [item[left] for item in cases], settings, *here)
-        told[left], found[left] = here
-        left = left[told[left, 0] == _LEFT_GAP]
-        if not len(left):
-            break
+    columns = rows.TURN_NUMBERS + rows.PER_STOP * len(model.stops)
+    found = room_for(n, last, columns)
+    follow_all(mechanism, start_index, cases, settings, told, found)
     status, followed, again = told.T.copy()
     table = found[:, 0] if last is None else found
     return TurnQuantities(model.name, model.stops, status, followed, again, cases[0], table)
-
-
-@dataclass(frozen=True)
-class _Settings:
-    """What all cases of a batch share."""
-
-    turns: int
-    least_force: float
-    rest_rate: float
-    tolerance: float
-    most: int
-
-
-def _run(
-    model: TurnModel,
-    cases: list[FloatArray],
-    settings: _Settings,
-    told: NDArray[np.int64],
-    found: FloatArray,
-) -> None:
-    """Follow cases on one model."""
-    run_turns, grids = _compiled()
-    run_turns(
-        grids,
-        model.charts,
-        scratch(model, settings.most),
-        *cases,
-        np.ones(len(told)),
-        settings.rest_rate,
-        settings.tolerance,
-        settings.turns,
-        model.begin,
-        model.clamp,
-        settings.least_force,
-        np.empty((settings.turns * (settings.most + BESIDE), rows.EVENT_COLUMNS)),
-        np.empty((settings.turns * STRETCHES, rows.HOLD_COLUMNS)),
-        np.empty((settings.turns + 1, rows.END_COLUMNS)),
-        told,
-        found,
-    )
-
-
-@cache
-def _compiled() -> tuple[Callable[..., Any], FloatArray]:
-    """The compiled function of a batch and its grids; numba is loaded here."""
-    require("study", "numba", what="the reduced engine")
-    from ..kernels.grids import grids
-    from ..kernels.turn_quantities import run_turns
-
-    return run_turns, grids()

@@ -143,5 +143,10 @@ class ReducedTurns:
         """Bounds on the errors of ``rebound_amplitude``."""
         return self._column(turn_layout.AMPLITUDE_ERROR)
 
+    @property
+    def energy_error(self) -> FloatArray:
+        """Bounds on the errors of ``energy_lost`` [J]."""
+        return self._column(turn_layout.ENERGY_ERROR)
+
     def _column(self, number: int) -> FloatArray:
         return np.asarray(self.table[:, number])

@@ -26,7 +26,7 @@ from .results import TURN_REASONS, ReducedTurns, TurnStatus
 
 # Stretches of a turn on which a stop is closed.
 STRETCHES = 64
-ROOMS = (1.0, 2.0, 4.0, 8.0)
+ROOMS = (1.0, 2.0, 4.0, 8.0, 32.0, 128.0)
 _KNOWN: WeakKeyDictionary[Mechanism, dict[tuple[float, float], TurnModel]] = WeakKeyDictionary()
 
 
@@ -48,6 +48,16 @@ def turn_model(
     if (start_index, room) not in known:
         known[start_index, room] = build_turns(mechanism, start_index=start_index, room=room)
     return known[start_index, room]
+
+
+def wider(mechanism: Mechanism, start_index: float, room: float) -> TurnModel | None:
+    """The model with that room; None where no tables can be made that are wider than the usual."""
+    try:
+        return turn_model(mechanism, start_index, room)
+    except SimulationError:
+        if room == ROOMS[0]:
+            raise
+        return None
 
 
 def turns(
@@ -92,14 +102,16 @@ def turns(
     case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
                  max_collisions)  # fmt: skip
     for room in ROOMS:
-        model = turn_model(mechanism, start_index, room)
-        status, found = _followed(model, case)
+        wide = wider(mechanism, start_index, room)
+        if wide is None:
+            break
+        status, found = _followed(wide, case)
         if status != LEFT_GAP:
             break
     if status:
         name = TurnStatus(status).name
         reason = TURN_REASONS[TurnStatus(status)]
-        message = f"{model.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
+        message = f"{mechanism.name} at {speed_rpm:g} r/min: {reason}; use the direct engine"
         raise SimulationError(message, status=name, speed_rpm=speed_rpm)
     return found
 

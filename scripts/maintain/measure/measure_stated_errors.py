@@ -1,12 +1,12 @@
 """True over stated error of the E62-class model, against a solution that shares nothing with it.
 
-    python scripts/maintain/measure/measure_stated_errors.py --cases 200 [--folder FOLDER]
+    python scripts/maintain/measure/measure_stated_errors.py --cases 200 [--turns] [--folder FOLDER]
 
 Random machines (speed, restitution, spring, also touch angles at which the jaw touches slowly) are
 solved in 80-bit arithmetic by tests/reference/extended.py, and by both engines at many tolerances,
-transitions and whole turns, in processes with other BLAS kernels, of which each case has one. The
-folder keeps each case that is done: the same command goes on where it was stopped, and a larger
---cases adds to it.
+transitions and whole turns, in processes with other BLAS kernels, of which each case has one. With
+--turns all are whole turns, of the reduced engine, with their quantities. The folder keeps each
+case that is done: the same command goes on where it was stopped, and a larger --cases adds to it.
 """
 
 from __future__ import annotations
@@ -42,16 +42,16 @@ def _append(path: Path, row: dict[str, Any]) -> None:
         file.write(json.dumps(row) + "\n")
 
 
-def solve(folder: Path, seed: int, count: int) -> None:
+def solve(folder: Path, seed: int, count: int, *, turns: bool) -> None:
     """Independent solutions of all cases."""
     path = folder / "truth.jsonl"
     done = {row["trial"]["number"] for row in _lines(path)}
     for number in range(count):
         if number not in done:
-            _append(path, solved(trial(seed, number)))
+            _append(path, solved(trial(seed, number, turns=turns)))
 
 
-def judge(folder: Path, kernel: str, count: int) -> None:
+def judge(folder: Path, kernel: str, count: int, *, direct: bool) -> None:
     """Both engines with one BLAS kernel."""
     path = folder / f"{kernel}.jsonl"
     done = {row["number"] for row in _lines(path)}
@@ -59,7 +59,7 @@ def judge(folder: Path, kernel: str, count: int) -> None:
         number = row["trial"]["number"]
         own = KERNELS[number // _CASES_OF_A_KERNEL % len(KERNELS)] == kernel
         if own and number < count and number not in done:
-            _append(path, judged(row))
+            _append(path, judged(row, direct=direct))
 
 
 def report(folder: Path, count: int) -> None:
@@ -99,16 +99,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--seed", type=int, default=19)
-    parser.add_argument("--folder", type=Path, default=Path("build/stated_errors"))
+    parser.add_argument("--folder", type=Path)
+    parser.add_argument("--turns", action="store_true", help="turns of the reduced engine only")
     parser.add_argument("--kernel", choices=KERNELS, help="judge with this one, no report")
     given = parser.parse_args()
+    if given.folder is None:
+        given.folder = Path("build/stated_turns" if given.turns else "build/stated_errors")
     given.folder.mkdir(parents=True, exist_ok=True)
     if given.kernel:
-        judge(given.folder, given.kernel, given.cases)
+        judge(given.folder, given.kernel, given.cases, direct=not given.turns)
         return
-    solve(given.folder, given.seed, given.cases)
+    solve(given.folder, given.seed, given.cases, turns=given.turns)
     for kernel in KERNELS:
         command = [sys.executable, __file__, "--kernel", kernel, "--cases", str(given.cases)]
+        command += ["--turns"] if given.turns else []
         environment = os.environ | {"OPENBLAS_CORETYPE": kernel}
         subprocess.run([*command, "--folder", str(given.folder)], env=environment, check=True)
     report(given.folder, given.cases)

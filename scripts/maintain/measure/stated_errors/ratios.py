@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from .truth import Trial
+from .found import TOLERANCES, Ratios, following
+from .reduced_turns import of_reduced_turn
+from .truth import LEVER_M, Trial
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 # Largest number of collisions that the reduced engine writes, and that a run requests.
 _MOST_COLLISIONS = 250
 
 
-def judged(solution: dict[str, Any]) -> dict[str, Any]:
-    """Ratios of one case, in this process with its BLAS kernel."""
+def judged(solution: dict[str, Any], *, direct: bool = True) -> dict[str, Any]:
+    """Ratios of one case, in this process with its BLAS kernel.
+
+    Args:
+        solution: The independent solution of the case.
+        direct: Whether to judge whole turns of the direct engine, too.
+    """
     from nipper_pin.errors import NipperError
 
     one, found = Trial(**solution["trial"]), Ratios()
@@ -24,33 +29,15 @@ def judged(solution: dict[str, Any]) -> dict[str, Any]:
         events = solution["events"]
         try:
             if one.turn:
-                of_turn(one, events, found)
+                if direct:
+                    of_turn(one, events, found)
+                of_reduced_turn(_mechanism(one), one, solution, found)
             else:
-                lever = np.sqrt(np.longdouble("81.8") ** 2 + np.longdouble("36.4") ** 2) / 1000
                 for engine in ("direct", "reduced"):
-                    of_transition(one, events, lever, engine, found)
+                    of_transition(one, events, engine, found)
         except NipperError as error:
             found.notes.append(str(error))
     return {"number": one.number, "rows": found.rows, "notes": found.notes}
-
-
-class Ratios:
-    """True over stated errors of one case, by engine, window, quantity and tolerance."""
-
-    def __init__(self) -> None:
-        """Begin with none."""
-        self.rows: list[tuple[str, str, str, float, float]] = []
-        self.notes: list[str] = []
-
-    def add(self, where: tuple[str, str, float], what: str, true: Any, error: float) -> None:
-        """One ratio; where nothing is wrong and nothing stated there is none."""
-        engine, window, tolerance = where
-        true = float(abs(true))
-        if true == 0.0 and error == 0.0:
-            return
-        self.rows.append(
-            (engine, window, what, tolerance, true / error if error > 0.0 else math.inf)
-        )
 
 
 def of_turn(one: Trial, events: list[dict[str, Any]], found: Ratios) -> None:
@@ -74,7 +61,7 @@ def of_turn(one: Trial, events: list[dict[str, Any]], found: Ratios) -> None:
             continue
         place = 0
         for event, error in zip(solution.events, errors, strict=True):
-            place = _next(events, place, event.kind.value, event.stops[0])
+            place = following(events, place, event.kind.value, event.stops[0])
             if place < 0 or error.impulse >= 1.0:
                 found.notes.append(f"{tolerance:g}: other events from {event.t:.6g} s on")
                 break
@@ -95,23 +82,7 @@ def of_turn(one: Trial, events: list[dict[str, Any]], found: Ratios) -> None:
                 found.add(where, what, value / np.longdouble(exact) - 1, error.impulse)
 
 
-def _next(events: list[dict[str, Any]], place: int, kind: str, stop: str) -> int:
-    """Place of the event that is meant; collisions before a rest that a run leaves out are passed.
-
-    A series has infinitely many collisions: both solutions leave out the last ones.
-    """
-    while place < len(events):
-        if (events[place]["kind"], events[place]["stop"]) == (kind, stop):
-            return place
-        if kind != "rest" or events[place]["kind"] != "collision":
-            return -1
-        place += 1
-    return -1
-
-
-def of_transition(
-    one: Trial, events: list[dict[str, Any]], lever: Any, engine: str, found: Ratios
-) -> None:
+def of_transition(one: Trial, events: list[dict[str, Any]], engine: str, found: Ratios) -> None:
     """Transitions as tables state them: collisions of the jaw, their rebounds, the duration."""
     from nipper_pin.reduced.kernels import layout as rows
     from nipper_pin.study.transitions import transition_table
@@ -138,7 +109,7 @@ def of_transition(
             for what, key, value, error, scale in (
                 ("time of a collision", "time", rows.TIME, rows.TIME_ERROR, 1),
                 ("approach rate", "approach", rows.APPROACH, rows.RATE_ERROR, 1),
-                ("impulse", "impulse", rows.IMPULSE, rows.IMPULSE_ERROR, lever),
+                ("impulse", "impulse", rows.IMPULSE, rows.IMPULSE_ERROR, LEVER_M),
                 ("amplitude", "amplitude", rows.AMPLITUDE, rows.AMPLITUDE_ERROR, 1),
                 ("time of a rebound", "rebound", rows.REBOUND, rows.REBOUND_ERROR, 1),
             ):

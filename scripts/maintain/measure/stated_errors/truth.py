@@ -13,8 +13,13 @@ import numpy as np
 REFERENCE = Path(__file__).resolve().parents[4] / "tests" / "reference"
 # Where the jaw of the E62-class model does not close at all, to six digits.
 _NO_APPROACH_DEG = 115.58
+# Arm of the lips about the jaw's pin.
+LEVER_M = np.sqrt(np.longdouble("81.8") ** 2 + np.longdouble("36.4") ** 2) / 1000
 _TURNS = 3
 _SLOW = 5
+_ABOVE_ZERO = 4
+# r/min
+_SPEEDS, _SPEEDS_OF_TURNS = (300.0, 900.0), (250.0, 1200.0)
 
 
 @dataclass(frozen=True)
@@ -29,12 +34,19 @@ class Trial:
     stiffness_N_per_m: float
     preload_mm: float
     touch_deg: float
+    share: float = 0.0
 
 
-def trial(seed: int, number: int) -> Trial:
-    """The random machine of that number; each third one for a whole turn, some touch slowly."""
+def trial(seed: int, number: int, *, turns: bool = False) -> Trial:
+    """The random machine of that number; each third one for a whole turn, some touch slowly.
+
+    Args:
+        seed: Seed of all machines.
+        number: Number of the machine.
+        turns: All of them for whole turns, in a wider range of speeds.
+    """
     random = np.random.default_rng([seed, number])
-    turn = number % _TURNS == _TURNS - 1
+    turn = turns or number % _TURNS == _TURNS - 1
     touch = 166.0
     if number % _SLOW == 0:
         touch = _NO_APPROACH_DEG + 10.0 ** random.uniform(-3.0, 1.5)
@@ -43,12 +55,14 @@ def trial(seed: int, number: int) -> Trial:
     return Trial(
         number,
         turn,
-        float(random.uniform(300.0, 900.0)),
+        float(random.uniform(*(_SPEEDS_OF_TURNS if turns else _SPEEDS))),
         float(jaw),
         float(steeve),
         float(random.uniform(4000.0, 12000.0)),
         float(random.uniform(4.0, 14.0)),
         float(touch),
+        # The jaw clamps above this share of the range of its force; in each fourth turn above zero.
+        0.0 if number % _ABOVE_ZERO == 0 else float(random.uniform(0.02, 0.98)),
     )
 
 
@@ -65,15 +79,23 @@ def solved(one: Trial) -> dict[str, Any]:
         "preload_length_mm": repr(one.preload_mm),
         "cylinder_angle_at_touch_deg": repr(one.touch_deg),
     }
+    found: dict[str, Any] = {"trial": asdict(one)}
     try:
-        events = (extended.cycle if one.turn else extended.transition)(changes)
+        if one.turn:
+            held_turn = import_module("held_turn")
+            turn = held_turn.HeldTurn(changes)
+            found["quantities"] = _decimals(held_turn.quantities(turn, one.share))
+            events = turn.events
+        else:
+            events = extended.transition(changes)
     except ArithmeticError as error:
-        return {"trial": asdict(one), "refused": str(error)}
-    rows = [
-        {
-            key: str(value) if isinstance(value, np.floating) else value
-            for key, value in vars(event).items()
-        }
-        for event in events
-    ]
-    return {"trial": asdict(one), "events": rows}
+        return {**found, "refused": str(error)}
+    return {**found, "events": [_decimals(vars(event)) for event in events]}
+
+
+def _decimals(values: dict[str, Any]) -> dict[str, Any]:
+    """80-bit numbers as decimals, everything else as it is."""
+    return {
+        key: str(value) if isinstance(value, np.floating) else value
+        for key, value in values.items()
+    }
