@@ -78,3 +78,6 @@ STEADY_DECELERATION = 0.25
 FLIGHT_UNRESOLVED = 1e-3
 """[1] Error of the gap at the touch, by the gap, from which a flight over it is not resolved. A
 choice: of a smaller error the effect on the collision is nearly proportional to it."""
+FLAT_EXTREME = 1e-6
+"""[1] Part of a panel to which the place of an extreme is narrowed. There a torque is flat, so its
+value is known to about the square, 1e-12."""

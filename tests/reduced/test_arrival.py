@@ -177,7 +177,7 @@ def test_the_transition_of_the_turn_is_refused_where_the_tables_cannot_tell_it(
     # A table of many cases computes these by the direct engine.
     chosen = "nipper_pin.study.transitions.engine_choice"
     monkeypatch.setattr(f"{chosen}.REDUCED_PAYS_FROM", 2)
-    monkeypatch.setattr(f"{chosen}.reduced_model", lambda _one: low)
+    monkeypatch.setattr(f"{chosen}.reduced_model", lambda *_: low)
     table = transition_table(e62, **{key: value[flying][:2] for key, value in named(cases).items()})
     assert table.engine.tolist() == ["turn"] * len(table)
     assert f"{len(table)} that its tables do not cover: direct" in table.why

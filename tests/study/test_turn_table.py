@@ -280,7 +280,7 @@ def test_cases_that_one_engine_cannot_follow(
     assert table.engine.tolist() == ["reduced", "direct", "reduced"]
     assert table.outcome.tolist() == ["followed"] * 3
     assert table.message == (
-        "", "the reduced engine: a flight leaves the tables; build them with a larger room", "",
+        "", "the reduced engine: a flight goes higher than the widest tables", "",
     )  # fmt: skip
     assert table.why.endswith("; 1 that it cannot follow: direct")
     assert np.isnan(table.clamping_force_error).tolist() == [False, True, False]

@@ -89,6 +89,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
     most = work.series.shape[1]
     c, x, v, resting, dx, dw = begin
     u = t = dt = origin = fastest_rebound = unsure = 0.0
+    risen = unsure_top = 0.0
     n = turn = bounces = hold = 0
     last = -1
     touching = free = settled = False
@@ -163,7 +164,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 dt, unsure = late, speed * late + 4.0 * EPS * _TURN
                 continue
         if not resting:
-            begins_at_stop, before = x == 0.0, kept(work.nodes)
+            before = kept(work.nodes)
             ended, T, rate, top, peak, a, fastest, changed, left, gap, hit = flight(
                 grids, case, work.mixed[c], work.poly, work.nodes, degree, u, x, v, tolerance,
                 touching,
@@ -184,9 +185,11 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
                 describe(work.nodes, before, c, max(dt, duration), dx_most, dv_most, wrong_a)
                 dt += duration
-                if begins_at_stop and last >= 0:
-                    events[last, AMPLITUDE] = top
-                    events[last, AMPLITUDE_ERROR] = height + 4.0 * EPS * top
+                if last >= 0:
+                    risen, unsure_top = max(risen, top), max(unsure_top, height)
+                    events[last, AMPLITUDE] = risen
+                    events[last, AMPLITUDE_ERROR] = unsure_top + 4.0 * EPS * risen
+                risen = unsure_top = 0.0
                 t += T
                 u += speed * T
                 e_N = restitution[stop]
@@ -223,6 +226,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 last = n
                 n += 1
                 x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
+                risen = unsure_top = 0.0
                 continue
             if status != LEFT_TRAVEL:
                 return status, n, hold, turn, 0
@@ -233,6 +237,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             dx_most, dv_most = max(dx, x_before), max(dw, v_before)
             wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
             describe(work.nodes, before, c, dt, dx_most, dv_most, wrong_a)
+            risen, unsure_top = max(risen, top), max(unsure_top, dx_most)
             dx, dw = dx + fastest * dt, dw + abs(a) * dt
             x, v, u, dt = gap, rate, travel, 0.0
         # The end of the arc.
@@ -269,6 +274,7 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             n += 1
             x, v, dx, dw = 0.0, -e_N * v, 0.0, e_N * wrong * speed
             resting, touching, bounces = False, True, 0
+            risen = unsure_top = 0.0
         if not resting:
             t = (_TURN * turn + charts.begin[to]) / speed
         c, u = to, 0.0

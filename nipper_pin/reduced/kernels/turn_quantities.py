@@ -94,15 +94,21 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
     found[:] = np.nan
     found[CLAMPED] = found[LOST_ENERGY] = found[CLAMPED_ERROR] = found[LOSS_ERROR] = 0.0
     found[TURN_NUMBERS:] = 0.0
+    before = -1
     for i in range(count):
         row = events[i]
+        last, hit = before, int(row[STOP]) == clamp and row[KIND] == COLLISION
+        before = i if hit else before
         if not _TURN * turn <= row[TRAVEL] < _TURN * (turn + 1):
             continue
         at = row[TRAVEL] - _TURN * turn
         wrong = speed * row[TIME_ERROR] + 4.0 * EPS * row[TRAVEL]
         clamps = int(row[STOP]) == clamp
         if row[KIND] == COLLISION:
-            _add_collision(found, row, clamps)
+            _add_collision(found, row)
+            # A rebound counts in the turn in which it ends.
+            if clamps and last >= 0 and not np.isnan(events[last, AMPLITUDE]):
+                _raise_gap(found, events[last, AMPLITUDE], events[last, AMPLITUDE_ERROR])
             if clamps and np.isnan(found[CLOSED_AT]):
                 found[CLOSED_AT], found[CLOSED_ERROR] = at, wrong
         elif row[KIND] == REST:
@@ -124,8 +130,8 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
 
 
 @compiled
-def _add_collision(found: FloatArray, row: FloatArray, clamps: bool) -> None:
-    """Count a collision, its impulse and its loss; the gap after one of the clamping stop."""
+def _add_collision(found: FloatArray, row: FloatArray) -> None:
+    """Count a collision, its impulse and its loss."""
     place = TURN_NUMBERS + PER_STOP * int(row[STOP])
     impulse, wrong = row[IMPULSE], row[IMPULSE_ERROR]
     found[place + COUNT] += 1.0
@@ -135,8 +141,6 @@ def _add_collision(found: FloatArray, row: FloatArray, clamps: bool) -> None:
     found[place + MOST_ERROR] = max(found[place + MOST_ERROR], impulse + wrong)
     found[LOST_ENERGY] += row[ENERGY]
     found[LOSS_ERROR] += row[ENERGY_ERROR] + 4.0 * EPS * row[ENERGY]
-    if clamps and not np.isnan(row[AMPLITUDE]):
-        _raise_gap(found, row[AMPLITUDE], row[AMPLITUDE_ERROR])
 
 
 @compiled

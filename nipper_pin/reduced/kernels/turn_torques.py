@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...tolerances.reduced import FLAT_EXTREME
 from .arrival_check import along
 from .compiled import compiled
 from .flight_errors import size
@@ -98,8 +99,7 @@ def _extreme(torques: Charts, work: TurnWork, i: int, block: FloatArray, speed: 
         left = sign * _value(torques, work, i, block, speed, low + third)
         right = sign * _value(torques, work, i, block, speed, high - third)
         best = max(best, left, right)
-        # Near an extreme the value is flat: a bracket of 1e-6 knows it to 1e-12.
-        if high - low < 1e-6:
+        if high - low < FLAT_EXTREME:
             break
         if left < right:
             low += third

@@ -48,16 +48,13 @@ def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
     """
     again = found.repeats_after.astype(np.float64)
     columns: dict[tuple[str, str], FloatArray] = {("repeats_after", ""): again}
-    # Errors that the engine does not state are left out, so they stay NaN in the table.
     for name, place in _SAME.items():
-        if hasattr(found, place):
-            columns[name, ""] = np.array(getattr(found, place))
+        columns[name, ""] = np.array(getattr(found, place))
     for name, place in _INDEX_ERRORS.items():
-        if hasattr(found, place):
-            columns[name, ""] = _PER_RAD * getattr(found, place)
+        columns[name, ""] = _PER_RAD * getattr(found, place)
     for name, place in _INDICES.items():
         columns[name, ""] = START_INDEX + _PER_RAD * getattr(found, place)
-    for name in filter(lambda name: hasattr(found, name), _EACH):
+    for name in _EACH:
         for number, stop in enumerate(found.stops):
             columns[name, stop] = np.array(getattr(found, name)[:, number])
     return columns
