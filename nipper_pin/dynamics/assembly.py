@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from eigenpy import PartialPivLU
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, product
+from ..arrays import FloatArray
 from ..errors import ConvergenceError, SingularConfigurationError
 from ..tolerances.mechanics import (
     CLOSURE_RESIDUAL,
@@ -130,8 +129,10 @@ def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
     """
     if not matrix.size:
         return 1.0, matrix
-    # Eigen inverts one small matrix in a third of the time of numpy; a singular one has no numbers.
-    inverse: FloatArray = PartialPivLU(matrix).inverse()
+    try:
+        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.inf, np.full_like(matrix, np.nan)
     condition = math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse))
     return (condition if math.isfinite(condition) else np.inf), inverse
 
@@ -225,14 +226,8 @@ def inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
     Raises:
         SingularConfigurationError: A block is singular.
     """
-    blocks = jacobian.take(split.columns, 2)
-    if len(blocks) == 1:
-        condition, inverse = inverted(blocks[0])
-        if condition == np.inf:
-            raise _singular()
-        return inverse[None]
     try:
-        return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
+        return np.asarray(np.linalg.inv(jacobian.take(split.columns, 2)), dtype=np.float64)
     except np.linalg.LinAlgError as error:
         raise _singular() from error
 
@@ -244,11 +239,6 @@ def products(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
 
 def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
     """Solve N small systems, shapes (N, m, m) and (N, m)."""
-    if len(matrices) == 1:
-        condition, inverse = inverted(matrices[0])
-        if condition == np.inf:
-            raise _singular()
-        return product(inverse, right[0])[None]
     try:
         return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
     except np.linalg.LinAlgError as error:
