@@ -97,3 +97,6 @@ choice: a quantity that hardly changes would have a scale of round-off."""
 LEAST_SCALE = 1e-12
 """[unit of the quantity] Least scale of a quantity that does not change. A choice: it keeps a
 quantity that is zero from division by zero."""
+COARSEST_TURN = 1e-4
+"""[1] Largest tolerance of the second run of a turn whose difference from the first states an
+error. A choice: coarser turns may take another order of collisions."""

@@ -17,7 +17,7 @@ from ....dynamics.system import DriveMode
 from ....errors import NipperError, SimulationError
 from ....extras import installed
 from ....mechanism import Mechanism
-from ....tolerances.study import QUANTITY_ROUND_OFF
+from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
 from ...turns.engine_choice import turns_of
 from ...turns.run import Settings
@@ -28,7 +28,6 @@ from .bounces import REDUCED_TURN, TURN
 
 # Turns before one repeats, collisions of a turn, and how much coarser the second run is.
 _TURNS, _MOST_COLLISIONS, _COARSER = 8, 500, 100.0
-_COARSEST = 1e-4
 _FORCES = ("least_clamping_force_N", "largest_clamping_force_N")
 
 
@@ -120,7 +119,7 @@ class WholeTurns:
             least_force=0.0,
             drive=DriveMode.HELD,
             rest_rate=self._problem.rest_rate,
-            tolerance=min(_COARSER * tolerance, _COARSEST) if coarse else tolerance,
+            tolerance=min(_COARSER * tolerance, COARSEST_TURN) if coarse else tolerance,
             max_collisions=_MOST_COLLISIONS,
             wanted=frozenset({*self._names, "repeats_after", "rest_index", "opening_index"}),
         )
