@@ -348,6 +348,13 @@ class Judge:
         peak = middle + (right - left) ** 2 / (8.0 * (2.0 * middle - left - right))
         return peak, after.t - event.t
 
+    def bounces(self, closed: frozenset[str], begin: float, end: float) -> bool:
+        """False for a phase without closed stops in which the transition stop is not struck."""
+        stop = self.document["transition_stop"]
+        return bool(closed) or any(
+            stop in event.stops and begin <= event.t < end for event in self.hits
+        )
+
     @property
     def hits(self) -> list[Event]:
         """Collisions."""

@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ import pytest
 from refusals import assert_clear
 
 from nipper_pin import InputError, Mechanism, SimulationError, load
-from nipper_pin.reduced.turns import turn_quantities, turns
+from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turns
+from nipper_pin.study import speed_limit as speed_limit_module
 from nipper_pin.study.speed_limit import SpeedLimit, speed_limit
 from nipper_pin.view.studies.speed_limit_plot import _sentence, plot_speed_limit
 
@@ -78,7 +80,8 @@ import json, resource
 from pathlib import Path
 import numpy as np
 from nipper_pin import load
-from nipper_pin.reduced.turns import turn_quantities, turns
+from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turns
+from nipper_pin.study import speed_limit as speed_limit_module
 e62 = load("e62")
 turn_quantities(e62, speed_rpm=450.0)
 turns(e62, speed_rpm=450.0)
@@ -133,8 +136,18 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
     assert "<b>" not in path.read_text(encoding="utf-8")
 
 
-def test_speeds_that_cannot_be_followed_are_told_of(e62: Mechanism) -> None:
+def test_speeds_that_cannot_be_followed_are_told_of(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """They are no speeds at which the jaw does not settle."""
+
+    def lost(mechanism: Mechanism, **keys: Any) -> Any:
+        """Turns of which none above 10,000 r/min could be followed."""
+        found = turn_quantities(mechanism, **keys)
+        away = np.asarray(keys["speed_rpm"]) > 1e4
+        return replace(found, status=np.where(away, TurnStatus.LEFT_GAP, found.status))
+
+    monkeypatch.setattr(speed_limit_module, "turn_quantities", lost)
     found = speed_limit(e62, low_rpm=600.0, high_rpm=1e9, speeds=2)
     assert found.status == ("followed", "left_gap")
     assert found.settles_rpm is None

@@ -227,11 +227,11 @@ def test_quantities_that_are_zero_are_refused() -> None:
 
 
 def test_the_control_is_another_way(found: Sensitivities) -> None:
-    """A control that repeated its value would agree to the last bit, as no other way does."""
+    """A control that repeated its values would agree to the last bit in all of them."""
     for row in found.rows:
         seen = np.abs(row.per) > 1e-3
         assert seen.any()
-        assert (row.per != row.control)[seen].all()
+        assert (row.per != row.control)[seen].any()
 
 
 def _wrong(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -64,7 +64,8 @@ def test_both_stops_close_and_open_again(run: Solution) -> None:
     assert both.t_start == last.t <= begin.t <= last.t + left_out
     assert end.t == both.t_end
     assert end.kind is EventKind.RELEASE
-    assert len(run.collisions) < 1000
+    # How many there are is decided by round-off: 530 to 1,020 at speeds that differ by 1e-5.
+    assert len(run.collisions) < run.case.max_collisions // 4
 
 
 def test_forces_and_gaps_are_complementary(run: Solution) -> None:

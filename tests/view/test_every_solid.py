@@ -350,14 +350,17 @@ def test_a_mesh_that_no_viewer_reads_is_refused(shaped: Mechanism, tmp_path: Pat
 
 
 def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None:
-    """The link that opens the transition stop has one colour for each set of closed stops."""
+    """The link that opens the transition stop has one colour for each set of closed stops.
+
+    Where none is closed there are two: one for its bounces, and one for those of other stops.
+    """
     opening = judge.document["stops"][judge.document["transition_stop"]]["joint"]
     jaw = next(j.child for j in judge.run.mechanism.joints if j.name == opening)
     coloured = {path for path, tracks in scene.tracks.items() if ".material.color" in tracks}
     assert coloured == {
         f"{item.path}/<object>" for item in shapes(judge) if item.path.startswith(f"/nipper/{jaw}/")
     }
-    colours: dict[frozenset[str], tuple[float, ...]] = {}
+    colours: dict[tuple[frozenset[str], bool], tuple[float, ...]] = {}
     for closed, begin, end in judge.phases:
         edges = np.interp([begin, end], shown.pace.machine, shown.pace.playback)
         # A change takes a thousandth of a second.
@@ -366,7 +369,8 @@ def test_colour_tells_the_phase(judge: Judge, shown: Film, scene: Scene) -> None
                 t, values = scene.tracks[path][".material.color"]
                 for at in (edges[0] + 0.01, edges.mean(), edges[1] - 0.01):
                     now = tuple(round(float(np.interp(at, t, column)), 4) for column in values.T)
-                    assert colours.setdefault(closed, now) == now
+                    kind = closed, judge.bounces(closed, begin, end)
+                    assert colours.setdefault(kind, now) == now
     assert len(set(colours.values())) == len(colours) > 1
     assert scene.options == {"play": True, "repetitions": math.inf}
 

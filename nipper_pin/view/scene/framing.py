@@ -9,7 +9,6 @@ from ...mechanism import Mechanism
 from ...mechanism.build.placements import joint_placements
 from .solids import Solid, plain_solids
 
-_LOWER = 0.1
 OBLIQUE, ALONG = (0.38, -1.0, 0.34), (0.0, -1.0, 0.0)
 """Directions from the mechanism to the camera: from the front and above, and along the hinges."""
 
@@ -19,6 +18,7 @@ def camera(
     points: FloatArray,
     near: float,
     direction: tuple[float, float, float] = OBLIQUE,
+    lower: float = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
     """Target and position of the camera.
 
@@ -27,6 +27,7 @@ def camera(
         points: Places (x, z) that are to be seen besides the shapes, shape (K, 2) [m].
         near: Distance, by the size of what is to be seen [-].
         direction: From the mechanism to the camera (x, y, z).
+        lower: How far below the middle to look, by the size of what is to be seen [-].
 
     Returns:
         Target and position (x, y, z), each of shape (3,) [m].
@@ -35,8 +36,7 @@ def camera(
     low, high = seen.min(axis=0), seen.max(axis=0)
     size = max(float(np.linalg.norm(high - low)), 0.5 * mechanism.reach_m)
     middle = 0.5 * (low + high)
-    # Machines stand on frames, which are not among the places that are to be seen.
-    target = np.array([middle[0], 0.0, middle[1] - _LOWER * size])
+    target = np.array([middle[0], 0.0, middle[1] - lower * size])
     towards = np.array(direction) / np.linalg.norm(direction)
     return target, target + near * size * towards
 

@@ -24,6 +24,8 @@ from .tracks import animation
 _VIEWER = Path(meshcat.__file__).parent / "viewer"
 _SCRIPTS = ("scene.js", "lips.js", "curves.js", "controls.js")
 _NEAR = 1.55  # distance of the camera by the size of the mechanism
+# Machines stand on frames, which are not among the places that are to be seen.
+_LOWER = 0.1
 
 
 def write_page(solution: Solution, path: str | Path, look: Look | None = None) -> Path:
@@ -99,7 +101,7 @@ def _cameras(shown: Film) -> dict[str, object]:
     points = shown.position.reshape(-1, 2)
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
-        target, position = camera(shown.solution.mechanism, points, _NEAR, direction)
+        target, position = camera(shown.solution.mechanism, points, _NEAR, direction, _LOWER)
         found[name] = {"target": target.tolist(), "position": position.tolist()}
     return found
 

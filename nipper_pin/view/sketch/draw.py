@@ -18,6 +18,7 @@ from ...errors import InputError
 from ...mechanism import Mechanism
 from ...outputs import complete_file
 from ...units import MM_PER_M
+from ..plain_texts import plain
 from ..scene.colours import link_colour
 from ..style import SMALL, TEXT, WIDTH_IN
 from .labels import Label, placed
@@ -49,7 +50,7 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
     kind = drawing_format(target)
     figure = drawn(sketch(mechanism))
     with complete_file(target) as partial:
-        figure.savefig(partial, format=kind, dpi=160, metadata=_UNDATED.get(kind))
+        plain(figure).savefig(partial, format=kind, dpi=160, metadata=_UNDATED.get(kind))
     return target
 
 

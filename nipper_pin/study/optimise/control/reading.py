@@ -228,11 +228,17 @@ def _largest_gap(turn: ControlTurn) -> Read:
 
 
 def _energy_lost(turn: ControlTurn) -> Read:
-    """Kinetic energy lost in the collisions of the turn."""
+    """Kinetic energy lost in the collisions of the turn, and in the bounces too small to follow."""
     hits = [event for event in turn.events if event.kind is _HIT]
     whole = math.fsum(event.energy_lost for event in hits)
     error = math.fsum(2.0 * turn.blurred(event) * event.energy_lost for event in hits)
-    return Read(whole, error + CONTROL_ROUND_OFF * whole)
+    further = 0.0
+    for event, after in pairwise(turn.events):
+        if event.kind is _HIT and after.kind is EventKind.REST and event.stops == after.stops:
+            e_N = turn.mechanism.stop(event.stops[0]).restitution
+            further += event.energy_lost * e_N**2 / (1.0 - e_N**2)
+    # A series that ends at a rate has none of them, so all of it may be wrong.
+    return Read(whole + further, error + further + CONTROL_ROUND_OFF * whole)
 
 
 def _speed(turn: ControlTurn) -> Read:
