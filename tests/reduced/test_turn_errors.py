@@ -14,7 +14,7 @@ from nipper_pin.reduced.turns import turn_quantities
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
 
-from held_turn import HeldTurn, quantities  # noqa: E402
+from held_turn import HeldTurn, quantities
 
 pytestmark = pytest.mark.skipif(
     np.finfo(np.longdouble).eps > 1e-18, reason="numpy.longdouble has no 80 bits on this machine"
