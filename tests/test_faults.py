@@ -29,8 +29,8 @@ from nipper_pin.cli import main
 from nipper_pin.study.folders import alone_in
 
 BY_NAME = {item.name: item for item in COMMANDS}
-# Every so many calls: all of a run, and some of what is the same code or takes longer.
-STEPS = {"simulate --out": 1, "new": 1, "simulate --json": 1, "sweep": 23}
+# Every so many calls: all of one file and of a small folder, and some of what takes longer.
+STEPS = {"simulate --out": 4, "new": 1, "simulate --json": 1, "sweep": 23}
 
 
 @pytest.fixture(scope="module")
