@@ -20,7 +20,7 @@ MODELS = Path(__file__).resolve().parents[4] / "models"
 _E62, _OTHERS = "e62", ("e62_identified", "e62_offset_guide", "hanging_pendulum")
 _KINDS = ("e62", "e62", "other", "gallery")
 # Points that the frame or the drives hold are moved by the drives' own numbers only.
-_FREE = ("nipper_pivot", "rocker_pin", "rod_pin", "rod_end", "swing_pin", "rod_bracket")
+_FREE = ("nipper_pivot", "rocker_pin", "rod_pin", "rod_end", "rod_bracket")
 _DRAWS, _WITH_TIMING = 40, 0.5
 
 
@@ -103,7 +103,7 @@ def _changes(random: np.random.Generator, folder: Path, draw: int) -> dict[str, 
     if size > _WITH_TIMING:
         changes["cylinder.angle_at_touch_deg"] = touch + turned
     for name, drive in document["drives"].items():
-        if "ratio" in drive:
+        if drive["law"] == "geared":
             changes[f"drives.{name}.ratio"] = drive["ratio"] * float(random.uniform(0.9, 1.1))
     return changes
 
