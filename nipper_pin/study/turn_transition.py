@@ -123,7 +123,7 @@ def turn_transition(mechanism: Mechanism, case: TurnCase) -> TurnTransition:
         message = f"{mechanism.name}: the machine does not stay in its initial phase to the touch"
         raise SimulationError(message, status="OTHER_START", speed_rpm=speed_rpm)
     known = _holds(travel[hit])
-    later = np.flatnonzero(hit & (travel >= (_READ - 1.5) * _TURN))
+    later = np.flatnonzero(hit & (travel >= (_READ - 1.5) * _TURN) & (travel < _READ * _TURN))
     if not len(later):
         message = f"{mechanism.name}: no turn has a collision of stop {mechanism.transition_stop!r}"
         raise SimulationError(message, status="NO_COLLISION", speed_rpm=speed_rpm)

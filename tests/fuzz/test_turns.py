@@ -87,7 +87,7 @@ turn_quantities(e62, speed_rpm=450.0)
 turns(e62, speed_rpm=450.0)
 begin = resource.getrusage(resource.RUSAGE_SELF).ru_utime
 turns(e62, speed_rpm=450.0, cycles=10_000)
-turn_quantities(e62, speed_rpm=np.linspace(300.0, 600.0, 100), turns=10_000, last=13_000)
+turn_quantities(e62, speed_rpm=np.linspace(300.0, 600.0, 100), turns=10_000, last=8_600)
 turn_quantities(e62, speed_rpm=np.linspace(300.0, 600.0, 100), max_collisions=1_000_000)
 used = resource.getrusage(resource.RUSAGE_SELF).ru_utime - begin
 status = Path("/proc/self/status").read_text().splitlines()

@@ -128,6 +128,8 @@ def test_where_the_turns_do_not_tell(monkeypatch: pytest.MonkeyPatch, e62: Mecha
         ([event(RELEASE, "steeve", 0.01), *begun(), *third], "OTHER_START"),
         ([event(HIT, "jaw", TOUCH + 2e-6), *third], "OTHER_START"),
         (begun(), "NO_COLLISION"),
+        # Only every second turn has one.
+        ([*begun(), event(HIT, "jaw", 3.1)], "NO_COLLISION"),
         ([*begun(), event(HIT, "jaw", 2.2, AMPLITUDE=np.nan), third[1]], "LEFT_OUT"),
     ):
         with pytest.raises(SimulationError) as caught:
