@@ -136,6 +136,7 @@ def test_names_are_no_formulas(tmp_path: Path) -> None:
     assert "<b>" not in path.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_speeds_that_cannot_be_followed_are_told_of(
     e62: Mechanism, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -70,7 +70,10 @@ def forces(run: Solution) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     return t, run.trajectory.reactions(t).contacts["jaw"]
 
 
-@pytest.mark.parametrize("level", [55.0, 70.0, 90.0])
+@pytest.mark.parametrize(
+    "level",
+    [55.0, pytest.param(70.0, marks=pytest.mark.slow), pytest.param(90.0, marks=pytest.mark.slow)],
+)
 def test_time_with_a_force_above_a_level(e62: Mechanism, level: float) -> None:
     """The share of a fine grid of the direct engine's forces, to the spacing of the grid."""
     run = simulate(e62, Case(speed_rpm=650.0, window="cycle"))

@@ -106,6 +106,7 @@ def test_every_part_has_its_name_beside_it(name: str) -> None:
         assert not any(box.overlaps(other) for other in texts[:place]), labels[place].get_text()
 
 
+@pytest.mark.slow
 def test_the_command_draws_in_three_formats(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -110,6 +110,7 @@ def test_a_worker_of_a_cluster_dies(tmp_path: Path) -> None:
     assert sorted(numbers) == list(range(240))
 
 
+@pytest.mark.slow
 def test_a_cluster_that_is_not_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,6 +149,7 @@ IMPATIENT = [
 ]
 
 
+@pytest.mark.slow
 def test_workers_without_the_package_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
