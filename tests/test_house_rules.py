@@ -54,7 +54,6 @@ MANY = {
     "reduced/kernels/turn_charts.py seen_by",
     "reduced/kernels/turn_events.py collide",
     "reduced/kernels/turn_events.py errors_after",
-    "reduced/kernels/turn_events.py missing",
     "reduced/kernels/turn_quantities.py run_turns",
     "reduced/kernels/turn_quantities.py summed",
     "reduced/kernels/turn_torques.py run_torques",

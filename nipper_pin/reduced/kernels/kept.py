@@ -13,8 +13,19 @@ from __future__ import annotations
 
 from ...arrays import FloatArray
 from .compiled import compiled
+from .flight_errors import size
 from .hits import Held
-from .layout import KEPT, SCRATCH_ROWS, SERIES, SERIES_ONCE, SERIES_TWICE
+from .layout import (
+    BY_U,
+    BY_V,
+    BY_X,
+    KEPT,
+    RESIDUAL,
+    SCRATCH_ROWS,
+    SERIES,
+    SERIES_ONCE,
+    SERIES_TWICE,
+)
 
 (
     CHART, FROM, LENGTH, COVERED, X_BEGIN, V_BEGIN, NODES, T_WRONG, X_WRONG, V_WRONG, A_WRONG,
@@ -53,9 +64,28 @@ def keep_rest(nodes: FloatArray, chart: int, u: float, end: float, speed: float,
 
 
 @compiled
-def describe(nodes: FloatArray, before: int, chart: int, late: float, dx: float, dv: float,
-             da: float) -> None:  # fmt: skip
-    """Give the panels of a flight, those after the first ``before``, chart and errors."""
+def describe(nodes: FloatArray, before: int, chart: int, sizes: FloatArray,
+             motion: tuple[float, float, float, float, float, float],
+             wrong: tuple[float, float, float]) -> None:  # fmt: skip
+    """Give the panels of a flight, those after the first ``before``, chart and errors.
+
+    Args:
+        nodes: The scratch rows, with the panels that are kept.
+        before: Panels that were kept before the flight.
+        chart: Its chart.
+        sizes: Bounds of the case as polynomials of the rate.
+        motion: Cylinder speed, time of the flight, fastest rate, last change and steady error of
+            x'', and error of the time at its start.
+        wrong: Bounds on the errors of time, x and x' along it.
+    """
+    if nodes.shape[0] == SCRATCH_ROWS:
+        return
+    speed, T, fastest, changed, left, dt = motion
+    late, dx, dv = wrong
+    by_v, by_x = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
+    felt = min(by_v * T + 0.5 * by_x * T * T, 1.0)
+    da = size(sizes, RESIDUAL, fastest) + by_x * dx + by_v * dv + felt * changed + left
+    da += speed * size(sizes, BY_U, fastest) * dt
     for number in range(before, kept(nodes)):
         numbers = nodes[(1 + number) * SCRATCH_ROWS + KEPT]
         numbers[CHART], numbers[T_WRONG] = float(chart), late

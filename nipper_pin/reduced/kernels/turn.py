@@ -29,7 +29,7 @@ from .panel import acceleration, contract
 from .repeats import mark, repeats
 from .series import settles
 from .turn_charts import chart_at, other_of, seen_by, surface, visit
-from .turn_events import collide, errors_after, missing, note, release_error
+from .turn_events import collide, errors_after, note, release_error
 from .turn_layout import (
     AMPLITUDE,
     AMPLITUDE_ERROR,
@@ -182,8 +182,10 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                     duration = height / abs(rate) + 4.0 * EPS * T
                 dx_most = max(dx, height, abs(rate) * duration)
                 dv_most = max(dw, dv + abs(a) * duration)
-                wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
-                describe(work.nodes, before, c, max(dt, duration), dx_most, dv_most, wrong_a)
+                motion = speed, T, fastest, changed, left, dt
+                describe(
+                    work.nodes, before, c, sizes, motion, (max(dt, duration), dx_most, dv_most)
+                )
                 dt += duration
                 if last >= 0:
                     risen, unsure_top = max(risen, top), max(unsure_top, height)
@@ -204,8 +206,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                     work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
                 )
                 dx_most, dv_most = max(dx, x_before), max(dv, v_before)
-                wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
-                describe(work.nodes, before, c, dt, dx_most, dv_most, wrong_a)
+                motion = speed, T, fastest, changed, left, dt
+                describe(work.nodes, before, c, sizes, motion, (dt, dx_most, dv_most))
                 u += speed * T
                 t += T
                 s = int(hit)
@@ -235,8 +237,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 work.nodes, sizes, speed, T, fastest, changed, left, dt, dx, dw, 0.0
             )
             dx_most, dv_most = max(dx, x_before), max(dw, v_before)
-            wrong_a = missing(sizes, speed, T, fastest, changed, left, dt, dx_most, dv_most)
-            describe(work.nodes, before, c, dt, dx_most, dv_most, wrong_a)
+            motion = speed, T, fastest, changed, left, dt
+            describe(work.nodes, before, c, sizes, motion, (dt, dx_most, dv_most))
             risen, unsure_top = max(risen, top), max(unsure_top, dx_most)
             dx, dw = dx + fastest * dt, dw + abs(a) * dt
             x, v, u, dt = gap, rate, travel, 0.0

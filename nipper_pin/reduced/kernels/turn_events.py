@@ -61,18 +61,6 @@ def errors_after(nodes: FloatArray, sizes: FloatArray, speed: float, T: float, f
 
 
 @compiled
-def missing(sizes: FloatArray, speed: float, T: float, fastest: float, changed: float, left: float,
-            dt: float, dx: float, dw: float) -> float:  # fmt: skip
-    """Bound on the error of x'' along a flight whose time, x and x' have these errors."""
-    by_v, by_x = size(sizes, BY_V, fastest), size(sizes, BY_X, fastest)
-    felt = min(by_v * T + 0.5 * by_x * T * T, 1.0)
-    by_u = speed * size(sizes, BY_U, fastest)
-    return (
-        size(sizes, RESIDUAL, fastest) + by_x * dx + by_v * dw + by_u * dt + felt * changed + left
-    )
-
-
-@compiled
 def collide(charts: Charts, events: FloatArray, n: int, c: int, speed: float, e_N: float,
              turn: int, t: float, u: float, v: float, dt: float, dv: float) -> None:  # fmt: skip
     """Write a collision of a chart's stop at travel u with rate v before it."""

@@ -97,13 +97,13 @@ def summed(charts: Charts, work: TurnWork, events: FloatArray, count: int, holds
     before = -1
     for i in range(count):
         row = events[i]
-        last, hit = before, int(row[STOP]) == clamp and row[KIND] == COLLISION
-        before = i if hit else before
+        clamps, last = int(row[STOP]) == clamp, before
+        if clamps and row[KIND] == COLLISION:
+            before = i
         if not _TURN * turn <= row[TRAVEL] < _TURN * (turn + 1):
             continue
         at = row[TRAVEL] - _TURN * turn
         wrong = speed * row[TIME_ERROR] + 4.0 * EPS * row[TRAVEL]
-        clamps = int(row[STOP]) == clamp
         if row[KIND] == COLLISION:
             _add_collision(found, row)
             # A rebound counts in the turn in which it ends.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -34,9 +34,10 @@ class Settings:
 
 
 def _run(
-    model: TurnModel,
-    cases: list[FloatArray],
     settings: Settings,
+    model: TurnModel,
+    _room: float,
+    cases: list[FloatArray],
     told: NDArray[np.int64],
     found: FloatArray,
 ) -> None:
@@ -62,6 +63,35 @@ def _run(
     )
 
 
+def widening(
+    mechanism: Mechanism,
+    start_index: float,
+    cases: list[FloatArray],
+    told: NDArray[np.int64],
+    found: FloatArray,
+    run: Callable[[TurnModel, float, list[FloatArray], NDArray[np.int64], FloatArray], None],
+) -> None:
+    """Run cases, those that leave the tables of a model on the next wider one.
+
+    Args:
+        mechanism: The mechanism.
+        start_index: Index at which turns start.
+        cases: As of :func:`~.cases.turn_cases`.
+        told: Written by ``run``: the status first, shape (n, numbers).
+        found: Written by it, shape (n, ...).
+        run: Follows some of the cases on the tables with a room.
+    """
+    left = np.arange(len(told))
+    for room in ROOMS:
+        model = wider(mechanism, start_index, room) if len(left) else None
+        if model is None:
+            break
+        here = told[left], found[left]
+        run(model, room, [item[left] for item in cases], *here)
+        told[left], found[left] = here
+        left = left[told[left, 0] == _LEFT_GAP]
+
+
 def follow_all(
     mechanism: Mechanism,
     start_index: float,
@@ -70,7 +100,7 @@ def follow_all(
     told: NDArray[np.int64],
     found: FloatArray,
 ) -> None:
-    """Follow cases, those that leave the tables of a model on the next wider one.
+    """Follow cases on tables that are as wide as each needs.
 
     Args:
         mechanism: The mechanism.
@@ -80,15 +110,7 @@ def follow_all(
         told: Written: status, turns, and after how many the last repeats, shape (n, 3).
         found: Written: quantities of the last turns, shape (n, last, quantities).
     """
-    left = np.arange(len(told))
-    for room in ROOMS:
-        model = wider(mechanism, start_index, room) if len(left) else None
-        if model is None:
-            break
-        here = told[left], found[left]
-        _run(model, [item[left] for item in cases], settings, *here)
-        told[left], found[left] = here
-        left = left[told[left, 0] == _LEFT_GAP]
+    widening(mechanism, start_index, cases, told, found, partial(_run, settings))
 
 
 @cache

@@ -20,11 +20,11 @@ from ...mechanism import Mechanism
 from ..inputs import check_run, number
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
+from .batch import widening
 from .cases import BESIDE, check_size, room_for, turn_cases
 from .model import START_INDEX, TurnModel
-from .results import TurnStatus
 from .torques import torque_model, torque_scratch
-from .turn import ROOMS, STRETCHES, scratch, turn_model, wider
+from .turn import STRETCHES, scratch, turn_model
 
 # Panels of a turn that there is room for, by its collisions and other events.
 _PANELS = 2
@@ -97,19 +97,12 @@ def turn_torques(
                          preload)  # fmt: skip
     n = len(numbers[0])
     drives = tuple(item.name for item in mechanism.drives)
-    told, left = np.zeros(n, dtype=np.int64), np.arange(n)
+    told = np.zeros((n, 1), dtype=np.int64)
     found = room_for(n, last, 2 * len(drives)).reshape(n, -1, 2, len(drives))
     run = _Run(mechanism, turns, rest_rate or 0.0, tolerance, max_collisions)
-    for room in ROOMS:
-        model = wider(mechanism, start_index, room) if len(left) else None
-        if model is None:
-            break
-        here = told[left], found[left]
-        run.on(model, room, [item[left] for item in numbers], *here)
-        told[left], found[left] = here
-        left = left[told[left] == int(TurnStatus.LEFT_GAP)]
+    widening(mechanism, start_index, numbers, told, found, run.on)
     table = found[:, 0] if last is None else found
-    return TurnTorques(mechanism.name, drives, told, table[..., 0, :], table[..., 1, :])
+    return TurnTorques(mechanism.name, drives, told[:, 0], table[..., 0, :], table[..., 1, :])
 
 
 @dataclass(frozen=True)
@@ -152,7 +145,7 @@ class _Run:
             np.empty((self.turns * STRETCHES, rows.HOLD_COLUMNS)),
             np.empty((self.turns + 1, rows.END_COLUMNS)),
             np.empty((2, rows.END_COLUMNS)),
-            told,
+            told[:, 0],
             found,
         )
 
