@@ -14,6 +14,7 @@ from .arguments import (
     check_outputs,
     load_mechanism,
     machine_words,
+    refuse_beside,
     speed,
     write_json,
 )
@@ -29,12 +30,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="draw the mechanism with the names of its parts: NAME.svg, NAME.png or NAME.pdf",
     )
+    parser.add_argument(
+        "--provenance", action="store_true", help="print where each number of the model comes from"
+    )
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> None:
     from ..study.check import check_model
 
+    if options.json == "-":
+        refuse_beside(
+            options, "--json -, whose document holds all of it", {"provenance": "--provenance"}
+        )
     check_outputs(None, options.json)
     if options.drawing is not None:
         require("view", "matplotlib", what="the drawing")
@@ -59,10 +67,8 @@ def _run(options: argparse.Namespace) -> None:
         from ..view.studies.check_report import print_report
 
         console = Console()
-        print_report(report, console)
-        console.print("Next", style="bold")
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
-        for step in next_steps(report, options.model or MODEL, machine_words(options), begin):
-            paste(console, step)
+        steps = next_steps(report, options.model or MODEL, machine_words(options), begin)
+        print_report(report, steps, console, provenance=options.provenance)
         if options.drawing is not None:
             paste(console, f"drawing: {options.drawing}")

@@ -18,9 +18,11 @@ from ..hybrid.result.solution import Solution
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism
 from .arguments import (
+    MODEL,
     add_model,
     check_outputs,
     load_mechanism,
+    machine_words,
     overrides,
     refuse_beside,
     write_json,
@@ -67,7 +69,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(record(solution), options.json)
     if options.json != "-":
-        _print(solution, forces=options.forces, turns=_whole_turns(options.words))
+        _print(solution, options)
 
 
 def _whole_turns(words: Sequence[str]) -> str:
@@ -101,12 +103,27 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
     return (with_numbers(mechanism, changes) if changes else mechanism), changed_case(case, options)
 
 
-def _print(solution: Solution, *, forces: bool, turns: str) -> None:
+def _print(solution: Solution, options: argparse.Namespace) -> None:
     from rich.console import Console
 
     from ..view.run.table import print_solution
 
-    print_solution(solution, Console(), forces=forces, turns=turns)
+    turns = _whole_turns(options.words)
+    print_solution(
+        solution,
+        Console(),
+        with_forces=options.forces,
+        turns=turns,
+        following=turns if solution.case.window is Window.TRANSITION else _view(options, solution),
+    )
+
+
+def _view(options: argparse.Namespace, solution: Solution) -> str:
+    """Return the command line that shows the same machine; empty for a case of a file."""
+    if options.case is not None:
+        return ""
+    words = ["view", options.model or MODEL, *machine_words(options)]
+    return shlex.join(["nipper-pin", *words, "--html", f"{solution.mechanism.name}.html"])
 
 
 @contextmanager

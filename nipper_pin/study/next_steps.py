@@ -4,15 +4,29 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from .check import ModelReport
 
 _OFTEN_SHORT = ("restitution", "stiffness")
 
 
+@dataclass(frozen=True)
+class NextSteps:
+    """What to do with a model after its check.
+
+    Attributes:
+        missing: What is wrong or missing and what to change, one sentence each.
+        commands: Commands to run next, each behind what it is for.
+    """
+
+    missing: tuple[str, ...]
+    commands: tuple[str, ...]
+
+
 def next_steps(
     report: ModelReport, model: str, given: Sequence[str] = (), start: Sequence[str] = ()
-) -> tuple[str, ...]:
+) -> NextSteps:
     """Sentences that lead from a checked model to its first runs.
 
     Args:
@@ -20,9 +34,6 @@ def next_steps(
         model: How the user calls the model on the command line.
         given: Further words of the command line that make the machine and its speed.
         start: Its words that say where turns start.
-
-    Returns:
-        What is missing, one sentence each, then commands.
     """
     mechanism = report.mechanism
     missing = []
@@ -59,16 +70,17 @@ def next_steps(
             missing.append(
                 f"link {item.link} weighs {item.mass_kg:g} kg, {item.doubt}: is it in grams?"
             )
-    steps = [f"Missing: {text}" for text in missing]
-    machine = [model, *given]
+    sentences = [f"Missing: {text}" for text in missing]
+    machine, commands = [model, *given], []
     if report.closing_index is not None and not report.no_transition:
-        steps.append(_command("Run next", "simulate", *machine))
+        commands.append(_command("Run next", "simulate", *machine))
     elif mechanism.transition_stop and report.no_transition:
-        steps.append(f"No transition: {report.no_transition}")
-    label, turns = "Then" if steps else "Run next", ("--window", "cycle")
-    steps.append(_command(label, "simulate", *machine, *turns, *start))
-    view = _command("Look at it", "view", *machine, *start, "--html", f"{mechanism.name}.html")
-    return (*steps, view)
+        sentences.append(f"No transition: {report.no_transition}")
+    label, turns = "Then" if sentences or commands else "Run next", ("--window", "cycle")
+    commands.append(_command(label, "simulate", *machine, *turns, *start))
+    picture = f"{mechanism.name}.html"
+    commands.append(_command("Look at it", "view", *machine, *start, "--html", picture))
+    return NextSteps(tuple(sentences), tuple(commands))
 
 
 def _command(label: str, *words: str) -> str:

@@ -1,45 +1,61 @@
-"""Plain tables and sentences on a terminal."""
+"""Tables and sentences on a terminal of any width, without a broken word or number."""
 
 from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+# A space that no line breaks at: between a number and its unit, or a word and its number.
+_GLUE = "\u00a0"
+_UNITS = r"(?:m?deg|[mu]?m|ms|s|r/min|N|N/mm|mJ|kg|%|rad|mm/s|rad/s)"
+_BEFORE_UNIT = re.compile(rf"(?<=\d) (?={_UNITS}(?![\w/]))")
+_BEFORE_NUMBER = re.compile(r"(?<=\bindex) (?=\d)")
 
-def plain_table(first: str, *others: str) -> Table:
-    """An empty table: the first column is text, the others are numbers.
 
-    Args:
-        first: Heading of the first column.
-        *others: Headings of the others.
+@dataclass(frozen=True)
+class _Column:
+    """A column with the widths that its words need.
+
+    Attributes:
+        place: Its place in the rows.
+        text: Whether it is text, which may be broken between words.
+        heading: Its heading.
+        least: Width of its longest word, of numbers that of the longest cell.
+        most: Width at which no cell is broken.
     """
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
-    table.add_column(Text(first), overflow="fold")
-    for heading in others:
-        table.add_column(Text(heading), justify="right")
-    return table
+
+    place: int
+    text: bool
+    heading: str
+    least: int
+    most: int
 
 
-def add_row(table: Table, *cells: str) -> None:
-    """Add a row to a table without markup: brackets and colons in names are printed.
-
-    Args:
-        table: The table.
-        *cells: Texts of its cells.
-    """
-    table.add_row(*(Text(cell) for cell in cells))
-
-
-def paste(console: Console, command: str) -> None:
-    """Print a command that can be pasted into a shell: it is not broken into lines.
+def show_table(
+    console: Console,
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    text: Collection[int] = (0,),
+) -> None:
+    """Print a table; one that is wider than the terminal becomes several with the first column.
 
     Args:
         console: Where to print.
-        command: The command.
+        headings: Headings of the columns.
+        rows: Texts of the cells; brackets and colons in them are printed.
+        text: Places of columns of text; all others are numbers.
     """
-    console.print(Text(command), soft_wrap=True)
+    columns = [_column(place, headings, rows, text) for place in range(len(headings))]
+    for part in _parts(columns, console.width):
+        console.print(_table(part, rows, console.width))
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:
@@ -50,4 +66,81 @@ def say(console: Console, text: str, *, style: str = "") -> None:
         text: The sentence.
         style: Its style.
     """
-    console.print(Text(text, style=style))
+    glued = _BEFORE_NUMBER.sub(_GLUE, _BEFORE_UNIT.sub(_GLUE, text))
+    lines = textwrap.fill(
+        glued, console.width, break_long_words=False, break_on_hyphens=False
+    ).replace(_GLUE, " ")
+    console.print(Text(lines, style=style), highlight=False, soft_wrap=True)
+
+
+def headline(console: Console, text: str) -> None:
+    """Print the heading of what follows, after an empty line.
+
+    Args:
+        console: Where to print.
+        text: The heading.
+    """
+    console.print()
+    say(console, text, style="bold")
+
+
+def paste(console: Console, command: str) -> None:
+    """Print a command that can be pasted into a shell: it is not broken into lines.
+
+    Args:
+        console: Where to print.
+        command: The command.
+    """
+    console.print(Text(command), highlight=False, soft_wrap=True)
+
+
+def _column(
+    place: int, headings: Sequence[str], rows: Sequence[Sequence[str]], text: Collection[int]
+) -> _Column:
+    heading, cells = headings[place], [row[place] for row in rows]
+    words = max(map(len, heading.split()), default=0)
+    most = max([words, *map(len, cells)])
+    least = most
+    if place in text:
+        least = max([words, *(len(word) for cell in cells for word in cell.split())])
+    return _Column(place, place in text, heading, least, most)
+
+
+def _parts(columns: Sequence[_Column], width: int) -> list[list[_Column]]:
+    """Columns that fit beside one another, the first one in each part."""
+    first, *others = columns
+    parts = [[first]]
+    for item in others:
+        if len(parts[-1]) > 1 and _width([*parts[-1], item]) > width:
+            parts.append([first])
+        parts[-1].append(item)
+    return parts
+
+
+def _width(part: Sequence[_Column], gap: int = 1) -> int:
+    return sum(item.least for item in part) + gap * (len(part) - 1)
+
+
+def _table(part: Sequence[_Column], rows: Sequence[Sequence[str]], width: int) -> Table:
+    gap = 2 if _width(part, gap=2) <= width else 1
+    widths = _widths(part, width - gap * (len(part) - 1))
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
+    for item, size in zip(part, widths, strict=True):
+        heading = textwrap.fill(item.heading, size, break_long_words=False,
+                                break_on_hyphens=False)  # fmt: skip
+        table.add_column(Text(heading), justify="left" if item.text else "right", width=size,
+                         no_wrap=not item.text, vertical="bottom")  # fmt: skip
+    for row in rows:
+        table.add_row(*(Text(row[item.place]) for item in part))
+    return table
+
+
+def _widths(part: Sequence[_Column], room: int) -> list[int]:
+    """Widths of columns: text gives way, the widest one first, numbers never."""
+    widths = [item.most for item in part]
+    while sum(widths) > room:
+        free = [place for place, item in enumerate(part) if widths[place] > item.least]
+        if not free:
+            break
+        widths[max(free, key=lambda place: widths[place])] -= 1
+    return widths

@@ -11,7 +11,8 @@ from ..hybrid.result.quantities import force_unit
 from ..hybrid.result.solution import Solution
 from ..hybrid.result.tables import Collision, PhaseInterval, Transition
 from ..mechanism import Mechanism, Stop, Strut
-from ..units import DEG_PER_RAD, MM_PER_M, UM_PER_M
+from ..terms import digits, shown_in
+from ..units import MM_PER_M
 
 TURNS_SHOWN = 2
 
@@ -39,32 +40,22 @@ class Units:
     rate_factor: float
 
 
-_BY_KIND = {
-    "revolute": Units("angle", "deg", DEG_PER_RAD, "deg", DEG_PER_RAD, "rad/s", 1.0),
-    "prismatic": Units("stroke", "mm", MM_PER_M, "um", UM_PER_M, "mm/s", MM_PER_M),
-}
+def _units(noun: str, unit: str) -> Units:
+    """Units of a coordinate in rad or m."""
+    coordinate, small, rate = (
+        shown_in(unit),
+        shown_in(unit, small=True),
+        shown_in(f"{unit}/s"),
+    )
+    return Units(noun, *coordinate, *small, *rate)
+
+
+_BY_KIND = {"revolute": _units("angle", "rad"), "prismatic": _units("stroke", "m")}
 
 
 def units_of(mechanism: Mechanism, index: int) -> Units:
     """Units of the coordinate at a place in q."""
     return _BY_KIND[next(j.kind for j in mechanism.joints if j.index == index)]
-
-
-def digits(value: float | None) -> str:
-    """Four significant digits, without losing any to a column; a dash for a missing value."""
-    if value is None:
-        return "-"
-    if value == 0.0:
-        return "0"
-    if 1e-3 <= abs(value) < 1e6:
-        return f"{value:.{max(0, 3 - math.floor(math.log10(abs(value))))}f}"
-    mantissa, exponent = f"{value:.3e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
-
-
-def fixed(value: float, decimals: int) -> str:
-    """Fixed decimals; round-off below zero does not show as minus zero."""
-    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
 def spring_text(mechanism: Mechanism) -> str:

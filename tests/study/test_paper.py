@@ -29,8 +29,8 @@ from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.shares import shares
 from nipper_pin.study.paper.studies import run_studies
 from nipper_pin.study.transitions import transition_table
+from nipper_pin.terms import digits
 from nipper_pin.view.paper.tables import percent
-from nipper_pin.view.reading import digits
 
 # The studies of the paper take a quarter of a minute.
 pytestmark = pytest.mark.slow

@@ -14,7 +14,7 @@ from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
-from nipper_pin.view.reading import digits, fixed
+from nipper_pin.terms import digits, fixed
 from nipper_pin.view.run.table import print_solution
 
 # Rates, impulses, amplitudes and times are printed with four significant digits.

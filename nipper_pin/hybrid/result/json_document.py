@@ -17,8 +17,8 @@ from .tables import Collision
 def record(solution: Solution) -> dict[str, Any]:
     """Return a solution as plain data.
 
-    Times count from the first collision [s] (from the start of the run if there is none). A value
-    that the window does not contain is None.
+    Times t count from the start of the run [s]; ``time_s``, ``start_s`` and ``end_s`` from the
+    first collision, where there is one. A value that the window does not contain is None.
 
     Args:
         solution: The solution.
@@ -45,6 +45,8 @@ def record(solution: Solution) -> dict[str, Any]:
             {
                 "phase": item.number,
                 "closed_stops": sorted(item.closed),
+                "t_start_s": item.t_start,
+                "t_end_s": item.t_end,
                 "start_s": item.t_start - origin,
                 "end_s": item.t_end - origin,
             }

@@ -1,47 +1,45 @@
-"""Every quantity of a run, once: its name, words, symbol and unit, and how it is read.
+"""How every quantity of a run is read off it; what each is called stands in ``terms``.
 
 The JSON document, files, tables, sweeps, optimisations and identifications take them from here.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism, Stop
+from ...terms import TERMS, Term, term_of
 from ..event import EventKind
 from .solution import Solution
 from .tables import Collision, Transition
 
 T = TypeVar("T")
-_NUMBERED = re.compile(r"(.+)_([1-9][0-9]{0,3})")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity(Generic[T]):
-    """One quantity of a collision or of a transition.
+    """One quantity of a collision, a transition or a turn.
 
     Attributes:
-        name: Its name in documents and files. In tables of transitions, that of collision K of the
-            transition stop is ``name_K``.
-        words: What it is.
-        symbol: As in docs/notation.md; empty without one.
-        unit: SI unit, empty without one; ``{gap}`` and ``{force}`` are those of the stop.
+        name: Its name in documents and files, a key of :data:`~nipper_pin.terms.TERMS`. In tables
+            of transitions, that of collision K of the transition stop is ``name_K``.
         read: Reads it off a solution; None where only tables of transitions have it.
         column: Attribute of a table of transitions; empty where only solutions have it.
         force: Unit of the stop's force that it belongs to, or None for all stops.
     """
 
     name: str
-    words: str
-    symbol: str = ""
-    unit: str = ""
     read: Callable[[Solution, T], float | None] | None = None
     column: str = ""
     force: str | None = None
+
+    @property
+    def term(self) -> Term:
+        """What it is called."""
+        return TERMS[self.name]
 
     def fits(self, mechanism: Mechanism, stop: str) -> bool:
         """Whether a stop has it."""
@@ -50,9 +48,7 @@ class Quantity(Generic[T]):
     def unit_at(self, mechanism: Mechanism, stop: str) -> str:
         """Its SI unit at a stop."""
         found = mechanism.stop(stop)
-        return self.unit.format(
-            gap=coordinate_unit(mechanism, found.index), force=force_unit(mechanism, found)
-        )
+        return self.term.unit.format(gap=coordinate_unit(mechanism, found.index))
 
 
 def coordinate_unit(mechanism: Mechanism, index: int) -> str:
@@ -79,71 +75,35 @@ def _relative_error(solution: Solution, hit: Collision) -> float:
     return float(solution.errors[hit.event.number - 1].impulse)
 
 
+def _kept(name: str, column: str, force: str | None = None) -> Quantity[Any]:
+    """A quantity whose attribute is called alike in solutions and in tables of transitions."""
+    return Quantity(name=name, column=column, read=_own(column), force=force)
+
+
 COLLISION: tuple[Quantity[Collision], ...] = (
+    Quantity(name="t_s", read=_own("t")),
+    Quantity(name="time_s", column="time", read=lambda run, hit: hit.t - run.collisions[0].t),
+    _kept("cylinder_angle_rad", "cylinder_angle"),
+    Quantity(name="index", read=_own("index")),
+    _kept("approach_rate", "approach_rate"),
+    _kept("separation_rate", "separation_rate"),
+    _kept("impulse_N_s", "impulse", "N"),
+    _kept("impulse_N_m_s", "impulse", "N m"),
+    _kept("energy_lost_J", "energy_lost"),
+    _kept("rebound_amplitude", "rebound_amplitude"),
+    _kept("rebound_time_s", "rebound_time"),
     Quantity(
-        name="time_s", words="time", symbol="t", unit="s", column="time",
-        read=lambda run, hit: hit.t - run.collisions[0].t,
-    ),
-    Quantity(
-        name="cylinder_angle_rad", words="cylinder angle", symbol="psi", unit="rad",
-        column="cylinder_angle", read=_own("cylinder_angle"),
-    ),
-    Quantity(name="index", words="index", symbol="index", read=_own("index")),
-    Quantity(
-        name="approach_rate", words="rate before", symbol="g_N_dot", unit="{gap}/s",
-        column="approach_rate", read=_own("approach_rate"),
-    ),
-    Quantity(
-        name="separation_rate", words="rate after", symbol="w", unit="{gap}/s",
-        column="separation_rate", read=_own("separation_rate"),
-    ),
-    Quantity(
-        name="impulse_N_s", words="impulse", symbol="P_N", unit="N s", column="impulse",
-        read=_own("impulse"), force="N",
-    ),
-    Quantity(
-        name="impulse_N_m_s", words="impulse", symbol="P_N", unit="N m s", column="impulse",
-        read=_own("impulse"), force="N m",
-    ),
-    Quantity(
-        name="energy_lost_J", words="energy lost", unit="J", column="energy_lost",
-        read=_own("energy_lost"),
-    ),
-    Quantity(
-        name="rebound_amplitude", words="rebound amplitude", unit="{gap}",
-        column="rebound_amplitude", read=_own("rebound_amplitude"),
-    ),
-    Quantity(
-        name="rebound_time_s", words="rebound time", unit="s", column="rebound_time",
-        read=_own("rebound_time"),
-    ),
-    Quantity(
-        name="time_error_s", words="error of the time", unit="s", column="time_error",
+        name="time_error_s",
+        column="time_error",
         read=lambda run, hit: float(run.errors[hit.event.number - 1].time),
     ),
-    Quantity(
-        name="impulse_error", words="relative error of rates and impulse", read=_relative_error
-    ),
-    Quantity(
-        name="rate_error", words="error of the rate before", unit="{gap}/s", column="rate_error"
-    ),
-    Quantity(
-        name="impulse_error_N_s", words="error of the impulse", unit="N s",
-        column="impulse_error", force="N",
-    ),
-    Quantity(
-        name="impulse_error_N_m_s", words="error of the impulse", unit="N m s",
-        column="impulse_error", force="N m",
-    ),
-    Quantity(
-        name="amplitude_error", words="error of the amplitude", unit="{gap}",
-        column="amplitude_error",
-    ),
-    Quantity(
-        name="rebound_error_s", words="error of the rebound time", unit="s",
-        column="rebound_error",
-    ),
-)  # fmt: skip
+    Quantity(name="impulse_error", read=_relative_error),
+    Quantity(name="rate_error", column="rate_error"),
+    Quantity(name="impulse_error_N_s", column="impulse_error", force="N"),
+    Quantity(name="impulse_error_N_m_s", column="impulse_error", force="N m"),
+    Quantity(name="amplitude_error", column="amplitude_error"),
+    Quantity(name="rebound_error_s", column="rebound_error"),
+)
 """Quantities of a collision."""
 
 
@@ -167,24 +127,12 @@ def _collisions(solution: Solution, found: Transition | None) -> float:
 
 
 TRANSITION: tuple[Quantity[Transition | None], ...] = (
-    Quantity(
-        name="premise_holds", words="machine arrives as a transition assumes",
-        read=lambda run, _: run.premise_holds,
-    ),
-    Quantity(
-        name="duration_s", words="time to rest", unit="s", column="duration",
-        read=_own("duration"),
-    ),
-    Quantity(
-        name="duration_error_s", words="error of the time to rest", unit="s",
-        column="duration_error", read=_duration_error,
-    ),
-    Quantity(name="collisions", words="collisions", read=_collisions),
-    Quantity(
-        name="first_two_share", words="share of the first two rebounds",
-        column="first_two_share", read=_own("first_two_share"),
-    ),
-)  # fmt: skip
+    Quantity(name="premise_holds", read=lambda run, _: run.premise_holds),
+    _kept("duration_s", "duration"),
+    Quantity(name="duration_error_s", column="duration_error", read=_duration_error),
+    Quantity(name="collisions", read=_collisions),
+    _kept("first_two_share", "first_two_share"),
+)
 """Quantities of a transition; without a completed one there are its premise and collisions."""
 
 RENAMED = {
@@ -216,13 +164,11 @@ def of_transition(name: str) -> tuple[Quantity[Collision] | Quantity[Transition 
     Raises:
         KeyError: There is none.
     """
-    for item in TRANSITION:
-        if item.name == name:
-            return item, 0
-    found = _NUMBERED.fullmatch(name)
-    for quantity in COLLISION:
-        if found is not None and quantity.name == found[1]:
-            return quantity, int(found[2])
+    term, place = term_of(name)
+    known: Iterable[Quantity[Any]] = COLLISION if place else TRANSITION
+    for item in known:
+        if item.name == term.name:
+            return item, place
     raise KeyError(name)
 
 

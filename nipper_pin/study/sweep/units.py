@@ -2,36 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from ...mechanism import Mechanism
+from ...terms import NONE, unit_of
 from .axes import Axis
 from .quantities import quantity_unit
-
-# What a name can end with, and how people write it.
-_WORDS = {"rpm": "r/min", "kg": "kg", "N": "N", "J": "J", "mm": "mm", "m": "m", "m2": "m2"}
-_WORDS |= {"rad": "rad", "deg": "deg", "s": "s", "per": "/", "turn": "turn"}
-NONE = "1"
-"""Unit of a number without one."""
-
-
-def unit_of(name: str) -> str:
-    """The unit that the last part of a path ends with.
-
-    Args:
-        name: The last part.
-
-    Returns:
-        The unit, such as "N/m"; "1" if there is none.
-    """
-    plain = re.sub(r"\[[0-9]+\]$", "", name)
-    # The first word is what is measured, never its unit.
-    words = plain.split("_")[1:]
-    found: list[str] = []
-    while words and words[-1] in _WORDS:
-        found.insert(0, _WORDS[words.pop()])
-    return " ".join(found).replace(" / ", "/") or NONE
 
 
 def units_of(

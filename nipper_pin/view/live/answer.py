@@ -17,8 +17,9 @@ from ...hybrid.result.tables import Collision
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
+from ...terms import digits
 from ...units import MS_PER_S
-from ..reading import digits, units_of
+from ..reading import units_of
 from ..run.sampling import sample_coordinates
 from .settings import SPEED, Knob, changed
 

@@ -6,8 +6,9 @@ import math
 
 from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
+from ...terms import digits
 from ...units import MS_PER_S
-from ..reading import digits, index_at, units_of
+from ..reading import index_at, units_of
 from ..scene.arrows import FADE, HELD, drawn_collisions
 
 

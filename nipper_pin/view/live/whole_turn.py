@@ -19,8 +19,8 @@ from ...mechanism import INDEX_PER_TURN, Mechanism
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS
+from ...terms import digits
 from ...units import MS_PER_S
-from ..reading import digits
 from .settings import RESTITUTION, SPEED, Knob, changed
 
 Rows = tuple[tuple[str, str, str], ...]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...study.conclusions import label
-from ..reading import digits
+from ...terms import digits
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table, percent

@@ -16,8 +16,9 @@ from ...study.paper import PaperStudy
 from ...study.paper.counts import HIGHEST, LOWEST
 from ...study.paper.ratios import within
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
+from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
-from ..reading import digits, spring_text
+from ..reading import spring_text
 from .canvas import Plate
 from .identification import identification_plate, identification_tables
 from .kinematic_figures import kinematic_plates

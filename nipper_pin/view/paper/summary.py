@@ -12,8 +12,8 @@ from ...study.paper import PaperStudy
 from ...study.paper.ratios import Ratio, ratio_values, within
 from ...study.paper.studies import Studies
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
+from ...terms import digits
 from ..console import say
-from ..reading import digits
 from .tables import percent
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...study.conclusions import label
 from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
-from ..reading import digits
+from ...terms import digits
 from ..style import LINES, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table

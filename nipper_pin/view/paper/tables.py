@@ -15,8 +15,8 @@ from ...study.paper.counts import counted
 from ...study.paper.fixed_step import FixedStep
 from ...study.paper.published import published
 from ...study.paper.studies import Study
+from ...terms import digits
 from ...units import DEG_PER_RAD, M_PER_MM, MS_PER_S, US_PER_S
-from ..reading import digits
 from .terms import terms
 
 COUNTED_AT = (1e-4, 1e-3, 0.005, 0.02, 0.05, 0.06, 0.08, 0.1, 0.3, 0.9)

@@ -16,8 +16,6 @@ from ...hybrid.result.tables import Collision
 
 _SAMPLES_PER_PHASE = 100
 _ANGLE = "cylinder_angle_rad"
-# In files it counts from the start of the run, as in the solution and in motion.csv.
-_TIME = "time_s"
 _FORCE = {"N": "force_N", "N m": "torque_N_m"}
 _FORCE_ON = {"m": "force_N", "rad": "torque_N_m"}
 
@@ -65,7 +63,9 @@ def _same_column(one: tuple[str, ...], other: tuple[str, ...]) -> bool:
         return False
 
 
-_PHASE_HEADER = ("phase", "closed_stops", "start_s", "end_s", "start_index", "end_index")
+_PHASE_HEADER = (
+    "phase", "closed_stops", "t_start_s", "t_end_s", "start_index", "end_index",
+)  # fmt: skip
 _LINK_HEADER = (
     "collision", "link",
     "angular_before_rad_s", "centroid_x_before_m_s", "centroid_z_before_m_s",
@@ -85,8 +85,6 @@ def _collisions(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]
         header += [item.name, "cylinder_angle_deg"] if item.name == _ANGLE else [item.name]
 
     def cells(hit: Collision, item: Quantity[Collision]) -> list[Any]:
-        if item.name == _TIME:
-            return [hit.t]
         value = None
         if item.read and item.fits(mechanism, hit.stop):
             value = item.read(solution, hit)
@@ -122,7 +120,7 @@ def _links(solution: Solution) -> Iterable[Sequence[Any]]:
 def _motion(solution: Solution) -> tuple[list[str], Iterable[Sequence[Any]]]:
     mechanism, trajectory = solution.mechanism, solution.trajectory
     units = [coordinate_unit(mechanism, joint.index) for joint in mechanism.joints]
-    header = ["time_s", "limit", "cylinder_angle_rad", "cylinder_angle_deg", "index"]
+    header = ["t_s", "limit", "cylinder_angle_rad", "cylinder_angle_deg", "index"]
     header += [f"{joint.name}_{u}" for joint, u in zip(mechanism.joints, units, strict=True)]
     header += [f"{joint.name}_rate_{u}_s" for joint, u in zip(mechanism.joints, units, strict=True)]
     header += [

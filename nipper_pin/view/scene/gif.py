@@ -15,7 +15,8 @@ from ...errors import InputError
 from ...hybrid.result.solution import Solution
 from ...mechanism import Stop
 from ...outputs import complete_file
-from ..reading import case_text, digits
+from ...terms import digits
+from ..reading import case_text
 from .arrows import (
     FADE,
     HELD,

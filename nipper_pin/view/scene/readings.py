@@ -11,8 +11,9 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
+from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
-from ..reading import case_text, digits, force_name, gap_noun, units_of
+from ..reading import case_text, force_name, gap_noun, units_of
 from .arrows import arrow_stops
 from .closeup import close_up
 from .curves import curves

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from rich import box
+from collections.abc import Sequence
+
 from rich.console import Console
-from rich.table import Table
 
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Stop
 from ...study.check import ModelReport
+from ...study.next_steps import NextSteps
 from ...units import MM_PER_M
-from ..console import add_row, say
+from ..console import headline, paste, say, show_table
 from ..reading import damper_text, force_text, spring_text, stop_place
 
 
-def print_report(report: ModelReport, console: Console) -> None:
-    """Print what a model is and what was found about it.
+def print_report(
+    report: ModelReport, steps: NextSteps, console: Console, *, provenance: bool = False
+) -> None:
+    """Print what is wrong with a model, what it is, and what was found about it.
 
     Args:
         report: The report.
-        console: Where to print; 80 columns are enough.
+        steps: What is missing, and commands to run next.
+        console: Where to print, of any width.
+        provenance: Print where each number comes from, too.
     """
     mechanism = report.mechanism
     say(console, mechanism.title or mechanism.name, style="bold")
+    _wrong(steps.missing, console)
+    headline(console, "Mechanism")
     say(
         console,
         f"{len(mechanism.joints)} moving links, {len(mechanism.joints)} tree joints, "
@@ -31,10 +38,10 @@ def print_report(report: ModelReport, console: Console) -> None:
     )
     _joints(report, console)
     _stops(report, console)
-    say(console, "Cycle", style="bold")
+    headline(console, "Cycle")
     say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
     for stop, index in report.releases:
-        say(console, f"stop {stop} lets go at index {index:.4f}: its force falls to zero there")
+        say(console, f"stop {stop} lets go at index {index:.3f}: its force falls to zero there")
     say(
         console,
         f"condition of the closures: at most {report.condition.value:.3g}, at index "
@@ -42,26 +49,47 @@ def print_report(report: ModelReport, console: Console) -> None:
         f"at index {report.impact_condition.index:.2f}",
     )
     _clearances(report, console)
-    say(console, "Provenance", style="bold")
-    for path, text in mechanism.provenance.items():
+    _provenance(report, console, whole=provenance)
+    headline(console, "Next")
+    for command in steps.commands:
+        paste(console, command)
+
+
+def _wrong(missing: Sequence[str], console: Console) -> None:
+    if not missing:
+        say(console, "Nothing is missing: the model can be simulated.")
+        return
+    headline(console, "To do")
+    for text in missing:
+        say(console, text)
+
+
+def _provenance(report: ModelReport, console: Console, *, whole: bool) -> None:
+    sources = report.mechanism.provenance
+    if not whole:
+        count = len(sources)
+        if count:
+            say(console, f"Where {count} of its numbers come from: --provenance.")
+        return
+    headline(console, "Provenance")
+    for path, text in sources.items():
         say(console, f"{path}: {text}")
 
 
 def _joints(report: ModelReport, console: Console) -> None:
     mechanism = report.mechanism
-    table = Table(box=box.SIMPLE_HEAD, title="Joints", title_justify="left", pad_edge=False)
-    for heading in ("joint", "kind", "parent", "child", "moved by"):
-        table.add_column(heading, overflow="fold")
     moved = {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
-    for joint in mechanism.joints:
-        by = moved.get(joint.index, "")
-        add_row(table, joint.name, joint.kind, joint.parent, joint.child, by)
+    rows: list[tuple[str, ...]] = [
+        (joint.name, joint.kind, joint.parent, joint.child, moved.get(joint.index, ""))
+        for joint in mechanism.joints
+    ]
     for closure in mechanism.closures:
         kind, first = "cut pin", closure.frame_a
         if closure.slot_frame is not None:
             kind, first = "pin in a slot", f"{closure.slot_frame} along {closure.slot_axis}"
-        add_row(table, closure.name, kind, first, closure.frame_b, "")
-    console.print(table)
+        rows.append((closure.name, kind, first, closure.frame_b, ""))
+    headings = ("joint", "kind", "parent", "child", "moved by")
+    show_table(console, headings, rows, text=range(5))
     total = sum(item.mass_kg for item in report.masses)
     masses = ", ".join(f"{item.link} {item.mass_kg:.4g}" for item in report.masses)
     say(console, f"masses in kg: {masses}; together {total:.4g}")
@@ -104,19 +132,19 @@ def _timing(report: ModelReport) -> str:
         return f"stop {name} does not close. {report.outcome}" if name else report.outcome
     if name not in report.stop_force:
         return (
-            f"stop {name} is struck first at index {report.closing_index:.4f} and does not come to "
+            f"stop {name} is struck first at index {report.closing_index:.3f} and does not come to "
             "rest"
         )
     opening = (
         "does not open again"
         if report.opening_index is None
-        else f"opens at index {report.opening_index:.4f}"
+        else f"opens at index {report.opening_index:.3f}"
     )
-    return f"stop {name} closes at index {report.closing_index:.4f} and {opening}"
+    return f"stop {name} closes at index {report.closing_index:.3f} and {opening}"
 
 
 def _clearances(report: ModelReport, console: Console) -> None:
-    say(console, "Clearances below 20 mm", style="bold")
+    headline(console, "Clearances below 20 mm")
     for item in report.clearances:
         verdict = "INTERFERENCE" if item.interferes else "meet" if item.may_touch else "clear"
         say(

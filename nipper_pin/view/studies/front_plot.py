@@ -11,8 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ...outputs import complete_file
-from ...study.optimise.problem.quantities import label
 from ...study.optimise.result import Optimum
+from ...terms import named
 from ..plain_texts import plain
 from ..style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
 
@@ -70,9 +70,9 @@ def front_figure(optimum: Optimum) -> Figure:
             label=word,
         )  # fmt: skip
     above.legend(fontsize=SMALL, frameon=False)
-    tidy(above, "", label(one, problem.units[one]))
+    tidy(above, "", named(one, problem.units[one]).label)
     _numbers_along(optimum, below)
-    tidy(below, label(two, problem.units[two]), "place in its bounds")
+    tidy(below, named(two, problem.units[two]).label, "place in its bounds")
     return figure
 
 

@@ -12,7 +12,7 @@ from ...study.identify.fitting.goodness import Goodness, Verdict
 from ...study.identify.fitting.profiles import Profile
 from ...study.identify.problem.targets import Condition
 from ...study.identify.record import WORD
-from ..console import add_row, plain_table, say
+from ..console import headline, say, show_table
 
 _SAME = 1e-3
 # Two numbers whose errors go together this far are known as a combination alone.
@@ -52,7 +52,7 @@ def print_fit(
     _correlations(known, console)
     _premises(fit, console)
     _limits(fit, console)
-    say(console, "What the targets determine", style="bold")
+    headline(console, "What the targets determine")
     say(
         console,
         f"{known.identifiable_directions} of {len(known.paths)} directions; singular values "
@@ -66,10 +66,8 @@ def print_fit(
 
 
 def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
-    table = plain_table("target", "wanted", "+-", "found", "deviation", "sigmas")
-    for place, target in enumerate(fit.objective.problem.targets):
-        add_row(
-            table,
+    rows = [
+        (
             target.name,
             f"{target.value:.5g}",
             f"{target.sigma:.2g}",
@@ -77,7 +75,10 @@ def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
             f"{100 * fit.deviations[place]:+.2f} %",
             f"{_sigmas(judged.residuals[place])}{'!' if place in judged.outliers else ' '}",
         )
-    console.print(table)
+        for place, target in enumerate(fit.objective.problem.targets)
+    ]
+    headline(console, "Targets, in the units of the problem's file")
+    show_table(console, ("target", "wanted", "+-", "found", "deviation", "sigmas"), rows)
     if judged.outliers:
         say(console, "!: outlier, farther off than chance explains for the worst of all targets")
 
@@ -87,22 +88,22 @@ def _sigmas(value: float) -> str:
 
 
 def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) -> None:
-    table = plain_table("number", "before", "found", "+-", "scaled", "bounds", "left")
     left, given = dict(known.ranked()), known.deviations
     scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
-    for item in fit.objective.problem.parameters:
-        value = fit.values[item.path]
-        add_row(
-            table,
+    rows = [
+        (
             item.path,
             f"{item.start:.5g}",
-            f"{value:.5g}{'*' if item.path in fit.at_bounds else ' '}",
+            f"{fit.values[item.path]:.5g}{'*' if item.path in fit.at_bounds else ' '}",
             f"{given[item.path] * item.width:.2g}",
             f"{scaled[item.path] * item.width:.2g}" if scaled else "-",
             f"{item.low:g}..{item.high:g}",
             f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
         )
-    console.print(table)
+        for item in fit.objective.problem.parameters
+    ]
+    headline(console, "Numbers of the model")
+    show_table(console, ("number", "before", "found", "+-", "scaled", "bounds", "left"), rows)
     say(
         console,
         "+-: standard deviation by the sigmas as given; scaled: by sigmas that the misfit would "

@@ -5,10 +5,11 @@ from __future__ import annotations
 from rich.console import Console
 
 from ...study.optimise.design import Design
-from ...study.optimise.problem.quantities import label
+from ...study.optimise.problem.problem import Aim, Limit, Problem
 from ...study.optimise.result import CAUTION, Optimum
 from ...study.optimise.search.binding import Binding
-from ..console import add_row, paste, plain_table, say
+from ...terms import Shown, named
+from ..console import headline, paste, say, show_table
 
 _SAME = 1e-6
 _ENGINES = {
@@ -24,67 +25,123 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
 
     Args:
         optimum: The optimum.
-        console: Where to print; 80 columns are enough.
+        console: Where to print, of any width.
     """
     problem = optimum.problem
     say(console, problem.title, style="bold")
-    aim = problem.aims[0].quantity
-    change = "" if optimum.gain is None else f" ({100.0 * optimum.gain:+.3g} %)"
-    say(console, f"{problem.aims[0]}: {optimum.best.values[aim]:.6g}{change}")
+    say(console, _found(optimum))
     _numbers(optimum, console)
     _quantities(optimum, console)
-    say(console, "What holds it back", style="bold")
+    headline(console, "What holds it back")
+    aim = _term(problem, problem.aims[0].quantity)
     for item in optimum.account.bindings:
         if item.active:
-            say(console, _price(item, problem.units[aim]))
-    free = [item.name for item in optimum.account.bindings if not item.active]
+            say(console, _price(item, problem, aim))
+    free = [binding_words(item, problem) for item in optimum.account.bindings if not item.active]
     if free:
         say(console, f"with room left: {', '.join(free)}")
     say(
         console,
         f"part of the gradient that nothing active explains: {optimum.account.residual:.2g}",
     )
+    headline(console, "Search")
     _search(optimum, console)
     if optimum.front:
         _front(optimum.front, optimum, console)
-    say(console, "To simulate it", style="bold")
-    paste(console, optimum.command)
-    say(console, CAUTION, style="bold")
+    headline(console, f"Found: {_found(optimum)}")
+    say(console, CAUTION)
+    paste(console, f"Next: {optimum.command}")
+
+
+def limit_words(limit: Limit, problem: Problem) -> str:
+    """A limit in words and in the unit that people read.
+
+    Args:
+        limit: The limit.
+        problem: Its problem.
+    """
+    term = _term(problem, limit.quantity)
+    side = "at least" if limit.side == "low" else "at most"
+    return f"{term.words} {side} {term.phrase(limit.value)}"
+
+
+def binding_words(item: Binding, problem: Problem) -> str:
+    """The limit that binds, or the bound of a parameter, in words.
+
+    Args:
+        item: It.
+        problem: Its problem.
+    """
+    for limit in problem.limits:
+        if item.kind == "limit" and str(limit) == item.name:
+            return limit_words(limit, problem)
+    return item.name
+
+
+def _term(problem: Problem, name: str) -> Shown:
+    return named(name, problem.units[name])
+
+
+def _aim(aim: Aim, problem: Problem) -> str:
+    verb = "smallest" if aim.sense > 0.0 else "largest"
+    return f"{verb} {_term(problem, aim.quantity).words}"
+
+
+def _found(optimum: Optimum) -> str:
+    problem = optimum.problem
+    aim = problem.aims[0]
+    change = "" if optimum.gain is None else f" ({100.0 * optimum.gain:+.3g} %)"
+    value = _term(problem, aim.quantity).phrase(optimum.best.values[aim.quantity])
+    return f"{_aim(aim, problem)}: {value}{change}"
 
 
 def _numbers(optimum: Optimum, console: Console) -> None:
-    table = plain_table("number", "before", "optimum", "bounds")
-    for item in optimum.problem.parameters:
-        value = optimum.best.numbers[item.name]
-        bounds = f"{item.low:g} to {item.high:g}"
-        add_row(table, item.name, f"{item.start:.6g}", f"{value:.6g}", bounds)
-    console.print(table)
+    headline(console, "Numbers of the model")
+    rows = [
+        (
+            item.name,
+            f"{item.start:.6g}",
+            f"{optimum.best.numbers[item.name]:.6g}",
+            f"{item.low:g} to {item.high:g}",
+        )
+        for item in optimum.problem.parameters
+    ]
+    show_table(console, ("number", "before", "optimum", "bounds"), rows)
 
 
 def _quantities(optimum: Optimum, console: Console) -> None:
-    table = plain_table("quantity", "before", "optimum", "control (simulated turn)")
-    seen = optimum.control.values
-    for name in optimum.problem.quantities:
-        before = "-" if optimum.before is None else f"{optimum.before.values[name]:.6g}"
-        value = seen.get(name)
-        control = "-" if value is None else f"{value:.6g}"
-        add_row(table, name, before, f"{optimum.best.values[name]:.6g}", control)
-    console.print(table)
+    headline(console, "Quantities (control: a simulated turn)")
+    problem, seen = optimum.problem, optimum.control.values
+    rows = []
+    for name in problem.quantities:
+        term = _term(problem, name)
+        before = None if optimum.before is None else optimum.before.values[name]
+        values = (before, optimum.best.values[name], seen.get(name))
+        rows.append((term.label, *(_six(term, value) for value in values)))
+    show_table(console, ("quantity", "before", "optimum", "control"), rows)
     if optimum.contradiction:
         say(console, f"NOT CONFIRMED: {optimum.contradiction}", style="bold")
     else:
         turns = optimum.control.turns
         say(console, f"confirmed by turn {turns} of the direct engine, which all later ones repeat")
     if optimum.before is not None and not optimum.before.inside:
-        limits = zip(optimum.problem.limits, optimum.before.slacks, strict=True)
-        broken = ", ".join(str(limit) for limit, slack in limits if slack < 0.0)
-        say(console, f"the model itself breaks {broken}")
+        limits = zip(problem.limits, optimum.before.slacks, strict=True)
+        broken = ", ".join(limit_words(limit, problem) for limit, slack in limits if slack < 0.0)
+        say(console, f"the model itself breaks: {broken}")
 
 
-def _price(item: Binding, unit: str) -> str:
-    return (
-        f"{item.name}: one unit more of room is worth {item.price:.4g}{f' {unit}' if unit else ''}"
+def _six(term: Shown, value: float | None) -> str:
+    """Six digits, which tell an optimum from its control."""
+    return "-" if value is None else f"{term.value(value):.6g}"
+
+
+def _price(item: Binding, problem: Problem, aim: Shown) -> str:
+    price = f"{aim.value(item.price):.4g} {aim.unit}".rstrip()
+    unit = next(
+        (problem.units[limit.quantity] for limit in problem.limits if str(limit) == item.name), ""
     )
+    more = f"one {unit} more of room" if unit else "one unit more of room"
+    return f"{binding_words(item, problem)}: {more} is worth {price}"
 
 
 def _search(optimum: Optimum, console: Console) -> None:
@@ -112,19 +169,22 @@ def _search(optimum: Optimum, console: Console) -> None:
 
 
 def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> None:
-    one, two = (item.quantity for item in optimum.problem.aims)
+    problem = optimum.problem
+    one, two = (_term(problem, item.quantity) for item in problem.aims)
     if len(front) == 1:
-        say(console, f"No conflict: one design is the best by {one} and by {two}")
+        say(console, f"No conflict: one design is the best by {one.words} and by {two.words}")
         return
-    names = [item.name for item in optimum.problem.parameters]
+    names = [item.name for item in problem.parameters]
     # Paths side by side are wider than a terminal; their last words do where they differ.
     short = [name.rsplit(".", 1)[-1] for name in names]
-    say(console, "Pareto front", style="bold")
+    headline(console, "Pareto front")
     headings = short if len(set(short)) == len(short) else names
-    table = plain_table(
-        *(label(name, optimum.problem.units[name]) for name in (one, two)), *headings
-    )
-    for item in front:
-        values = (item.values[one], item.values[two], *(item.numbers[name] for name in names))
-        add_row(table, *(f"{value:.5g}" for value in values))
-    console.print(table)
+    rows = [
+        (
+            f"{one.value(item.values[problem.aims[0].quantity]):.5g}",
+            f"{two.value(item.values[problem.aims[1].quantity]):.5g}",
+            *(f"{item.numbers[name]:.5g}" for name in names),
+        )
+        for item in front
+    ]
+    show_table(console, (one.label, two.label, *headings), rows, text=())

@@ -1,4 +1,4 @@
-"""Every quantity of a turn, once: its name, words and unit, and how it is read.
+"""How every quantity of a turn is read off it.
 
 As in :mod:`~nipper_pin.hybrid.result.quantities`, of which this is the part of whole turns.
 """
@@ -20,65 +20,61 @@ def _own(name: str) -> Callable[[Solution, object], Any]:
     return lambda _, item: getattr(item, name)
 
 
-def _of(name: str, words: str, column: str, unit: str = "", force: str | None = None) -> Any:
+def _of(name: str, column: str, force: str | None = None) -> Any:
     """A quantity whose attribute is called alike in a turn and in tables of turns."""
-    return Quantity(name=name, words=words, unit=unit, read=_own(column), column=column,
-                    force=force)  # fmt: skip
+    return Quantity(name=name, read=_own(column), column=column, force=force)
 
 
-def _forces(name: str, words: str, units: tuple[str, ...] = ("N", "N m")) -> list[Any]:
+def _forces(column: str, units: tuple[str, ...] = ("N", "N m")) -> list[Any]:
     """A force, or an impulse, once for each unit that a stop can have."""
     return [
-        _of(f"{name}_{unit.replace(' ', '_')}", words, name, unit, force=unit.removesuffix(" s"))
-        for unit in units
+        _of(f"{column}_{unit.replace(' ', '_')}", column, unit.removesuffix(" s")) for unit in units
+    ]
+
+
+def _force_errors(column: str) -> list[Any]:
+    """The error of a force, which tables alone have, in either unit."""
+    return [
+        Quantity(name=f"{column}_{unit.replace(' ', '_')}", column=column, force=unit)
+        for unit in ("N", "N m")
     ]
 
 
 _IMPULSE = ("N s", "N m s")
+_EVENTS = ("closing", "rest", "loss", "opening")
 TURN: tuple[Quantity[Turn], ...] = (
-    _of("repeats_after", "repeats after so many turns", "repeats_after"),
-    _of("clamped_time_s", "time clamped", "clamped_time", "s"),
-    Quantity(name="clamped_time_error_s", words="error of the time clamped", unit="s",
-             column="clamped_time_error"),
-    _of("clamped_share", "share of the turn clamped", "clamped_share"),
+    _of("repeats_after", "repeats_after"),
+    _of("clamped_time_s", "clamped_time"),
+    Quantity(name="clamped_time_error_s", column="clamped_time_error"),
+    _of("clamped_share", "clamped_share"),
     *(
-        _of(f"{word}_index{error}", f"{error[1:]}{' of the ' if error else ''}index of {event}",
-            f"{word}_index{error}")
-        for word, event in (("closing", "closing"), ("rest", "rest"), ("loss", "loss"),
-                            ("opening", "opening"))
+        _of(f"{event}_index{error}", f"{event}_index{error}")
+        for event in _EVENTS
         for error in ("", "_error")
     ),
-    *_forces("least_clamping_force", "smallest clamping force"),
-    *_forces("largest_clamping_force", "largest clamping force"),
-    *(
-        Quantity(name=f"clamping_force_error_{unit.replace(' ', '_')}", unit=unit, force=unit,
-                 words="error of both clamping forces", column="clamping_force_error")
-        for unit in ("N", "N m")
-    ),
-    _of("largest_gap", "largest gap of a rebound", "largest_gap", "{gap}"),
-    _of("largest_gap_error", "error of the largest gap", "largest_gap_error", "{gap}"),
-    _of("energy_lost_turn_J", "energy lost in the turn", "energy_lost", "J"),
-    _of("energy_lost_turn_error_J", "error of the energy lost", "energy_lost_error", "J"),
-)  # fmt: skip
+    *_forces("least_clamping_force"),
+    *_forces("largest_clamping_force"),
+    *_force_errors("clamping_force_error"),
+    _of("largest_gap", "largest_gap"),
+    _of("largest_gap_error", "largest_gap_error"),
+    _of("energy_lost_turn_J", "energy_lost"),
+    _of("energy_lost_turn_error_J", "energy_lost_error"),
+)
 """Quantities of a whole turn; forces and gaps are those of the transition stop, which clamps."""
 
 TURN_STOP: tuple[Quantity[StopTurn], ...] = (
-    _of("collisions", "collisions", "collisions"),
-    *_forces("impulse_sum", "sum of the impulses", _IMPULSE),
-    *_forces("impulse_sum_error", "error of the sum", _IMPULSE),
-    *_forces("largest_impulse", "largest impulse", _IMPULSE),
-    *_forces("largest_impulse_error", "error of the largest impulse", _IMPULSE),
+    _of("collisions", "collisions"),
+    *_forces("impulse_sum", _IMPULSE),
+    *_forces("impulse_sum_error", _IMPULSE),
+    *_forces("largest_impulse", _IMPULSE),
+    *_forces("largest_impulse_error", _IMPULSE),
 )
 """Quantities of each stop in a turn; in tables, those of a stop are ``name_STOP``."""
 
 TURN_DRIVE: tuple[Quantity[DriveTurn], ...] = (
-    *_forces("largest_torque", "largest torque between events", ("N m", "N")),
-    *(
-        Quantity(name=f"largest_torque_error_{unit.replace(' ', '_')}", unit=unit, force=unit,
-                 words="error of the largest torque", column="largest_torque_error")
-        for unit in ("N m", "N")
-    ),
-)  # fmt: skip
+    *_forces("largest_torque", ("N m", "N")),
+    *reversed(_force_errors("largest_torque_error")),
+)
 """Quantities of each drive, ``name_DRIVE``; they cost as much as a turn: only where asked for."""
 
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from ....arrays import FloatArray
 from ....errors import InputError
-from ....hybrid.result.quantities import coordinate_unit, force_unit, of_transition
+from ....hybrid.result.quantities import coordinate_unit, force_unit
 from ....mechanism import INDEX_PER_TURN, Mechanism
+from ....terms import term_of
 from ....units import MM_PER_M
 from ...identify.problem.working_cycle import Phase, WorkingCycle, unfit
 
@@ -29,8 +30,6 @@ class Quantity:
     """One quantity.
 
     Attributes:
-        words: What it is.
-        unit: Its unit, empty without one; ``{gap}`` is that of the transition stop.
         source: What it takes to find it.
         joint: Kind of joint that its stop must be on, or None for any.
         waiting: Whether its stop is the one that is closed in the initial phase, and not the
@@ -38,8 +37,6 @@ class Quantity:
         force: Whether it is a force, which the transition stop must have in this unit.
     """
 
-    words: str
-    unit: str
     source: Source
     joint: str | None = None
     waiting: bool = False
@@ -50,34 +47,26 @@ MARGIN = "rest_margin"
 """Name of the indices from rest to opening."""
 
 
-def _of_transition(name: str) -> tuple[str, str]:
-    """Words and unit of a quantity of transitions."""
-    found, place = of_transition(name)
-    return f"{found.words} {place}" if place else found.words, found.unit
-
-
 QUANTITIES: Mapping[str, Quantity] = {
     **{
-        name: Quantity(*_of_transition(name), "transition")
+        name: Quantity("transition")
         for name in ("rebound_amplitude_1", "rebound_time_s_1", "duration_s")
     },
-    "clamping_force_N": Quantity("clamping force", "N", "cycle"),
-    "stop_force_N": Quantity("least stop force with the jaw open", "N", "cycle"),
-    "closing_index": Quantity("closing index", "", "cycle"),
-    "opening_index": Quantity("opening index", "", "cycle"),
-    "jaw_opening_deg": Quantity("widest opening of the jaw", "deg", "cycle", joint="revolute"),
-    "stroke_mm": Quantity(
-        "largest stroke with the jaw closed", "mm", "cycle", joint="prismatic", waiting=True
-    ),
-    "speed_rpm": Quantity("cylinder speed", "r/min", "setting"),
-    "clamped_time_s": Quantity("time of a turn clamped", "s", "turn"),
-    "clamped_share": Quantity("share of the turn clamped", "", "turn"),
-    "rest_index": Quantity("index of rest", "", "turn"),
-    MARGIN: Quantity("indices from rest to opening", "", "turn"),
-    "least_clamping_force_N": Quantity("smallest clamping force", "N", "turn", force=True),
-    "largest_clamping_force_N": Quantity("largest clamping force", "N", "turn", force=True),
-    "largest_gap": Quantity("largest gap of a rebound", "{gap}", "turn"),
-    "energy_lost_turn_J": Quantity("energy lost in the turn", "J", "turn"),
+    "clamping_force_N": Quantity("cycle"),
+    "stop_force_N": Quantity("cycle"),
+    "closing_index": Quantity("cycle"),
+    "opening_index": Quantity("cycle"),
+    "jaw_opening_deg": Quantity("cycle", joint="revolute"),
+    "stroke_mm": Quantity("cycle", joint="prismatic", waiting=True),
+    "speed_rpm": Quantity("setting"),
+    "clamped_time_s": Quantity("turn"),
+    "clamped_share": Quantity("turn"),
+    "rest_index": Quantity("turn"),
+    MARGIN: Quantity("turn"),
+    "least_clamping_force_N": Quantity("turn", force=True),
+    "largest_clamping_force_N": Quantity("turn", force=True),
+    "largest_gap": Quantity("turn"),
+    "energy_lost_turn_J": Quantity("turn"),
 }
 """All quantities by name."""
 
@@ -93,18 +82,7 @@ def units(names: Iterable[str], mechanism: Mechanism) -> dict[str, str]:
     """
     stop = mechanism.stop(mechanism.transition_stop)
     gap = coordinate_unit(mechanism, stop.index)
-    return {name: QUANTITIES[name].unit.format(gap=gap) for name in names}
-
-
-def label(name: str, unit: str) -> str:
-    """What a quantity is and its unit, for axes and headings.
-
-    Args:
-        name: Its name.
-        unit: Its unit, empty without one.
-    """
-    words = QUANTITIES[name].words
-    return f"{words} [{unit}]" if unit else words
+    return {name: term_of(name)[0].unit.format(gap=gap) for name in names}
 
 
 def check_fit(names: Iterable[str], mechanism: Mechanism, where: str) -> None:

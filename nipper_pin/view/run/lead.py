@@ -1,0 +1,133 @@
+"""The head of a printed run: machine, setting, and what its transition came to."""
+
+from __future__ import annotations
+
+from rich.console import Console
+
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.tables import Collision, Transition
+from ...terms import digits
+from ..console import headline, paste, say
+from ..naming import shown
+from ..reading import (
+    case_text,
+    damper_text,
+    force_text,
+    index_at,
+    restitution_text,
+    shown_transitions,
+    spring_text,
+    units_of,
+)
+from .remarks import more
+
+_TOLD = ("First", "second")
+
+
+def header(solution: Solution, console: Console) -> None:
+    """Print the machine, the setting and where time is zero.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    mechanism = solution.mechanism
+    say(console, mechanism.title or mechanism.name, style="bold")
+    say(console, case_text(solution))
+    if mechanism.stops:
+        say(console, f"restitution: {restitution_text(mechanism.stops)}")
+    say(console, f"springs: {spring_text(mechanism)}")
+    if dampers := damper_text(mechanism):
+        say(console, f"dampers: {dampers}")
+    if forces := force_text(mechanism):
+        say(console, f"forces: {forces}")
+    say(console, f"Times t count from the start of the run at index {_start(solution)}.")
+
+
+def transitions(solution: Solution, console: Console) -> None:
+    """Print the transitions that were completed: how long they take and how far the stop rebounds.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    stop = solution.mechanism.transition_stop
+    headline(console, "Transition")
+    if not solution.transitions:
+        say(console, f"No transition of the {stop} was completed.")
+        return
+    told = shown_transitions(solution)
+    for item in told:
+        say(console, _duration(solution, item))
+    say(console, _rebounds(solution, told[0] if told else solution.transitions[0]))
+    say(console, _how_ended(solution))
+    more(console, len(solution.transitions) - len(told), "transition")
+
+
+def premise(solution: Solution, console: Console, turns: str) -> None:
+    """Print a remark if no turn of the machine reaches this transition.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+        turns: The command that simulates whole turns; empty if unknown.
+    """
+    if solution.premise_holds is not False:
+        return
+    say(console, f"No turn has this transition: {solution.premise.why}", style="bold")
+    if turns:
+        say(console, "The one that turns have:")
+        paste(console, turns)
+    else:
+        say(console, "The one that turns have is found by simulating them (window cycle).")
+
+
+def _start(solution: Solution) -> str:
+    return f"{index_at(solution, 0.0):.3f}"
+
+
+def _duration(solution: Solution, item: Transition) -> str:
+    mechanism = solution.mechanism
+    share = (
+        "" if item.first_two_share is None
+        else "; the first two rebounds take "
+        f"{shown(mechanism, 'first_two_share').phrase(item.first_two_share)} of it"
+    )  # fmt: skip
+    noun = "collision" if item.collisions == 1 else "collisions"
+    duration = shown(mechanism, "duration_s").phrase(item.duration)
+    return f"{duration} from the first collision to rest, {item.collisions} {noun} computed{share}."
+
+
+def _rebounds(solution: Solution, item: Transition) -> str:
+    """The first two rebounds of a transition in words."""
+    hits = [
+        hit
+        for hit in solution.collisions
+        if hit.stop == solution.mechanism.transition_stop and hit.t >= item.t_start
+    ]
+    parts = [
+        f"{word} rebound {_rebound(solution, hit)}"
+        for word, hit in zip(_TOLD, hits, strict=False)
+        if hit.rebound_amplitude
+    ]
+    return f"{'; '.join(parts)}." if parts else "It does not rebound."
+
+
+def _rebound(solution: Solution, hit: Collision) -> str:
+    mechanism = solution.mechanism
+    height = shown(mechanism, "rebound_amplitude_1").phrase(hit.rebound_amplitude)
+    lasting = shown(mechanism, "rebound_time_s_1").phrase(hit.rebound_time)
+    return f"{height} in {lasting}"
+
+
+def _how_ended(solution: Solution) -> str:
+    """A remark on the finite duration of infinitely many bounces."""
+    mechanism, threshold = solution.mechanism, solution.case.rest_rate
+    stop = mechanism.stop(mechanism.transition_stop)
+    if stop.restitution == 0.0:
+        return "Without restitution the first collision ends it."
+    if threshold is None:
+        return "The bounces go on for ever; the time of rest is their limit, by extrapolation."
+    units = units_of(mechanism, stop.index)
+    rate = f"{digits(units.rate_factor * threshold)} {units.rate}"
+    return f"It was ended by a threshold: the first rebound slower than {rate}."

@@ -1,0 +1,149 @@
+"""What else a run tells: releases, speeds of shafts, forces, checks, as a terminal shows them."""
+
+from __future__ import annotations
+
+import numpy as np
+from rich.console import Console
+
+from ...hybrid.event import Event, EventKind
+from ...hybrid.result.solution import Solution
+from ...terms import digits, fixed
+from ...units import MS_PER_S
+from ..console import headline, say, show_table
+from ..reading import (
+    force_name,
+    index_at,
+    phase_name,
+    shown_events,
+    shown_until,
+    units_of,
+)
+from .sampling import force_ranges, lift, shaft_rates
+
+MOST_ROWS = 100
+"""Rows of one kind that are printed: a stop can collide thousands of times in a turn."""
+_HELD_SAMPLES = 1441
+
+
+def more(console: Console, count: int, noun: str) -> None:
+    """Print how many rows of one kind were left out.
+
+    Args:
+        console: Where to print.
+        count: Their number.
+        noun: What one of them is.
+    """
+    if count:
+        verb = " is" if count == 1 else "s are"
+        say(console, f"{count} more {noun}{verb} not shown.")
+
+
+def releases(solution: Solution, console: Console) -> None:
+    """Print where stops are left because their force falls to zero.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    shown = shown_events(solution, EventKind.RELEASE)
+    if not shown:
+        return
+    headline(console, "Releases")
+    for event in shown[:MOST_ROWS]:
+        say(console, _release_text(solution, event))
+    total = sum(item.kind is EventKind.RELEASE for item in solution.events)
+    more(console, total - min(len(shown), MOST_ROWS), "release")
+
+
+def _release_text(solution: Solution, event: Event) -> str:
+    mechanism = solution.mechanism
+    phase = mechanism.phase_of(event.closed_before)
+    where = "" if phase is None else f" in phase {phase.number}"
+    who = " and ".join(event.stops)
+    leave = "leaves its stop" if len(event.stops) == 1 else "leave their stops"
+    text = f"The {who} {leave}{where} at index {index_at(solution, event.t):.3f}"
+    lifted = lift(solution, event) if len(event.stops) == 1 else None
+    if lifted is not None:
+        units = units_of(mechanism, mechanism.stop(event.stops[0]).index)
+        gap, duration = digits(units.amplitude_factor * lifted[0]), f"{MS_PER_S * lifted[1]:.3f}"
+        text += f", opens by up to {gap} {units.amplitude} and collides {duration} ms later"
+    waits = mechanism.transition_stop not in event.closed_before
+    if phase is None or phase.number != mechanism.initial_phase or not waits:
+        return text + "."
+    return (
+        f"{text}. This is before the {mechanism.transition_stop} collides: to hold the {who} "
+        "closed until then would need a force that pulls."
+    )
+
+
+def shafts(solution: Solution, console: Console) -> None:
+    """Print the speeds of elastically driven shafts, beside those of held drives.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    rates = shaft_rates(solution)
+    if not rates:
+        return
+    headline(console, "Speeds of the driven joints")
+    rows = []
+    times = np.linspace(0.0, shown_until(solution), _HELD_SAMPLES)
+    held = solution.shaft.driven(times)[1]
+    for column, drive in enumerate(solution.mechanism.drives):
+        units = units_of(solution.mechanism, drive.index)
+        own = held[:, column]
+        values = (*rates[drive.name], float(own.min()), float(own.max()))
+        cells = (f"{units.rate_factor * value:.6g}" for value in values)
+        rows.append((drive.name, units.rate, *cells))
+    headings = ("drive", "unit", "smallest", "largest", "held: smallest", "held: largest")
+    show_table(console, headings, rows, text=(0, 1))
+
+
+def forces(solution: Solution, console: Console) -> None:
+    """Print the ranges of the forces of closed stops in the turns shown.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    ranges = force_ranges(solution)
+    headline(console, "Forces of closed stops")
+    if not ranges:
+        say(console, "No stop is closed in this window.")
+        return
+    rows = [
+        (
+            phase_name(solution.mechanism, item.closed),
+            force_name(solution.mechanism, item.stop),
+            item.stop,
+            fixed(item.lowest, 2),
+            fixed(index_at(solution, item.t_lowest), 3),
+            fixed(item.highest, 2),
+            fixed(index_at(solution, item.t_highest), 3),
+        )
+        for item in ranges
+    ]
+    headings = ("phase", "force", "stop", "lowest", "at index", "highest", "at index")
+    show_table(console, headings, rows, text=(0, 1, 2))
+
+
+def checks(solution: Solution, console: Console) -> None:
+    """Print how well the run keeps its closures and its energy, and its work.
+
+    Args:
+        solution: The run.
+        console: Where to print.
+    """
+    found = solution.checks
+    headline(console, "Checks and work")
+    say(
+        console,
+        f"closure {found.closure_m:.1e} m, closure rate {found.closure_rate_m_s:.1e} m/s, "
+        f"energy balance {found.energy_balance:.1e} of the largest kinetic energy",
+    )
+    say(
+        console,
+        f"direct engine: {solution.evaluations} evaluations of the dynamics, "
+        f"{MS_PER_S * solution.wall_s:.1f} ms",
+    )
