@@ -75,7 +75,7 @@ def replaced(owned: Sequence[Owned], other: Callable[[Any], Any]) -> Iterator[No
             setattr(owner, name, function)
 
 
-def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
+def recorded(work: Work, *owned: Owned) -> tuple[Work, int]:
     """Do some work once; what makes its calls of these functions again, and their number."""
     calls: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
 
@@ -88,7 +88,7 @@ def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
 
         return call
 
-    with replaced([owned], noted):
+    with replaced(owned, noted):
         work()
 
     def again() -> None:
@@ -98,8 +98,8 @@ def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
     return again, len(calls)
 
 
-def within(work: Work) -> float:
-    """Seconds of some work within the functions of ``DENSE`` alone."""
+def within(work: Work, dense: Sequence[Owned], others: Sequence[Owned]) -> float:
+    """Seconds of some work within the functions ``dense``, without ``others`` that they call."""
     inner, total = [0.0], 0.0
 
     def timed(counts: bool) -> Callable[[Any], Any]:
@@ -118,7 +118,7 @@ def within(work: Work) -> float:
 
         return clocked
 
-    with replaced(DENSE, timed(True)), replaced(OTHERS, timed(False)):
+    with replaced(dense, timed(True)), replaced(others, timed(False)):
         work()
     return total
 
@@ -152,7 +152,7 @@ def main() -> int:
     for title, owned in CALLS.items():
         again, count = recorded(transition, owned)
         rows[f"{title} ({count} calls)"] = lambda again=again: seconds(again)  # type: ignore[misc]
-    rows["small dense work"] = lambda: within(transition)
+    rows["small dense work"] = lambda: within(transition, DENSE, OTHERS)
     taken: dict[str, list[float]] = {title: [] for title in rows}
     gc.disable()
     for _ in range(options.rounds):
