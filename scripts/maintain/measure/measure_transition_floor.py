@@ -6,8 +6,8 @@ Two floors, measured in turns with the transition and with SciPy's DOP853 (rtol 
 events). "Calls": what no rearrangement of the Python around it removes is recorded once, with its
 arguments, and done again with nothing else. "Small dense work": time within the functions that a
 compiler could take over (sweeps, roots, closing, impacts, limits of bounces), without what they
-call of Pinocchio; the clock that is read around each call is in it, so it is less. Times are wall
-time, the least and the median of all rounds.
+call of Pinocchio; the clock that is read around each call is in it, so it is less. It is wall time,
+since that clock is read faster, all else time of the processor: least and median of all rounds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import statistics
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -124,10 +124,10 @@ def within(work: Work, dense: Sequence[Owned], others: Sequence[Owned]) -> float
 
 
 def seconds(work: Work) -> float:
-    """Seconds of some work."""
-    began = perf_counter()
+    """Seconds of the processor that some work takes."""
+    began = process_time()
     work()
-    return perf_counter() - began
+    return process_time() - began
 
 
 def main() -> int:

@@ -8,15 +8,14 @@ assemble the start. The calls that no rearrangement of the Python around them re
 once and made again with nothing else; time within the functions that a compiler could take over is
 added up, without what they call of Pinocchio and of the drives. What is left of a turn when these
 take no time at all is the floor. With OTHER, the folder of another checkout, its turn is measured
-in turns with these and all is given as a share of it. Wall time, the least and the median of all
-rounds.
+in turns with these and all is given as a share of it. Times are the least of all rounds, of the
+processor but for the small dense work, as there.
 """
 
 from __future__ import annotations
 
 import argparse
 import gc
-import statistics
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -93,23 +92,15 @@ def main() -> int:
 
 
 def _report(taken: dict[str, list[float]]) -> None:
-    """Print every row, the rest, and what is left without the small dense work."""
-    whole = next(iter(taken))
-    found = {
-        title: (1e3 * min(times), 1e3 * statistics.median(times)) for title, times in taken.items()
-    }
-    *calls, (dense_least, dense_middle) = (
-        found[title] for title in found if not title.startswith("turn")
-    )
-    least, middle = found["turn"]
-    found["the rest: panels, states, events, choice of phases and coordinates"] = (
-        least - dense_least - sum(row[0] for row in calls),
-        middle - dense_middle - sum(row[1] for row in calls),
-    )
-    found["turn without the small dense work"] = least - dense_least, middle - dense_middle
-    for title, (low, mid) in found.items():
-        shares = f"{low / found[whole][0]:.3f}, {mid / found[whole][1]:.3f} of the {whole}"
-        print(f"{title:66} least {low:6.2f} ms, median {mid:6.2f} ms; {shares}")
+    """Print the least of every row, the rest, and what is left without the small dense work."""
+    found = {title: 1e3 * min(times) for title, times in taken.items()}
+    whole = next(iter(found))
+    parts = [found[title] for title in found if not title.startswith("turn")]
+    rest = "the rest: panels, states, events, choice of phases and coordinates"
+    found[rest] = found["turn"] - sum(parts)
+    found["turn without the small dense work"] = found["turn"] - found["small dense work"]
+    for title, least in found.items():
+        print(f"{title:66} {least:6.2f} ms, {least / found[whole]:.3f} of the {whole}")
 
 
 if __name__ == "__main__":
