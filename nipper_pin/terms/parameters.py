@@ -10,6 +10,8 @@ from .table import TERMS
 # What a name can end with, and how people write it.
 _UNITS = {"rpm": "r/min", "kg": "kg", "N": "N", "J": "J", "mm": "mm", "m": "m", "m2": "m2"}
 _UNITS |= {"rad": "rad", "deg": "deg", "s": "s", "hz": "Hz", "per": "/", "turn": "turn"}
+# What stands in these tables of a model, behind its name; elsewhere the name alone says it.
+_NOUNS = {"springs": "spring", "dampers": "damper", "drives": "drive"}
 NONE = "1"
 """Unit of a number without one."""
 
@@ -41,6 +43,9 @@ def parameter_shown(path: str) -> Shown:
     what, file_unit = _split(last)
     unit, factor = shown_in(file_unit)
     owner = head.rpartition(".")[2].replace("_", " ")
+    noun = _NOUNS.get(head.partition(".")[0], "")
+    if owner and noun and not owner.endswith(noun):
+        owner += f" {noun}"
     words = f"{what} of the {owner}" if owner else what
     return Shown(words=words, unit=unit, factor=factor)
 
