@@ -80,7 +80,6 @@ LARGE = {
     "study/identify/problem/problem.py",
     "view/paper/tables.py",
     "view/run/table.py",
-    "view/studies/sweep_plots.py",
 }
 
 
