@@ -88,7 +88,7 @@ def test_parameters_and_their_cells() -> None:
     Cells divide the range evenly, on a logarithmic scale by equal ratios.
     """
     a, b = parameters(grid())
-    assert (a.name, a.shown.label, a.log) == ("a", "rate of the a spring [N/mm]", False)
+    assert (a.name, a.shown.label, a.log) == ("a", "rate of spring a [N/mm]", False)
     assert (b.shown.label, b.log) == ("b", True)
     assert (a.grid, b.grid) == (True, True)
     np.testing.assert_allclose(a.centres, [1e-3, 2e-3, 4e-3], rtol=1e-15)
@@ -127,7 +127,7 @@ def test_main_effects() -> None:
     assert below(figure)[0] == "Y of it: how it changes with each parameter"
     assert written(figure.axes[0]) == ["middle 80 % of the scenarios", "mean of the scenarios"]
     for axes, name, label, scale, unit in zip(
-        figure.axes, "ab", ("rate of the a spring [N/mm]", "b"), ("linear", "log"), (1e-3, 1.0),
+        figure.axes, "ab", ("rate of spring a [N/mm]", "b"), ("linear", "log"), (1e-3, 1.0),
         strict=True,
     ):  # fmt: skip
         x = unit * column(table, name)
@@ -235,7 +235,7 @@ def test_scales_of_parallel_coordinates() -> None:
             assert 0.08 < height < 0.92
     labels = [text.get_text() for text in axes.get_xticklabels()]
     assert [re.sub(r"\s+", " ", text) for text in labels] == [
-        "rate of the a spring [N/mm]", "b", "y of it [mdeg]",
+        "rate of spring a [N/mm]", "b", "y of it [mdeg]",
     ]  # fmt: skip
     assert max(len(line) for text in labels for line in text.splitlines()) <= 17
     assert list(axes.get_xticks()) == [0.0, 1.0, 2.0]
@@ -317,9 +317,9 @@ def test_level_lines() -> None:
     y[5] = 201.0
     figure = level_lines(table, *parameters(table), quantity(y))
     axes, bar = figure.axes
-    assert below(figure)[0] == "Y of it over rate of the a spring and b"
+    assert below(figure)[0] == "Y of it over rate of spring a and b"
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("rate of the a spring [N/mm]", "b")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("rate of spring a [N/mm]", "b")
     assert bar.get_ylabel() == "y of it [mdeg]"
     filled, lines = [item for item in axes.collections if isinstance(item, QuadContourSet)]
     assert filled.filled
@@ -371,7 +371,7 @@ def test_what_stands_above() -> None:
     y = column(table)
     lines = below(level_lines(table, *parameters(table), quantity(y)))
     assert lines == [
-        "Y of it over rate of the a spring and b", "a title", "a model",
+        "Y of it over rate of spring a and b", "a title", "a model",
         "24 of 36 scenarios, 12 of them taken, 1 of them without a value",
     ]  # fmt: skip
     whole = made_up(list(table.axes), a=column(table, "a"), b=column(table, "b"), y=y)

@@ -59,7 +59,7 @@ def test_figure_shows_the_front_and_the_model(optimum: Optimum, tmp_path: Path) 
     # Its restitution of 0.5 and 1.5 m/s give a rebound of 0.15 s.
     assert model.get_label() == "the model as it is (breaks a limit)"
     titles = [axes.get_title(loc="left") for axes in numbers]
-    assert titles == ["restitution of the table", "lead of the table drive [mm/turn]"]
+    assert titles == ["restitution of stop table", "lead of drive table [mm/turn]"]
     for axes, name, (low, high) in zip(numbers, NAMES, RANGES, strict=True):
         (line,) = axes.lines
         across, values = line.get_data()
@@ -81,7 +81,7 @@ def test_figure_shows_the_front_and_the_model(optimum: Optimum, tmp_path: Path) 
 def test_figure_names_what_holds_each_design_back(optimum: Optimum) -> None:
     """The limit on the rebound time and the bounds of both numbers, by the formulas of a ball.
 
-    Each is either met to a millionth, or has room: the front stops 1e-3 of its length before its end.
+    Each is either met to a millionth, or has room: the front stops 1e-3 of its length short.
     """
     _, held, *_ = front_figure(optimum).axes
     room: dict[str, list[float]] = {}
@@ -89,10 +89,10 @@ def test_figure_names_what_holds_each_design_back(optimum: Optimum) -> None:
         e, lead = item.numbers.values()
         for words, share in (
             ("first rebound time at most 5 ms", 1.0 - ball(e, lead)["rebound_time_s_1"] / 0.005),
-            ("restitution of the table at least 0.05", (e - 0.05) / 0.25),
-            ("restitution of the table at most 0.3", (0.3 - e) / 0.25),
-            ("lead of the table drive at least 20 mm/turn", (lead - 20.0) / 80.0),
-            ("lead of the table drive at most 100 mm/turn", (100.0 - lead) / 80.0),
+            ("restitution of stop table at least 0.05", (e - 0.05) / 0.25),
+            ("restitution of stop table at most 0.3", (0.3 - e) / 0.25),
+            ("lead of drive table at least 20 mm/turn", (lead - 20.0) / 80.0),
+            ("lead of drive table at most 100 mm/turn", (100.0 - lead) / 80.0),
         ):
             room.setdefault(words, []).append(share)
     assert all(abs(share) < 1e-6 or share > 3e-4 for row in room.values() for share in row)

@@ -137,7 +137,7 @@ def test_figures_of_a_sweep(folder: Path, tmp_path: Path) -> None:
     parameters = [Parameter.of(sweep, place) for place in range(3)]
     quantity = Quantity.of(sweep, "duration_s")
     figure = level_lines(sweep, parameters[0], parameters[1], quantity)
-    assert figure.get_suptitle() == "Time to rest over cylinder speed and restitution of the jaw"
+    assert figure.get_suptitle() == "Time to rest over cylinder speed and restitution of stop jaw"
     below = figure.get_supxlabel()
     assert "9 of them without a value" in below
     assert "not the maker's data" in below

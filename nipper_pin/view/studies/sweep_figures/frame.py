@@ -15,9 +15,10 @@ from ...style import SMALL, TITLE, WIDTH_IN
 from .columns import Quantity
 
 COLOURS = "viridis"
+ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)
+"""Steps of scales, each times a power of ten."""
 _TITLE_COLUMNS = 72
 _NOTE_COLUMNS = 104
-_ROUND = (1.0, 2.0, 2.5, 5.0, 10.0)
 _GREY = "0.35"
 
 
@@ -44,7 +45,7 @@ def framed(
 
 def few_ticks() -> MaxNLocator:
     """Places of three to seven ticks at round numbers."""
-    return MaxNLocator(6, steps=_ROUND)
+    return MaxNLocator(6, steps=ROUND)
 
 
 def short(value: float) -> str:

@@ -6,13 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ....arrays import FloatArray
 from ....study.sweep import SweepTable
 from ...style import SMALL, TEXT, tidy
 from .columns import Parameter, Quantity
-from .frame import COLOURS, few_ticks, framed, short
+from .frame import COLOURS, ROUND, few_ticks, framed, short
 
 _LEVELS = 8
 _MEANS = "Every value is the mean of the scenarios near it, whatever their other parameters."
@@ -56,7 +57,9 @@ def _field(
 ) -> ScalarMappable:
     """Levels, filled and with their values; cells where there are too few values for levels."""
     if field.count() > 2 and min(field.shape) > 1 and np.ptp(field.compressed()) > 0.0:
-        filled = axes.contourf(x, y, field, levels=_LEVELS, cmap=COLOURS)
+        ends = float(field.min()), float(field.max())
+        levels = MaxNLocator(_LEVELS, steps=ROUND).tick_values(*ends)
+        filled = axes.contourf(x, y, field, levels=levels, cmap=COLOURS)
         lines = axes.contour(x, y, field, levels=filled.levels, colors="k", linewidths=0.6)
         axes.clabel(lines, fontsize=SMALL, fmt=short)
         return filled
