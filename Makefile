@@ -76,7 +76,8 @@ pictures: $(DEV)
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
 	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/pictures/front
 	cp out/pictures/front/front.png $(IMAGES)/front_e62.png
-	$(BIN)/nipper-pin sweep scripts/maintain/figures/sweep_pictures.toml --out out/pictures/sweep
+	sed 's/count = 100_000/count = 10_000/' scripts/sweep_spring.toml > out/pictures/sweep.toml
+	$(BIN)/nipper-pin sweep out/pictures/sweep.toml --out out/pictures/sweep
 	$(BIN)/nipper-pin plot out/pictures/sweep --format png --out out/pictures/sweep_plots
 	cp out/pictures/sweep_plots/*.png $(IMAGES)/
 	$(FIGURES)/draw_recorded_benchmark.py docs
