@@ -228,7 +228,8 @@ def test_tables_of_narrow_and_wide_terminals() -> None:
 
 def test_lines_of_work_against_precision() -> None:
     """Our own engines thick and whole, others thin and dashed; the legend has their looks."""
-    names = ["direct", "reduced", "reduced, batch", "a peer (by hand)", "b peer", "c peer"]
+    names = ["direct", "reduced", "reduced, batch", "a peer (by hand)", "b peer (one way)",
+             "b peer (another)"]  # fmt: skip
     found = SimpleNamespace(
         engines=[row(name, "1", 2.0 + k) for k, name in enumerate(names[:3])],
         peers=[row(name, "1", 5.0 + k) for k, name in enumerate(names[3:])],
@@ -246,7 +247,14 @@ def test_lines_of_work_against_precision() -> None:
         assert (handle.get_color(), handle.get_marker()) == (line.get_color(), line.get_marker())
         assert handle.get_linestyle() == line.get_linestyle()
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert axes.get_title() == "One transition of the jaw, 650 r/min, e = 0.2 (2026-01-02, chip)"
+    title = "One transition of the jaw of the E62 estimate, 650 r/min, restitution 0.2"
+    assert axes.get_title().splitlines()[0] == f"{title} (2026-01-02, chip)"
+    # No two of one name: what tells them apart stays.
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
+        "nipper_pin, direct engine", "nipper_pin, reduced engine",
+        "nipper_pin, reduced engine, many at once", "a peer", "b peer (one way)",
+        "b peer (another)",
+    ]  # fmt: skip
 
 
 # Machines.
