@@ -91,10 +91,13 @@ def test_simulate_prints_every_part(window: str, capsys: pytest.CaptureFixture[s
     assert lines[0] == mechanism.title
     # The last line is the command to run next; the sentence how it ended stands above.
     assert lines[-2] == solution.outcome.value
-    assert lines[-1] == {
-        "transition": "Next: nipper-pin simulate --speed 650 --forces --window cycle",
-        "cycle": "Next: nipper-pin view e62 --speed 650.0 --html e62.html",
-    }[window]
+    assert (
+        lines[-1]
+        == {
+            "transition": "Next: nipper-pin simulate --speed 650 --forces --window cycle",
+            "cycle": "Next: nipper-pin view e62 --speed 650.0 --html e62.html",
+        }[window]
+    )
     places = [
         next(row for row, line in enumerate(lines) if line.startswith(part))
         for part in PARTS[window]

@@ -354,9 +354,7 @@ def test_printed_collisions(judge: Judge, run: Solution) -> None:
                 assert float(cell) == digits, (key, number)
 
 
-def assert_small(
-    text: str, title: str, count: int, limit: float, unit: tuple[str, float]
-) -> None:
+def assert_small(text: str, title: str, count: int, limit: float, unit: tuple[str, float]) -> None:
     """The line below a table counts the rebounds that have no row, and tells their limit."""
     block = text.split(title, 1)[1].split("\n\n", 1)[0]
     told = re.findall(r"^(\d+) more rebounds? below (\S+) (\S+) \(all of them: ", block, re.M)

@@ -77,6 +77,7 @@ def columns(text: str, first: str, rows: int, title: str = "") -> dict[str, list
 
 # Identify.
 
+
 def test_tables_of_a_fit_by_heading() -> None:
     """Deviations in per cent; errors as parts of the range, by the sigmas and by the misfit."""
     text = printed(identified(Verdict.AGREES))
@@ -120,6 +121,7 @@ def test_broken_limits_are_red() -> None:
 
 
 # Optimise.
+
 
 def told(**others: Any) -> str:
     return printed(lambda console: optimise_report.print_optimum(optimum(**others), console))

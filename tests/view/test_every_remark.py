@@ -116,7 +116,8 @@ def test_tables_of_fronts() -> None:
         assert rows[rule - 1][-2:] == headings
         assert [[float(cell) for cell in row] for row in rows[rule + 1 : rule + 4]] == [
             # Times are read in ms.
-            [1e3 * (0.5 + k), 80.0 - k, 1.5 + 0.25 * k, 2.5 + 0.25 * k] for k in range(3)
+            [1e3 * (0.5 + k), 80.0 - k, 1.5 + 0.25 * k, 2.5 + 0.25 * k]
+            for k in range(3)
         ]
     single = front("a", points=1)
     text = printed(lambda console: tell(single.front, single, console))

@@ -83,7 +83,9 @@ def printed(write: Write, width: int) -> str:
 @pytest.mark.parametrize("provenance", [True, False])
 def test_checks(provenance: bool, width: int, checked: ModelReport) -> None:
     steps = next_steps(checked, LONG, ["--set", f"{LONG}=1"])
-    missing = next_steps(checked, "m").__class__(("Missing: " + "one thing, " * 20,), steps.commands)
+    missing = next_steps(checked, "m").__class__(
+        ("Missing: " + "one thing, " * 20,), steps.commands
+    )
     for item in (steps, missing):
         assert not faults(
             lambda console, item=item: print_report(checked, item, console, provenance=provenance),
@@ -125,12 +127,12 @@ def test_identifications(width: int) -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_campaigns(width: int) -> None:
     verdicts = tuple(
-        Verdict(k, f"family {k % 7} of machines", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5)
+        Verdict(
+            k, f"family {k % 7} of machines", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5
+        )
         for k, word in enumerate(["right", "refused", "wrong"] * 20)
     )
-    assert not faults(
-        lambda console: print_campaign(Campaign(23, verdicts, 1.5), console), width
-    )
+    assert not faults(lambda console: print_campaign(Campaign(23, verdicts, 1.5), console), width)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -163,9 +165,7 @@ def test_benchmarks(width: int) -> None:
 
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("compared", [True, False])
-def test_the_published_study(
-    compared: bool, width: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_published_study(compared: bool, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(summary, "note", lambda _: "a note on what the numbers are " * 5)
     ratios = {name: 1.5 for name in published().ratios}
     monkeypatch.setattr(summary, "ratio_values", lambda _: ratios)
@@ -182,9 +182,7 @@ def test_the_published_study(
 
 
 @pytest.fixture
-def printing_of(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> Callable[[list[str]], Write]:
+def printing_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[list[str]], Write]:
     """Makes a command print on the console of a test, each time in an empty folder."""
     home = tmp_path / "home"
 
@@ -207,9 +205,7 @@ def printing_of(
     "words",
     ["new --list", "new a_press", f"new {LONG[:40]}", "new --from toggle_press a_press"],
 )
-def test_new_models(
-    words: str, width: int, printing_of: Callable[[list[str]], Write]
-) -> None:
+def test_new_models(words: str, width: int, printing_of: Callable[[list[str]], Write]) -> None:
     assert not faults(printing_of(words.split()), width)
 
 

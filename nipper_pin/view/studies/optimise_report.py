@@ -109,7 +109,11 @@ def _six(term: Shown, value: float | None) -> str:
 
 def _price(item: Binding, problem: Problem, aim: Shown) -> str:
     room = next(
-        (_term(problem, limit.quantity) for limit in problem.limits if str(limit) == item.name),
+        (
+            quantity_shown(problem, limit.quantity)
+            for limit in problem.limits
+            if str(limit) == item.name
+        ),
         Shown(words=item.name),
     )
     # A price is one of the unit in files: people read both the aim and the room in others.
