@@ -99,14 +99,15 @@ def _differ(one: list[str], two: list[str]) -> list[tuple[str, str]]:
 
 def _broken(part: Part) -> list[str]:
     """Words of a table that are not whole, and numbers that are not on one line."""
-    words = Counter(" ".join([part.title, *part.headings, *sum(part.columns, [])]).split())
+    cells = [cell for column in part.columns for cell in column]
+    words = Counter(" ".join([part.title, *part.headings, *cells]).split())
     lines = part.text.splitlines()
     shown = Counter(word for line in lines for word in line.split() if set(word) != {"─"})
     found = [f"a table: {word!r}" for word in (words - shown) + (shown - words)]
-    cells = [cell.strip() for cells, number in zip(part.columns, part.numbers, strict=True)
-             for cell in cells if number]  # fmt: skip
+    digits = [cell.strip() for cells, number in zip(part.columns, part.numbers, strict=True)
+              for cell in cells if number]  # fmt: skip
     return found + [
-        f"a number: {cell!r}" for cell in cells if not any(cell in line for line in lines)
+        f"a number: {cell!r}" for cell in digits if not any(cell in line for line in lines)
     ]
 
 

@@ -29,7 +29,7 @@ from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
 from nipper_pin.study.check import ModelReport, check_model
 from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
-from nipper_pin.study.next_steps import next_steps
+from nipper_pin.study.next_steps import NextSteps, next_steps
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.study.sweep.report import SweepReport
@@ -83,9 +83,13 @@ def printed(write: Write, width: int) -> str:
 @pytest.mark.parametrize("provenance", [True, False])
 def test_checks(provenance: bool, width: int, checked: ModelReport) -> None:
     steps = next_steps(checked, LONG, ["--set", f"{LONG}=1"])
+<<<<<<< HEAD
     missing = next_steps(checked, "m").__class__(
         ("Missing: " + "one thing, " * 20,), steps.commands
     )
+=======
+    missing = NextSteps(("Missing: " + "one thing, " * 20,), steps.commands)
+>>>>>>> texts
     for item in (steps, missing):
         assert not faults(
             lambda console, item=item: print_report(checked, item, console, provenance=provenance),
@@ -127,9 +131,13 @@ def test_identifications(width: int) -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_campaigns(width: int) -> None:
     verdicts = tuple(
+<<<<<<< HEAD
         Verdict(
             k, f"family {k % 7} of machines", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5
         )
+=======
+        Verdict(k, f"family {k % 7}", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5)
+>>>>>>> texts
         for k, word in enumerate(["right", "refused", "wrong"] * 20)
     )
     assert not faults(lambda console: print_campaign(Campaign(23, verdicts, 1.5), console), width)

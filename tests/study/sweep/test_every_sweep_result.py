@@ -48,8 +48,9 @@ def test_turns_of_the_reduced_engine_are_named_and_counted(tmp_path: Path) -> No
     tally.add(read(columns.parquet()))
     assert dict(tally.engines) == {"turn": 1, "reduced_turn": 2}
     assert sum(tally.direct.values()) == 1
-    told = SweepReport(folder=tmp_path, scenarios=3, found=0, computed=3, chunks=1, damaged=(),
-                       workers=1, wall_s=1.0, tally=tally, extremes=NOTHING).sentences()  # fmt: skip
+    report = SweepReport(folder=tmp_path, scenarios=3, found=0, computed=3, chunks=1, damaged=(),
+                         workers=1, wall_s=1.0, tally=tally, extremes=NOTHING)  # fmt: skip
+    told = report.sentences()
     assert told[-1] == (
         "3 do not arrive in the initial phase (premise_holds is false); 3 of them were computed by "
         "whole turns"
