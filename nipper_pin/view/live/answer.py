@@ -115,8 +115,9 @@ def _rows(
     first, transition = hits[0], solution.transitions[0]
     impulse = f"impulse_{force_unit(mechanism, stop).replace(' ', '_')}_s_1"
 
-    def row(key: str, name: str, value: float | None) -> Number:
+    def row(key: str, name: str, value: float | None, words: str = "") -> Number:
         term = words_of(mechanism, name)
+        term = term.called(words) if words else term
         return Number(key, term.label, term.text(value), value)
 
     rows = [
@@ -125,8 +126,8 @@ def _rows(
         row("duration", "duration_s", transition.duration),
         row("collisions", "collisions", transition.collisions),
         row("share", "first_two_share", transition.first_two_share),
-        row("approach", "approach_rate_1", first.approach_rate),
-        row("impulse", impulse, first.impulse),
+        row("approach", "approach_rate_1", first.approach_rate, "rate of the first collision"),
+        row("impulse", impulse, first.impulse, "impulse of the first collision"),
     ]
     if others:
         rows.append(Number("others", "other stops", _also(solution, others).strip()))

@@ -20,8 +20,8 @@ from .axes import SteadyAxis, SteadyDecades
 
 PINNED, BEFORE, NOW = "#E69F00", "#A6CDE6", "#0072B2"
 """Colours of the curves; of the dots as well."""
-_HEIGHTS = (190, 140, 170)  # pixels, of the plots
-_AXIS, _LABEL, _SIDE = 30, 18, 48  # pixels: axis below, its label, axis beside a plot
+_HEIGHTS = (190, 170, 175)  # pixels, of the plots
+_AXIS, _LABEL, _SIDE = 30, 18, 40  # pixels: axis below, its label, axis beside a plot
 _DASH = (6, 3)
 _TIME = "time from the first collision [ms]"
 _DOT = 7.0  # pixels
@@ -114,6 +114,11 @@ class Plots:
             self.gap.scales = {**self.gap.scales, "lips": lips}
         self.force.scales = {"x": x, "y": uplot.Scale(range=(0.0, self._most.top))}
         self.impulse.scales = {"x": x, "y": uplot.Scale(distr=3, range=self._decades.ends)}
+        # uPlot writes what is below a thousandth as 0.
+        marks = self._decades.marks
+        words = tuple(f"{mark:g}" for mark in marks)
+        time, impulse = self.impulse.axes or ()
+        self.impulse.axes = (time, {**impulse, "splits": marks, "values": words})
 
 
 def _plot(
@@ -135,7 +140,7 @@ def _plot(
         axes=tuple(axes),
         legend=uplot.Legend(show=False),
         height=_HEIGHTS[place],
-        padding=(10, 0 if with_lips else _SIDE, 0, 0),
+        padding=(10, 0 if with_lips else _SIDE + _LABEL, 0, 0),
     )
 
 

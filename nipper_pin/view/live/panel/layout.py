@@ -12,20 +12,23 @@ _ROOM = 1250  # pixels, of the narrowest window with two columns
 _COLUMNS = 700  # pixels, of the narrowest panel with two columns
 _PHONE = 576  # pixels, of the widest window in which viser puts the panel below the picture
 
+# Children of the panel, one an element; a field of text follows the slider that it stands beside.
+_PANEL = "div:has(> div > #layout)"
+_FIELD = ".mantine-TextInput-root"
 STYLE = f"""<style id="layout">
 :root {{ --at: 0 }}
 [data-dock-region] {{ container-type: inline-size }}
 @container (min-width: {_COLUMNS}px) {{
-  div:has(> div > #layout) {{ column-count: 2; column-gap: 0 }}
-  div:has(> #second) {{ break-before: column }}
+  {_PANEL} {{ column-count: 2; column-gap: 0 }}
+  {_PANEL} > div:has(> #second) {{ break-before: column }}
 }}
-div:has(> div > #layout) > div {{ break-inside: avoid }}
-div:has([role=slider]):has(+ div input[type=text]) {{ margin-right: 5rem }}
-div:has([role=slider]):has(+ div input[type=text]) .mantine-NumberInput-root {{ display: none }}
-div:has([role=slider]) + div:has(> div > div > .mantine-TextInput-root) {{
-  width: 5.4rem; margin: -2.3rem 0 0.1rem auto; position: relative }}
-div:has([role=slider]) + div:has(input[type=text]) > div > div:first-child {{ display: none }}
-div:has(+ div > .refused) input[type=text] {{ border-color: #B00020; color: #B00020;
+{_PANEL} {{ padding-right: 0.4rem }}
+{_PANEL} > div {{ break-inside: avoid }}
+{_PANEL} > div:has(+ div {_FIELD}) {{ margin-right: 5.2rem; min-height: 2.2rem }}
+{_PANEL} > div:has(+ div {_FIELD}) .mantine-NumberInput-root {{ display: none }}
+{_PANEL} > div:has({_FIELD}) {{ width: 6rem; margin: -2.15rem 0 0 auto }}
+{_PANEL} > div:has({_FIELD}) > div > div:first-child {{ display: none }}
+div:has(+ div > .refused) input {{ border-color: #B00020; color: #B00020;
   text-decoration: line-through }}
 .refused {{ color: #B00020; font-size: 0.8em; line-height: 1.3; padding: 0 0.9em 0.4em }}
 #legend {{ display: flex; flex-wrap: wrap; gap: 0 1em; font-size: 0.8em; padding: 0.2em 1em }}
@@ -33,6 +36,11 @@ div:has(+ div > .refused) input[type=text] {{ border-color: #B00020; color: #B00
 .u-over::after {{ content: ""; position: absolute; top: 0; bottom: 0; width: 1px;
   left: calc(var(--at) * 100%); background: #1c2430 }}
 .uplot-container {{ margin-top: 0.25em !important; margin-bottom: 0.25em !important }}
+@media (max-width: {_PHONE}px) {{
+  div:has(> div > canvas[data-engine]) {{ height: 40vh !important }}
+  .mantine-Paper-root:has(#layout), .mantine-Paper-root:has(#layout) div:has(#layout) {{
+    width: 100% !important }}
+}}
 </style>"""
 SECOND = '<div id="second"></div>'
 """Where the second column begins."""

@@ -25,7 +25,7 @@ def as_html(
     if other is not None:
         which = "the pinned setting" if pinned else "the setting before"
         head += (
-            f'<div id="against">right: difference to {which} '
+            f'<div id="against">at right: difference to {which} '
             f"({escape(unlike(other, found.parts))})</div>"
         )
     if found.message:
