@@ -45,7 +45,7 @@ def test_axes_grow_in_round_steps_and_shrink_only_when_asked() -> None:
         0.015, 1.0, 4.0, 6.0, 10.0, 400.0
     ]  # fmt: skip
     axis, tops = SteadyAxis(), []
-    for needed in (301.0, 310.0, 250.0, 395.0, 10.0):
+    for needed in (301.0, 310.0, 250.0, 401.0, 10.0):
         axis.hold(needed)
         tops.append(axis.top)
     assert tops == [400.0, 400.0, 400.0, 500.0, 500.0]
