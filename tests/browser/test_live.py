@@ -409,8 +409,10 @@ def test_axes_stand_still_for_a_small_change_and_reset_returns(page: Page) -> No
     check(page, run(650.0, 0.2, 9.0, 11.0))
 
 
-USEFUL = ("#title", "#setting", "#numbers", "#turn", "#now", "#legend", "#note", FIELD,
-          f"{PANEL} [role=slider]", ".uplot-container", f"{PANEL} .mantine-Button-root")  # fmt: skip
+USEFUL = (
+    *("#title", "#setting", "#numbers", "#turn", "#now", "#legend", "#note"),
+    *(FIELD, f"{PANEL} [role=slider]", f"{PANEL} .mantine-Button-root", ".uplot-container"),
+)
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (900, 700), (390, 800)])
