@@ -22,7 +22,7 @@ from nipper_pin.view.scene.page import write_page
 
 SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
-LIVE_SPEED = 700.0  # r/min, beside the pinned curves of SPEED
+LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -96,9 +96,12 @@ def live_picture(browser: Browser, path: Path) -> None:
         page.wait_for_selector("[data-key=rest]")
         page.get_by_role("button", name="pin this curve").click()
         page.wait_for_selector("[data-curve=pinned]")
-        page.wait_for_timeout(1000)
-        page.locator("div:has(> div > #layout) input:not([type])").first.fill(f"{LIVE_SPEED:g}")
-        page.wait_for_selector(f"#setting:has-text('speed {LIVE_SPEED:g}')")
+        field = page.locator("div:has(> div > #layout) input:not([type])").first
+        for speed in LIVE_SPEEDS:
+            # Moves that follow each other at once are one change.
+            page.wait_for_timeout(1000)
+            field.fill(f"{speed:g}")
+            page.wait_for_selector(f"#setting:has-text('speed {speed:g}')")
         page.wait_for_function(STOP_EARLY, polling=20)
         page.wait_for_timeout(1500)
         save(page, path)
