@@ -83,13 +83,7 @@ def printed(write: Write, width: int) -> str:
 @pytest.mark.parametrize("provenance", [True, False])
 def test_checks(provenance: bool, width: int, checked: ModelReport) -> None:
     steps = next_steps(checked, LONG, ["--set", f"{LONG}=1"])
-<<<<<<< HEAD
-    missing = next_steps(checked, "m").__class__(
-        ("Missing: " + "one thing, " * 20,), steps.commands
-    )
-=======
     missing = NextSteps(("Missing: " + "one thing, " * 20,), steps.commands)
->>>>>>> texts
     for item in (steps, missing):
         assert not faults(
             lambda console, item=item: print_report(checked, item, console, provenance=provenance),
@@ -131,13 +125,7 @@ def test_identifications(width: int) -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_campaigns(width: int) -> None:
     verdicts = tuple(
-<<<<<<< HEAD
-        Verdict(
-            k, f"family {k % 7} of machines", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5
-        )
-=======
         Verdict(k, f"family {k % 7}", word, f"kind_{k}", "it gained energy " * 9, "f", 0.5)
->>>>>>> texts
         for k, word in enumerate(["right", "refused", "wrong"] * 20)
     )
     assert not faults(lambda console: print_campaign(Campaign(23, verdicts, 1.5), console), width)
