@@ -26,6 +26,8 @@ from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Case
 from nipper_pin.mechanism.gallery import GALLERY
 from nipper_pin.study.optimise import Optimum
+from nipper_pin.study.optimise.problem.problem import Limit, Parameter
+from nipper_pin.study.sweep.axes import Target
 from nipper_pin.view.console import paste, say
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import plots, table
@@ -79,17 +81,26 @@ def test_remarks_on_a_search() -> None:
 
 
 def front(*paths: str, points: int = 3) -> Optimum:
-    parameters = [SimpleNamespace(name=path, low=1.0, high=3.0) for path in paths]
+    parameters = [
+        Parameter(name=path, target=Target(kind="model", path=path), low=1.0, high=3.0, start=2.0)
+        for path in paths
+    ]
+    limits = [
+        Limit(quantity="duration_s", side="high", value=0.25),
+        *(Limit(quantity="clamping_force_N", side=side, value=value)
+          for side, value in (("low", 70.0), ("high", 95.5))),
+    ]  # fmt: skip
     designs = tuple(
         SimpleNamespace(
             values={"duration_s": 0.5 + k, "clamping_force_N": 80.0 - k},
             numbers={path: 1.5 + 0.25 * k + place for place, path in enumerate(paths)},
             z=[0.25 * (k + 1), 0.9 - 0.3 * k],
+            holding=((str(limits[0]), f"{paths[0]} >= 1") if k == 1 else (str(limits[2]),) * k),
         )
         for k in range(points)
     )
     problem = SimpleNamespace(
-        title="a title " * 20, parameters=parameters, limits=["a <= 1", "b >= 2"],
+        title="a title " * 20, parameters=parameters, limits=limits,
         aims=[SimpleNamespace(quantity="duration_s"), SimpleNamespace(quantity="clamping_force_N")],
         units={"duration_s": "s", "clamping_force_N": "N"},
     )  # fmt: skip
@@ -125,29 +136,43 @@ def test_tables_of_fronts() -> None:
 
 
 def test_what_stands_around_a_front() -> None:
-    """Title and limits, legends, one colour and mark a number, and places between 0 and 1."""
-    optimum = front("a", "b")
-    figure = front_figure(optimum)
-    lines = figure.get_suptitle().splitlines()
-    assert max(map(len, lines)) <= 92
-    text = " ".join(lines)
+    """Title, limits below, legend, a row for each limit that holds, a panel for each number."""
+    figure = front_figure(front("a", "b"))
+    assert figure.get_suptitle() == "The best designs: time to rest against clamping force"
+    lines = figure.get_supxlabel().splitlines()
+    assert max(map(len, lines)) <= 104
+    text = " ".join(lines).replace("\N{NO-BREAK SPACE}", " ")
     assert text.startswith("a title a title")
-    assert text.replace("\N{NO-BREAK SPACE}", " ").endswith("limits: a <= 1; b >= 2")
-    above, below = figure.axes
-    words = [[item.get_text() for item in axes.get_legend().get_texts()] for axes in figure.axes]
-    assert words == [["front", "the model"], ["a, 1 to 3", "b, 1 to 3"]]
+    limits = "Limits: time to rest at most 250 ms; clamping force 70 to 95.5 N"
+    assert text.endswith(limits)
+    # No limit is broken by the end of a line.
+    assert "70\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}95.5\N{NO-BREAK SPACE}N" in lines[-1]
+    above, held, *numbers = figure.axes
+    words = [item.get_text() for item in above.get_legend().get_texts()]
+    assert words == ["best designs", "the model as it is"]
     assert above.lines[1].get_linestyle() == "None"
-    assert below.get_ylabel() == "place in its bounds"
     assert above.get_xlabel() == ""
-    for axes in figure.axes:
+    rows = {str(line.get_label()): line for line in held.lines}
+    assert {name: line.get_xdata().tolist() for name, line in rows.items()} == {
+        "time to rest at most 250 ms": [79.0], "clamping force at most 95.5 N": [78.0],
+        "a at least 1": [79.0], "no limit": [80.0],
+    }  # fmt: skip
+    assert [float(line.get_ydata()[0]) for line in held.lines] == [0.0, -1.0, -2.0, -3.0]
+    low, high = held.get_ylim()
+    assert low < -3.0
+    assert high > 0.5
+    for axes in (above, held):
         looks = [(line.get_color(), line.get_marker()) for line in axes.lines]
-        assert len({colour for colour, _ in looks}) == len({mark for _, mark in looks}) == 2
-    low, high = below.get_ylim()
-    assert -0.2 < low < 0.0
-    assert 1.0 < high < 1.2
-    assert above.get_shared_x_axes().joined(above, below)
-    none = replace_limits(optimum)
-    assert front_figure(none).get_suptitle().endswith("limits: none")
+        count = len(looks)
+        assert len({colour for colour, _ in looks}) == len({mark for _, mark in looks}) == count
+    assert [axes.get_title(loc="left") for axes in numbers] == ["a", "b"]
+    for axes in numbers:
+        low, high = axes.get_ylim()
+        assert 0.8 < low < 1.0
+        assert 3.0 < high < 3.2
+        assert above.get_shared_x_axes().joined(above, axes)
+    none = replace_limits(front("a", "b"))
+    assert front_figure(none).get_supxlabel().endswith("Limits: none")
 
 
 def replace_limits(optimum: Optimum) -> Optimum:
