@@ -97,11 +97,12 @@ def told_settings(source: Source) -> list[str]:
     Args:
         source: The side.
     """
-    if source.file and not source.given:
-        return ["view", "--solution", source.file]
-    words = ["simulate", "--case", str(Path(source.file).with_name("case.json"))]
-    if not source.file:
-        words = ["simulate", source.name]
+    words = ["simulate", source.name]
+    if source.file:
+        case = Path(source.file).with_name("case.json")
+        if not source.given or not case.is_file():
+            return ["view", "--solution", source.file]
+        words = ["simulate", "--case", str(case)]
     for name, value in source.given:
         words += ["--speed", f"{value}"] if name == _SPEED else ["--set", f"{name}={value}"]
     return words

@@ -9,9 +9,8 @@ from rich.console import Console
 
 from ...study.compare import Comparison, Row
 from ..console import headline, paste, say, show_table
-from .words import change_text, difference_text, finding, label, row_shown
+from .words import change_texts, difference_text, finding, label, row_shown
 
-_MOST_CHANGES = 12
 _HEADINGS = ("quantity", "unit", "A", "B", "difference")
 # Rows of a whole turn begin here.
 _TURN = "repeats_after"
@@ -34,7 +33,7 @@ def print_comparison(comparison: Comparison, console: Console, *, following: str
     if comparison.rows:
         say(console, "difference: B less A, in per cent of A; of indices and counts as it is")
     if comparison.notes:
-        headline(console, "Not compared")
+        headline(console, "Notes")
         for note in comparison.notes:
             say(console, note)
     headline(console, finding(comparison))
@@ -89,8 +88,5 @@ def _changes(comparison: Comparison, console: Console) -> None:
         say(console, "Machine and setting are the same.")
         return
     headline(console, "What differs")
-    for change in comparison.changes[:_MOST_CHANGES]:
-        say(console, change_text(comparison, change))
-    more = len(comparison.changes) - _MOST_CHANGES
-    if more > 0:
-        say(console, f"{more} more (all of them: --json FILE)")
+    for text in change_texts(comparison):
+        say(console, text)

@@ -11,6 +11,7 @@ from ..naming import shown
 # Counts and places on a scale: their difference is told, not its share.
 _COUNTED = ("collisions", "repeats_after")
 _INDEX, _LEAST_INDEX = "_index", 0.001
+_MOST_CHANGES = 12
 _LEAST_PERCENT, _ROUND_PERCENT, _WHOLE_PERCENT = 0.005, 10.0, 1000.0
 # What a designer asks first, and what is said if B has more or less of it.
 _ASKED = (
@@ -89,6 +90,28 @@ def change_text(comparison: Comparison, change: Change) -> str:
             return f"{change.path} is in {side} alone"
     values = f"{_value(found, change.a)} -> {_value(found, change.b)}"
     return f"{found.words} {values} {found.unit}".rstrip()
+
+
+def change_texts(comparison: Comparison) -> list[str]:
+    """What differs, one thing each, and how much more.
+
+    Args:
+        comparison: The comparison.
+    """
+    told = [change_text(comparison, item) for item in comparison.changes[:_MOST_CHANGES]]
+    more = len(comparison.changes) - len(told)
+    return [*told, *([f"{more} more (all of them: --json FILE)"] if more else [])]
+
+
+def changes_text(comparison: Comparison) -> str:
+    """What differs, as one sentence.
+
+    Args:
+        comparison: The comparison.
+    """
+    if not comparison.changes:
+        return "Machine and setting are the same."
+    return f"What differs: {'; '.join(change_texts(comparison))}."
 
 
 def finding(comparison: Comparison) -> str:
