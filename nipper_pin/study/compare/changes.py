@@ -47,24 +47,17 @@ def changes(a: Solution, b: Solution) -> tuple[Change, ...]:
         a: One run.
         b: The other one.
     """
-    settings = (
-        {key: value for key, value in _plain(asdict(run.case)).items() if key not in _WITHOUT_EFFECT}
-        for run in (a, b)
-    )
+    settings = (_without(asdict(run.case), _WITHOUT_EFFECT) for run in (a, b))
     one, other = a.mechanism, b.mechanism
-    texts = (
-        {key: value for key, value in item.description.items() if key not in _TEXTS}
-        for item in (one, other)
-    )
+    texts = (_without(item.description, _TEXTS) for item in (one, other))
     return (*_between("", *settings), *_between("", *texts), *_dimensions(one, other))
 
 
-def _plain(case: dict[str, Any]) -> dict[str, Any]:
-    """A case with the words of its choices."""
-    return {key: getattr(value, "value", value) for key, value in case.items()}
+def _without(values: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if key not in names}
 
 
-def _between(path: str, a: object, b: object) -> Iterator[Change]:
+def _between(path: str, a: Any, b: Any) -> Iterator[Change]:
     """Differences of two values and of all that they hold."""
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         for key in dict.fromkeys((*a, *b)):
@@ -90,7 +83,8 @@ def _is_list(value: Any) -> bool:
 def _value(value: Any) -> Value:
     """A leaf as a number or a word; tables and lists by their size."""
     if value is None or isinstance(value, str):
-        return value
+        # A choice of a setting as its word alone.
+        return None if value is None else str(value)
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int | float):
@@ -107,10 +101,9 @@ def _dimensions(a: Mechanism, b: Mechanism) -> Iterator[Change]:
     paths = [f"points.{name}.{key}" for name in pins if name in other.points for key in _POINT]
     paths += [f"links.{name}.{key}" for name in a.links if name in b.links for key in _LINK]
     for path in paths:
-        values = _number(one, path), _number(other, path)
-        if None in values:
+        first, second = _number(one, path), _number(other, path)
+        if first is None or second is None:
             continue
-        first, second = values
         if abs(second - first) > SAME_DIMENSION * max(1.0, abs(first), abs(second)):
             yield Change(path, first, second)
     if _shapes(one) != _shapes(other):

@@ -185,8 +185,7 @@ def _alone(a: Mechanism, b: Mechanism) -> Iterator[str]:
         ("stops", [stop.name for stop in a.stops], [stop.name for stop in b.stops]),
     ]
     if set(a.links) == set(b.links):
-        joints = ([f"{item.name} ({item.kind})" for item in machine.joints] for machine in (a, b))
-        parts.insert(1, ("joints", *joints))
+        parts.insert(1, ("joints", _joints(a), _joints(b)))
     for kind, one, other in parts:
         for side, own, others in (("A", one, other), ("B", other, one)):
             left = [name for name in own if name not in others]
@@ -194,3 +193,7 @@ def _alone(a: Mechanism, b: Mechanism) -> Iterator[str]:
                 noun = kind if len(left) > 1 else kind.removesuffix("s")
                 verb = "are" if len(left) > 1 else "is"
                 yield f"Only {side} has the {noun} {', '.join(left)}, which {verb} not compared."
+
+
+def _joints(mechanism: Mechanism) -> list[str]:
+    return [f"{item.name} ({item.kind})" for item in mechanism.joints]

@@ -77,10 +77,10 @@ def curves_figure(comparison: Comparison) -> Figure:
         row[0].set_ylabel("\n".join(lane.first.label), fontsize=TEXT)
     for axes in grid[-1]:
         axes.set_xlabel("time [ms]", fontsize=TEXT)
-    names = ((f"A: {label(comparison.a)}", COLOUR_A, "-"),
-             (f"B: {label(comparison.b)}", COLOUR_B, "--"))  # fmt: skip
-    lines = [Line2D([], [], color=colour, linestyle=style, label=text)
-             for text, colour, style in names]  # fmt: skip
+    lines = [
+        Line2D([], [], color=COLOUR_A, linestyle="-", label=f"A: {label(comparison.a)}"),
+        Line2D([], [], color=COLOUR_B, linestyle="--", label=f"B: {label(comparison.b)}"),
+    ]
     figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
     return figure
 

@@ -27,9 +27,7 @@ _FILES = ("compare.js", "compare.css")
 _Message = dict[str, Any]
 
 
-def write_comparison(
-    comparison: Comparison, path: str | Path, look: Look | None = None
-) -> Path:
+def write_comparison(comparison: Comparison, path: str | Path, look: Look | None = None) -> Path:
     """Write a comparison as one HTML file that needs nothing else, not even a network.
 
     Args:

@@ -28,8 +28,10 @@ def label(run: Solution) -> str:
         run: The run.
     """
     case = run.case
-    turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
-    what = f"{turns} from index {case.start_index:g}" if case.window is Window.CYCLE else "transition"
+    what = "transition"
+    if case.window is Window.CYCLE:
+        turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
+        what = f"{turns} from index {case.start_index:g}"
     return f"{run.mechanism.name}, {case.speed_rpm:g} r/min, {what}"
 
 

@@ -85,8 +85,8 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     Args:
         solution: The solution.
         look: How it is shown.
-        frames: Times of the frames, in which the machine stands still outside of its run; by default
-            those that suit the solution.
+        frames: Times of the frames, by default those that suit the solution. Outside of its run the
+            machine stands still.
 
     Returns:
         The frames.
