@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_machines import machine, slide
+from small_machines import link, machine, slide
 
 import nipper_pin as nip
 from nipper_pin import Case, InputError, Mechanism, Solution
@@ -103,9 +103,7 @@ def test_swapped_runs_have_the_negative_differences(
     ]
 
 
-def test_a_run_against_itself_and_its_file(
-    runs: tuple[Solution, Solution], tmp_path: Path
-) -> None:
+def test_a_run_against_itself_and_its_file(runs: tuple[Solution, Solution], tmp_path: Path) -> None:
     """All differences are zero, to the last bit; also of the run that was saved."""
     for other in (runs[0], nip.load_solution(nip.save(runs[0], tmp_path / "a.npz"))):
         found = nip.compare(runs[0], other)
@@ -150,11 +148,11 @@ def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
 
 
 def test_different_windows_are_refused(runs: tuple[Solution, Solution], e62: Mechanism) -> None:
-    with pytest.raises(InputError, match="window cycle.*window transition.*same --window"):
+    with pytest.raises(InputError, match=r"window cycle.*window transition.*same --window"):
         nip.compare(runs[0], nip.simulate(e62, Case(speed_rpm=A_RPM)))
     with pytest.raises(InputError, match="B is 'e62'"):
         nip.compare(runs[0], "e62")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="height is none of the quantities.*duration_s"):
+    with pytest.raises(InputError, match=r"height is none of the quantities.*duration_s"):
         nip.compare(*runs).row("height")
 
 
@@ -172,17 +170,17 @@ def test_machines_of_other_parts_are_compared_as_far_as_they_go(
     assert "Only A has the stop steeve, which is not compared." in notes
     assert "Only B has the stop rod, which is not compared." in notes
     assert "Only B has the links cylinder, connecting_rod" in notes
-    assert found.row("duration_s").b == pytest.approx(
-        other.transitions[0].duration, rel=1e-12
-    )
+    assert found.row("duration_s").b == pytest.approx(other.transitions[0].duration, rel=1e-12)
 
 
 def falling_block() -> Solution:
     """A block on a slide that a spring pushes to its stop: its gap is a length."""
     mechanism = machine(
-        [slide("block", "frame", "mass")],
+        [link("mass"), slide("block", "frame", "mass")],
         1,
-        springs={"block": {"joint": "block", "stiffness_N_per_m": 100.0, "preload_length_mm": 10.0}},
+        springs={
+            "block": {"joint": "block", "stiffness_N_per_m": 100.0, "preload_length_mm": 10.0}
+        },
         stops={"block": {"joint": "block", "restitution": 0.5}},
         transition_stop="block",
         initial={"block": {"at_mm": 5.0}},
@@ -202,7 +200,7 @@ def test_gaps_in_other_units_are_left_out(runs: tuple[Solution, Solution]) -> No
 
 
 def test_percent_of_nothing() -> None:
-    """Without a value in A, or with zero there, no share can be told; equal zeros differ by none."""
+    """Without a value in A, or with zero there, no share can be told; equal zeros are equal."""
     assert Row("x", "", 0.0, 1.0).percent is None
     assert Row("x", "", 0.0, 0.0).percent == 0.0
     assert Row("x", "", None, 1.0).percent is None
