@@ -185,7 +185,10 @@ def _views(note: Callable[..., None]) -> None:
 
 
 def _comparisons(note: Callable[..., None], report: SimpleNamespace) -> None:
-    note("nipper_pin.cli.compare.compare", lambda *_: report)
+    compared = SimpleNamespace(
+        b=SimpleNamespace(case=SimpleNamespace(speed_rpm=450.0)), **vars(report)
+    )
+    note("nipper_pin.cli.compare.compare", lambda *_: compared)
     note("nipper_pin.view.compare.table.print_comparison", lambda *_, **__: None)
     note("nipper_pin.view.compare.page.write_comparison",
          lambda _comparison, file, _look: Path(file).touch())  # fmt: skip

@@ -189,7 +189,13 @@ def test_a_machine_against_itself_says_so(capsys: pytest.CaptureFixture[str]) ->
     assert [row[-1] for row in rows] == ["0", "0", "0"]
     following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
     assert main([*shlex.split(following), "--window", "transition"]) == 0
-    assert re.search("restitution of .*jaw 0.2 -> 0.1", capsys.readouterr().out)
+    assert "cylinder speed 450 -> 495 r/min" in capsys.readouterr().out
+
+
+def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """At 1,900 r/min the steeve opens the jaw while that one still bounces."""
+    text = " ".join(told("e62 --speed 450 1900", capsys).split())
+    assert "than A. B does not come to rest, and the other one does." in text
 
 
 def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,6 +21,8 @@ _PAIRED = {
     "restitution": ("E", "restitution of the jaw"),
     "stiffness": ("N_PER_M", "spring rate; the preload length is kept"),
 }
+# What is proposed where nothing differs: the speed of B by that of A.
+_QUICKER = 1.1
 
 
 class _OneOrTwo(argparse.Action):
@@ -104,7 +106,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.html is not None:
         write_comparison(comparison, options.html, look)
     if options.json != "-":
-        _print(comparison, _next(options))
+        _print(comparison, _next(options, comparison))
     if options.browser:
         from ..view.scene.server import serve
 
@@ -139,12 +141,13 @@ def _print(comparison: Comparison, following: str) -> None:
     print_comparison(comparison, Console(), following=following)
 
 
-def _next(options: argparse.Namespace) -> str:
+def _next(options: argparse.Namespace, comparison: Comparison) -> str:
     """The command to run next: one with a difference, the film, or the second machine alone."""
     words: Sequence[str] = options.words
     one, other = sources(options)
     if one == other:
-        return shlex.join(["nipper-pin", *words, "--set-b", "restitution=0.1"])
+        quicker = f"speed={_QUICKER * comparison.b.case.speed_rpm:g}"
+        return shlex.join(["nipper-pin", "compare", one.name, "--set-b", quicker])
     if options.html is None and not options.browser:
         return shlex.join(["nipper-pin", *words, "--html", "compare.html"])
     return shlex.join(["nipper-pin", *told_settings(other)])

@@ -116,6 +116,10 @@ def test_a_page_has_both_machines_and_both_curves(turns: Comparison, both: Pair)
     clips = [clip["path"] for item in messages if "animations" in item
              for clip in item["animations"]]  # fmt: skip
     assert len(set(clips)) == len(clips)
+    # The colour of the first machine tells the phase, that of the second one stays.
+    tints = [path for path in clips if path.endswith("<object>")]
+    assert tints
+    assert all(path.startswith("/nipper/") for path in tints)
     assert {"/nipper/top_nipper", "/other/top_nipper"} <= set(clips)
     assert len([item for item in messages if "animations" in item]) == 1
     for curve, lane in zip(film["curves"], lanes(both), strict=True):

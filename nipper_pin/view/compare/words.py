@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ...hybrid.case import Window
 from ...hybrid.result.solution import Solution
 from ...study.compare import Change, Comparison, Row
@@ -133,11 +135,22 @@ def finding(comparison: Comparison) -> str:
         for name, more, less in _ASKED
         if name in rows and (text := _told(rows[name], more, less))
     ]
+    never = _never(rows)
+    if not told and never:
+        return never
     if not told:
         count = sum(row.a != row.b for row in comparison.rows)
         return f"{count} of {len(comparison.rows)} quantities differ, none of the rebound."
     ending = f" and {told.pop()}" if len(told) > 1 else ""
-    return f"B {', '.join(told)}{ending} than A."
+    return f"B {', '.join(told)}{ending} than A. {never}".rstrip()
+
+
+def _never(rows: Mapping[str, Row]) -> str:
+    """Which run does not come to rest where the other one does; empty if both do or none."""
+    row = rows.get("duration_s")
+    if row is None or (row.a is None) is (row.b is None):
+        return ""
+    return f"{'A' if row.a is None else 'B'} does not come to rest, and the other one does."
 
 
 def _told(row: Row, more: str, less: str) -> str:
