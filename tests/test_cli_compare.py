@@ -182,13 +182,14 @@ def test_what_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_machine_against_itself_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    text = told("e62", capsys)
+    text = told("e62 --set preload=9 --start-index 22", capsys)
     assert "Machine and setting are the same." in text
     assert "A and B are the same: all " in " ".join(text.split())
     rows = [line.split() for line in text.splitlines() if "rebound amplitude" in line]
     assert [row[-1] for row in rows] == ["0", "0", "0"]
     following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
-    assert main([*shlex.split(following), "--window", "transition"]) == 0
+    assert following == "compare e62 --set preload=9 --start-index 22.0 --speed 450 495"
+    assert main(shlex.split(following)) == 0
     assert "cylinder speed 450 -> 495 r/min" in capsys.readouterr().out
 
 
@@ -201,7 +202,8 @@ def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> N
 def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The table by the names of files in SI units, and the curves as pictures."""
     line = f"e62 --speed 450 520 --window transition --json {tmp_path / 'table.json'}"
-    told(f"{line} --out {tmp_path / 'out'}", capsys)
+    text = told(f"{line} --out {tmp_path / 'out'}", capsys)
+    assert f"table and curves: {tmp_path / 'out'}\ndocument: {tmp_path / 'table.json'}\n" in text
     found = json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))
     with (tmp_path / "out" / "comparison.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import shlex
-from collections.abc import Sequence
 from typing import Any
 
 from ..errors import InputError
@@ -13,7 +12,7 @@ from ..hybrid.case import Window
 from ..study.compare import Comparison, compare
 from .arguments import MODEL, check_outputs, refuse_beside, write_json
 from .case_options import add_window
-from .compare_sides import simulated, sources, told_settings
+from .compare_sides import simulated, sources, told_machine, told_settings, told_window
 
 # Settings that take one value for both, or one for A and one for B.
 _PAIRED = {
@@ -106,7 +105,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.html is not None:
         write_comparison(comparison, options.html, look)
     if options.json != "-":
-        _print(comparison, _next(options, comparison))
+        _print(comparison, options)
     if options.browser:
         from ..view.scene.server import serve
 
@@ -133,21 +132,29 @@ def _check(options: argparse.Namespace, *, pictured: bool) -> None:
     check_outputs(None, options.html)
 
 
-def _print(comparison: Comparison, following: str) -> None:
+def _print(comparison: Comparison, options: argparse.Namespace) -> None:
     from rich.console import Console
 
     from ..view.compare.table import print_comparison
 
-    print_comparison(comparison, Console(), following=following)
+    written = {"table and curves": options.out, "film": options.html, "document": options.json}
+    print_comparison(
+        comparison,
+        Console(),
+        written=[f"{what}: {place}" for what, place in written.items() if place is not None],
+        following=_next(options, comparison),
+    )
 
 
 def _next(options: argparse.Namespace, comparison: Comparison) -> str:
     """The command to run next: one with a difference, the film, or the second machine alone."""
-    words: Sequence[str] = options.words
     one, other = sources(options)
     if one == other:
-        quicker = f"speed={_QUICKER * comparison.b.case.speed_rpm:g}"
-        return shlex.join(["nipper-pin", "compare", one.name, "--set-b", quicker])
+        rpm = comparison.b.case.speed_rpm
+        return shlex.join([
+            "nipper-pin", "compare", *told_machine(one), *told_window(options),
+            "--speed", f"{rpm:g}", f"{_QUICKER * rpm:g}",
+        ])  # fmt: skip
     if options.html is None and not options.browser:
-        return shlex.join(["nipper-pin", *words, "--html", "compare.html"])
+        return shlex.join(["nipper-pin", *options.words, "--html", "compare.html"])
     return shlex.join(["nipper-pin", *told_settings(other)])

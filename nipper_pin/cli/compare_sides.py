@@ -97,15 +97,34 @@ def told_settings(source: Source) -> list[str]:
     Args:
         source: The side.
     """
-    words = ["simulate", source.name]
-    if source.file:
-        case = Path(source.file).with_name("case.json")
-        if not source.given or not case.is_file():
-            return ["view", "--solution", source.file]
-        words = ["simulate", "--case", str(case)]
-    for name, value in source.given:
-        words += ["--speed", f"{value}"] if name == _SPEED else ["--set", f"{name}={value}"]
-    return words
+    case = Path(source.file).with_name("case.json") if source.file else None
+    if case is not None and not (source.given and case.is_file()):
+        return ["view", "--solution", source.file]
+    machine = told_machine(source)
+    words = ["simulate", *(machine if case is None else ["--case", str(case), *machine[1:]])]
+    speed = dict(source.given).get(_SPEED)
+    return words if speed is None else [*words, "--speed", f"{speed}"]
+
+
+def told_machine(source: Source) -> list[str]:
+    """Words that make the machine of a side, without its speed.
+
+    Args:
+        source: The side.
+    """
+    changed = (f"{name}={value}" for name, value in source.given if name != _SPEED)
+    return [source.name, *(word for item in changed for word in ("--set", item))]
+
+
+def told_window(options: argparse.Namespace) -> list[str]:
+    """Words of window and start, as they were given.
+
+    Args:
+        options: The arguments.
+    """
+    names = {"window": "--window", "start_index": "--start-index"}
+    given = {name: word for name, word in names.items() if hasattr(options, name)}
+    return [word for name, item in given.items() for word in (item, f"{getattr(options, name)}")]
 
 
 def _saved(name: str) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import umsgpack
+from small_machines import SHAFT, hinge, link, machine
 
 import nipper_pin as nip
 from nipper_pin import Case, Comparison, InputError, Mechanism, compare, load, simulate
@@ -167,6 +168,22 @@ def test_a_figure_has_both_curves_of_the_window_and_of_the_transition(turns: Com
     assert begin < hits[0] < hits[1] < end
     assert end - begin < 0.5 * np.ptp(figure.axes[0].get_xlim())
     assert [text.get_text()[:5] for text in figure.legends[0].get_texts()] == ["A: e6", "B: e6"]
+
+
+def test_machines_without_stops_have_no_curves() -> None:
+    """Nothing can be compared but the film; the figure is refused in a sentence."""
+    crank = {"joint": "axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}
+    parts = [link("crank"), hinge("axis", "frame", "crank"), link("bob"),
+             hinge("swing", "crank", "bob", (0.1, 0.0))]  # fmt: skip
+    swing = machine(parts, 2, drives={"crank": crank})
+    found = compare(*(simulate(swing, Case(speed_rpm=rpm, window="cycle")) for rpm in (60.0, 66.0)))
+    assert found.rows == ()
+    assert "read off A: it has no stop whose bouncing is the transition." in found.notes[0]
+    assert finding(found) == "A and B have no quantity in common."
+    _, film = of_page(comparison_page(found, Look()))
+    assert (film["curves"], film["lips"], film["other_lips"]) == ([], None, None)
+    with pytest.raises(InputError, match="no curves to draw"):
+        curves_figure(found)
 
 
 def test_the_view_of_python_writes_a_comparison(transitions: Comparison, tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ def _notes(a: Solution, b: Solution, one: Reading, other: Reading) -> Iterator[s
         )
     for side, read in (("A", one), ("B", other)):
         if read.missing:
-            yield f"Quantities of a whole turn cannot be read off {side}: {read.missing}."
+            yield f"Not all can be read off {side}: {read.missing}."
     for side, run in (("A", a), ("B", b)):
         if run.case.window is Window.TRANSITION and run.premise_holds is False:
             yield f"No turn has the transition of {side}: {run.premise.why}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import FloatArray
+from ...errors import InputError
 from ...outputs import complete_folder
 from ...study.compare import Comparison
 from ...units import MS_PER_S
@@ -53,6 +54,9 @@ def curves_figure(comparison: Comparison) -> Figure:
 
     Args:
         comparison: The comparison.
+
+    Raises:
+        InputError: There is nothing to draw.
     """
     import textwrap
 
@@ -64,6 +68,9 @@ def curves_figure(comparison: Comparison) -> Figure:
 
     both = pair(comparison, Look())
     found, spans = lanes(both), _spans(both)
+    if not found:
+        message = "neither A nor B has a stop, so there are no curves to draw; --json needs none"
+        raise InputError(message)
     height = _HEAD_IN + _LANE_IN * len(found)
     figure = Figure(figsize=(WIDTH_IN, height), dpi=200, layout="constrained")
     FigureCanvasAgg(figure)

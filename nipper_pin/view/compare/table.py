@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 
 from rich.console import Console
 
@@ -16,12 +17,15 @@ _HEADINGS = ("quantity", "unit", "A", "B", "difference")
 _TURN = "repeats_after"
 
 
-def print_comparison(comparison: Comparison, console: Console, *, following: str = "") -> None:
+def print_comparison(
+    comparison: Comparison, console: Console, *, written: Sequence[str] = (), following: str = ""
+) -> None:
     """Print what differs, the table, and what was found.
 
     Args:
         comparison: The comparison.
         console: Where to print, of any width.
+        written: Files that were written, each behind what it is.
         following: The command to run next.
     """
     say(console, f"A: {label(comparison.a)}")
@@ -37,6 +41,8 @@ def print_comparison(comparison: Comparison, console: Console, *, following: str
         for note in comparison.notes:
             say(console, note)
     headline(console, finding(comparison))
+    for line in written:
+        paste(console, line)
     if following:
         paste(console, f"Next: {following}")
 

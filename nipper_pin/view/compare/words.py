@@ -167,7 +167,7 @@ def _signed(text: str) -> str:
 
 def _value(found: Shown, value: float | str | None) -> str:
     if isinstance(value, str) or value is None:
-        return str(value)
+        return value or "none"
     # As written in a file: 9 and 11000, not 9.000.
     text = f"{found.value(value):.10g}"
     return text if len(text) <= len("-123.4567") else digits(found.value(value))
