@@ -429,7 +429,7 @@ def test_live_page() -> None:
     duration = events[-1].t - start
     height, time = judge.rebound(hits[0], "jaw")  # type: ignore[misc]
     numbers: dict[str, tuple[str, float]] = {
-        "amplitude": ("[deg]", FACTOR["deg"] * height),
+        "amplitude": ("[mdeg]", 1e3 * FACTOR["deg"] * height),
         "rebound": ("[ms]", 1e3 * time),
         "duration": ("[ms]", 1e3 * duration),
         "collisions": ("", len(hits)),

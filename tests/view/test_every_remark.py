@@ -106,15 +106,21 @@ def test_tables_of_fronts() -> None:
     ):
         found = front(*paths)
         text = printed(lambda console, shown=found: tell(shown.front, shown, console))
-        assert text.startswith("Pareto front\n")
-        rows = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
-        assert rows[1][-2:] == headings
-        assert [[float(cell) for cell in row] for row in rows[3:6]] == [
-            [0.5 + k, 80.0 - k, 1.5 + 0.25 * k, 2.5 + 0.25 * k] for k in range(3)
+        assert text.startswith("\nPareto front\n")
+        lines = text.splitlines()
+        rule = next(k for k, line in enumerate(lines) if line.startswith("─"))
+        rows = [re.split(r"\s{2,}", line.strip()) for line in lines]
+        words = " ".join(" ".join(lines[2:rule]).split())
+        assert sorted(words.split()) == sorted(["time", "to", "rest", "[ms]", "clamping", "force",
+                                                "[N]", *headings])  # fmt: skip
+        assert rows[rule - 1][-2:] == headings
+        assert [[float(cell) for cell in row] for row in rows[rule + 1 : rule + 4]] == [
+            # Times are read in ms.
+            [1e3 * (0.5 + k), 80.0 - k, 1.5 + 0.25 * k, 2.5 + 0.25 * k] for k in range(3)
         ]
     single = front("a", points=1)
     text = printed(lambda console: tell(single.front, single, console))
-    assert text == "No conflict: one design is the best by duration_s and by clamping_force_N\n"
+    assert text == "No conflict: one design is the best by time to rest and by clamping force\n"
 
 
 def test_what_stands_around_a_front() -> None:
@@ -148,7 +154,7 @@ def replace_limits(optimum: Optimum) -> Optimum:
     return cast("Optimum", SimpleNamespace(**{**vars(optimum), "problem": problem}))
 
 
-@pytest.mark.parametrize("tell", [paste, say, table._say])
+@pytest.mark.parametrize("tell", [paste, say])
 def test_numbers_in_sentences_have_no_colours(tell: Any) -> None:
     """On a terminal with colours, too: style is what the program says."""
     stream = io.StringIO()
@@ -192,22 +198,28 @@ def test_tables_of_narrow_and_wide_terminals() -> None:
               "evaluations"],
         140: list(sheet.headings),
     }  # fmt: skip
+    # Sheets that show fewer columns where there is little room.
+    brief = sum(bool(item.brief) for item in benchmark_report.sheets(found))
+    assert brief > 3
     for width, text in texts.items():
         assert text.splitlines()[:2] == ["d, full run", "p, c, 6 cores (all allowed)"]
         assert text.endswith("Not measured: a peer: no bounce\n")
         lines = text.splitlines()
         begin = next(k for k, line in enumerate(lines) if line.startswith("Engines: one"))
-        words = " ".join(lines[begin + 1 : begin + 3]).split()
-        headings = {word for word in words if word[0].isalnum()}
-        assert headings == set(" ".join(shown[width]).split())
-        cells = [line.split() for line in lines[begin + 2 : begin + 6] if "1e-" in line]
+        rule = next(k for k in range(begin, len(lines)) if lines[k].startswith("─"))
+        words = " ".join(lines[begin + 1 : rule]).split()
+        assert sorted(words) == sorted(" ".join(shown[width]).split())
+        cells = [line.split() for line in lines[rule + 1 : rule + 4]]
         assert [cell[0] for cell in cells] == ["direct", "1e-8", "other"]
         for cell, item in zip(cells, rows, strict=True):
             values = cell[cell.index(item.setting) + 1 :]
             assert float(values[0]) == item.wall_ms
             assert len(values) == len(shown[width]) - 2
-        assert ("cut pins" in text) == (width == 140)
-        assert ("version" in text) == (width == 140)
+        # What is left out is said below the table, in the order of the columns.
+        left = [heading for heading in sheet.headings if heading not in shown[width]]
+        below = f"not shown, for want of room: {', '.join(left)} (all of them: --json, --out)"
+        assert lines[rule + 4] == ("" if width == 140 else below)
+        assert text.count("not shown") == (0 if width == 140 else brief)
     text = benchmark_report.markdown(found)
     assert text.endswith("\n\nNot measured: a peer: no bounce\n")
     assert "\n| --- | --- |" + " ---: |" * 11 + "\n| direct | 1e-12 |" in text
@@ -240,12 +252,23 @@ def test_lines_of_work_against_precision() -> None:
 # Machines.
 
 
-def test_the_gallery_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    """One line a machine, titles below one another."""
+def test_the_gallery_is_listed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line a machine, titles below one another; then how many, and how to take one."""
+    monkeypatch.setenv("COLUMNS", "300")
     assert main(["new", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     width = max(len(name) for name in GALLERY) + 2
-    assert lines == [name.ljust(width) + draw().title for name, draw in GALLERY.items()]
+    assert lines[0].rstrip() == "machine".ljust(width) + "what it is"
+    assert set(lines[1]) == {"─"}
+    assert [line.rstrip() for line in lines[2:-2]] == [
+        name.ljust(width) + draw().title for name, draw in GALLERY.items()
+    ]
+    assert lines[-2:] == [
+        f"Found: {len(GALLERY)} machines to start from.",
+        f"Next: nipper-pin new my_machine --from {next(iter(GALLERY))}",
+    ]
 
 
 @pytest.mark.parametrize("known", [True, False])
@@ -256,10 +279,11 @@ def test_a_machine_of_the_gallery_says_where_its_numbers_come_from(
     name = next(name for name, draw in GALLERY.items() if bool(draw().known) == known)
     drawing = GALLERY[name]()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "1000")
     assert main(["new", "some_press", "--from", name]) == 0
     assert capsys.readouterr().out.splitlines() == [
         f"some_press: {drawing.title}",
-        f"  {drawing.known if known else drawing.invented}",
+        drawing.known if known else drawing.invented,
         "It runs as it stands:",
         "  nipper-pin check some_press",
         "  nipper-pin simulate some_press --window cycle",
@@ -298,7 +322,9 @@ def test_how_a_series_ends(transition: Solution) -> None:
     for run, words in ((dead, [True, False]), (transition, [False, True])):
         text = printed(lambda console, shown=run: table.print_solution(shown, console))
         assert [part in text for part in said] == words
-        held = printed(lambda console, shown=run: table.print_solution(shown, console, forces=True))
+        held = printed(
+            lambda console, shown=run: table.print_solution(shown, console, with_forces=True)
+        )
         assert ("No stop is closed in this window." in held) == (
             not run.segments or run is transition
         )

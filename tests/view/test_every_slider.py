@@ -138,7 +138,7 @@ def test_numbers_and_setting_in_the_page(e62: Mechanism) -> None:
         "speed 700 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm"
     )
     assert read.labels == [
-        "first rebound amplitude [deg]", "first rebound time [ms]", "transition time [ms]",
+        "first rebound amplitude [mdeg]", "first rebound time [ms]", "transition time [ms]",
         "collisions computed up to the limit", "share of the first two rebounds",
         "rate of the first collision [rad/s]", "impulse of the first collision [N s]", "engine",
     ]  # fmt: skip

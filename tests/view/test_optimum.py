@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import shlex
 from dataclasses import replace
 from pathlib import Path
@@ -70,15 +71,17 @@ def test_text_says_what_holds_and_fits_a_terminal(optimum: Optimum) -> None:
     out = io.StringIO()
     print_optimum(optimum, Console(file=out, width=80))
     text = out.getvalue()
-    assert max(len(line) for line in text.splitlines() if line != optimum.command) <= 80
+    command = f"Next: {optimum.command}"
+    assert max(len(line) for line in text.splitlines() if line != command) <= 80
+    assert text.splitlines()[-1] == command
     # What looks like markup in a title is the user's.
     assert "A ball [bold]and[/bold] a table" in text
     flat = " ".join(text.split())
     assert "stops.table.restitution >= 0.05: one unit more of room is worth" in flat
-    assert "with room left: rebound_time_s_1 <= 0.005" in flat
-    assert "the model itself breaks rebound_time_s_1 <= 0.005" in flat
+    assert "with room left: first rebound time at most 5.000 ms" in flat
+    assert "the model itself breaks: first rebound time at most 5.000 ms" in flat
     for item in optimum.front:
-        assert f"{item.values['duration_s']:.5g}" in text
+        assert f"{1e3 * item.values['duration_s']:.5g}" in text
     assert "nipper-pin simulate" in text
 
 
@@ -109,27 +112,44 @@ def printed(optimum: Optimum) -> str:
 
 
 def cells(text: str, first: str) -> list[list[str]]:
-    """Rows of tables that begin with a word."""
-    return [line.split() for line in text.splitlines() if line.split()[:1] == [first]]
+    """Rows of tables whose first cell is this; cells are two blanks apart."""
+    rows = [re.split(r"\s{2,}", line.strip()) for line in text.splitlines()]
+    return [row for row in rows if row[0] == first]
+
+
+# What people read, and the number of its unit in one of the document's.
+SHOWN = {
+    "duration_s": ("time to rest [ms]", 1e3),
+    "rebound_amplitude_1": ("first rebound amplitude [um]", 1e6),
+    "rebound_time_s_1": ("first rebound time [ms]", 1e3),
+}
 
 
 def wrong_numbers(text: str) -> list[str]:
     """Rows of the report that are not what the formulas say, to the digits that are printed."""
     wanted = {
-        **{name: (BEFORE[name], BEST[name], BEST[name]) for name in BEST},
+        **{
+            SHOWN[name][0]: tuple(SHOWN[name][1] * values[name] for values in (BEFORE, BEST, BEST))
+            for name in BEST
+        },
         NAMES[0]: (0.5, 0.05, 0.05),
         NAMES[1]: (1500.0, 20.0, 20.0),
     }
     wrong = []
     for name, numbers in wanted.items():
         rows = [row for row in cells(text, name) if len(row) > 3]
-        found = [float(word) for word in rows[0][1:4]] if rows else []
+        # Bounds of numbers are in one cell; the lower one is where the optimum lies.
+        found = [float(word) for word in " ".join(rows[0][1:]).split()[:3]] if rows else []
         if not found or not np.allclose(found, numbers, rtol=6e-6, atol=0.0):
             wrong.append(name)
     change = 100.0 * (BEST["duration_s"] / BEFORE["duration_s"] - 1.0)
-    line = next(line for line in text.splitlines() if line.startswith("minimise"))
-    said = float(line.split("(")[1].split(" %")[0])
-    if abs(said - change) > 5e-4 * abs(change):
+    lines = text.splitlines()
+    told = re.fullmatch(r"smallest time to rest: (\S+) ms \((\S+) %\)", lines[1])
+    assert told is not None
+    assert f"Found: {lines[1]}" in lines
+    if abs(float(told[1]) - 1e3 * BEST["duration_s"]) > 6e-4 * 1e3 * BEST["duration_s"]:
+        wrong.append("found")
+    if abs(float(told[2]) - change) > 5e-4 * abs(change):
         wrong.append("change")
     return wrong
 
@@ -138,7 +158,7 @@ def test_every_number_of_the_report_is_that_of_the_formulas(optimum: Optimum) ->
     text = printed(optimum)
     assert wrong_numbers(text) == []
     # Bounds as they are written in the file, and the points of every kind.
-    assert cells(text, NAMES[1])[0][3:] == ["20", "to", "100"]
+    assert cells(text, NAMES[1])[0][3:] == ["20 to 100"]
     flat = " ".join(text.split())
     count = sum(optimum.engines.values())
     assert f"{optimum.evaluations:,} points in" in flat
@@ -149,15 +169,15 @@ def test_every_number_of_the_report_is_that_of_the_formulas(optimum: Optimum) ->
     by_e, by_lead = 2.0 * 0.02 / (9.81 * 0.95**2), 1e-3 * 2.0 * 0.05 / (9.81 * 0.95)
     for name, price in zip(NAMES, (by_e, by_lead), strict=True):
         *_, value, unit = prices[name].split()
-        assert float(value) == pytest.approx(price, rel=1e-3)
-        assert unit == "s"
+        assert float(value) == pytest.approx(1e3 * price, rel=1e-3)
+        assert unit == "ms"
     # The front in a table of its own: both aims and both numbers of each point.
     rows = [row for row in map(str.split, text.splitlines()) if len(row) == 4 and _all(row)]
     assert len(rows) == len(optimum.front)
     for row in rows:
         duration, height, e, lead = map(float, row)
-        assert duration == pytest.approx(ball(e, lead)["duration_s"], rel=1e-3)
-        assert height == pytest.approx(ball(e, lead)["rebound_amplitude_1"], rel=1e-3)
+        assert duration == pytest.approx(1e3 * ball(e, lead)["duration_s"], rel=1e-3)
+        assert height == pytest.approx(1e6 * ball(e, lead)["rebound_amplitude_1"], rel=1e-3)
 
 
 def _all(words: list[str]) -> bool:
@@ -170,7 +190,10 @@ def test_doctored_numbers_of_a_report_are_seen(optimum: Optimum, name: str) -> N
     for factor in (1e3, 1.0001):
         values = {**optimum.best.values, name: factor * optimum.best.values[name]}
         text = printed(replace(optimum, best=replace(optimum.best, values=values)))
-        assert name in wrong_numbers(text)
+        wrong = wrong_numbers(text)
+        assert SHOWN[name][0] in wrong
+        # Four digits of the sentence tell a value in another unit.
+        assert ("found" in wrong) == (name == "duration_s" and factor > 2.0)
 
 
 def test_every_number_of_the_document_is_that_of_the_formulas(optimum: Optimum) -> None:
@@ -225,8 +248,10 @@ def test_the_printed_command_can_be_pasted(
     """One line of a narrow terminal, as a shell reads it, simulates what is reported."""
     out = io.StringIO()
     print_optimum(optimum, Console(file=out, width=60))
-    (line,) = (line for line in out.getvalue().splitlines() if line.startswith("nipper-pin"))
-    assert main([*shlex.split(line)[1:], "--json", "-"]) == 0
+    (line,) = (line for line in out.getvalue().splitlines() if line.startswith("Next: "))
+    first, *words = shlex.split(line.removeprefix("Next: "))
+    assert first == "nipper-pin"
+    assert main([*words, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     first = document["collisions"][0]
     assert first["rebound_amplitude"] == pytest.approx(BEST["rebound_amplitude_1"], rel=1e-8)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from ...study.paper import PaperStudy
 from ...study.paper.ratios import Ratio, ratio_values, within
 from ...study.paper.studies import Studies
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
 from ...terms import digits
-from ..console import say
+from ..console import say, show_table
 from .tables import percent
 
 
@@ -24,37 +22,29 @@ def print_paper(study: PaperStudy, console: Console) -> None:
         study: The study.
         console: Where to print.
     """
-    console.print(_ratios(study.ratios) if study.compared else _changes(study.studies))
     if study.compared:
+        _ratios(study.ratios, console)
         say(console, _agreement(study.mechanism.name, study.ratios))
+    else:
+        _changes(study.studies, console)
     if study.identified:
         say(console, _agreement(IDENTIFIED, study.identified))
     say(console, note(study))
 
 
-def _ratios(items: Sequence[Ratio]) -> Table:
-    table = _table("Published ratios beside ours", ("published", "ours", "deviation"))
-    for item in items:
-        table.add_row(
-            item.name, f"{item.published:g}", digits(item.ours), percent(item.relative_deviation)
-        )
-    return table
+def _ratios(items: Sequence[Ratio], console: Console) -> None:
+    say(console, "Published ratios beside ours", style="bold")
+    rows = [
+        (item.name, f"{item.published:g}", digits(item.ours), percent(item.relative_deviation))
+        for item in items
+    ]
+    show_table(console, ("ratio", "published", "ours", "deviation"), rows)
 
 
-def _changes(studies: Studies) -> Table:
-    table = _table("Changes over the three studies, and shares", ("value",))
-    for name, value in ratio_values(studies).items():
-        table.add_row(name, digits(value))
-    return table
-
-
-def _table(title: str, headings: Sequence[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, show_edge=False,
-                  pad_edge=False)  # fmt: skip
-    table.add_column("ratio")
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-    return table
+def _changes(studies: Studies, console: Console) -> None:
+    say(console, "Changes over the three studies, and shares", style="bold")
+    rows = [(name, digits(value)) for name, value in ratio_values(studies).items()]
+    show_table(console, ("ratio", "value"), rows)
 
 
 def _agreement(name: str, items: Sequence[Ratio]) -> str:

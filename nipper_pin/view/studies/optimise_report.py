@@ -136,11 +136,13 @@ def _six(term: Shown, value: float | None) -> str:
 
 
 def _price(item: Binding, problem: Problem, aim: Shown) -> str:
-    price = f"{aim.value(item.price):.4g} {aim.unit}".rstrip()
-    unit = next(
-        (problem.units[limit.quantity] for limit in problem.limits if str(limit) == item.name), ""
+    room = next(
+        (_term(problem, limit.quantity) for limit in problem.limits if str(limit) == item.name),
+        Shown(words=item.name),
     )
-    more = f"one {unit} more of room" if unit else "one unit more of room"
+    # A price is one of the unit in files: people read both the aim and the room in others.
+    price = f"{aim.value(item.price) / room.factor:.4g} {aim.unit}".rstrip()
+    more = f"one {room.unit or 'unit'} more of room"
     return f"{binding_words(item, problem)}: {more} is worth {price}"
 
 
