@@ -199,6 +199,7 @@ def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> N
     assert "than A. B does not come to rest, and the other one does." in text
 
 
+@pytest.mark.slow
 def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The table by the names of files in SI units, and the curves as pictures."""
     line = f"e62 --speed 450 520 --window transition --json {tmp_path / 'table.json'}"

@@ -142,6 +142,7 @@ def test_a_page_has_both_machines_and_both_curves(turns: Comparison, both: Pair)
     assert film["compare"]["rows"][0][0] == "first rebound amplitude"
 
 
+@pytest.mark.slow
 def test_machines_of_other_parts_have_lanes_of_their_own(turns: Comparison) -> None:
     pendulum = simulate(load("hanging_pendulum"), Case(speed_rpm=220.0, window="cycle"))
     _, film = of_page(comparison_page(compare(turns.a, pendulum), Look()))
@@ -154,6 +155,7 @@ def test_machines_of_other_parts_have_lanes_of_their_own(turns: Comparison) -> N
     assert not alone["steeve stroke"]
 
 
+@pytest.mark.slow
 def test_a_figure_has_both_curves_of_the_window_and_of_the_transition(turns: Comparison) -> None:
     figure = curves_figure(turns)
     assert len(figure.axes) == 6
@@ -170,6 +172,7 @@ def test_a_figure_has_both_curves_of_the_window_and_of_the_transition(turns: Com
     assert [text.get_text()[:5] for text in figure.legends[0].get_texts()] == ["A: e6", "B: e6"]
 
 
+@pytest.mark.slow
 def test_machines_without_stops_have_no_curves() -> None:
     """Nothing can be compared but the film; the figure is refused in a sentence."""
     crank = {"joint": "axis", "law": "constant_speed", "ratio": 1.0, **SHAFT}
