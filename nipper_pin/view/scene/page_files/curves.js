@@ -52,21 +52,24 @@ function drawCurves() {
     pen.textAlign = "right";
     pen.fillText(curve.text, LEFT - 3, top + 6);
     pen.fillText("0", LEFT - 3, bottom + 1);
-    pen.strokeStyle = curve.colour;
-    pen.lineWidth = 1.5;
-    pen.beginPath();
-    // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
-    let drawing = false;
-    curve.values.forEach((value, frame) => {
-      const inside = value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
-      if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
-      drawing = inside;
-    });
-    pen.stroke();
+    // Of two machines there are two lines in one lane.
+    for (const line of [curve, ...(curve.more || [])]) {
+      pen.strokeStyle = line.colour;
+      pen.lineWidth = 1.5;
+      pen.beginPath();
+      // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
+      let drawing = false;
+      line.values.forEach((value, frame) => {
+        const inside = value !== null && value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
+        if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
+        drawing = inside;
+      });
+      pen.stroke();
+    }
     pen.lineWidth = 1;
-    pen.fillStyle = "#d55e00";
     for (const hit of hits) {
       if (hit.stop !== curve.stop) continue;
+      pen.fillStyle = hit.colour || "#d55e00";
       const x = across(canvas, hit.at);
       pen.beginPath();
       pen.moveTo(x, bottom - 7);
