@@ -66,8 +66,8 @@ def readings(film: Film) -> dict[str, object]:
             for item in solution.collisions if pace.machine[0] <= item.t <= last
         ],
         "ticks": [
-            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}"}
-            for t in _ticks(last) if t >= pace.machine[0]
+            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}", "number": number}
+            for number, t in enumerate(_ticks(last).tolist()) if t >= pace.machine[0]
         ],
         "curves": [curve_record(curve) for curve in curves(film)],
         "names": names(mechanism),
