@@ -449,3 +449,36 @@ def test_nothing_covers_anything_and_a_wide_window_shows_all(
     beside = apart["right"] <= panel["left"] + 1.0
     above = apart["bottom"] <= panel["top"] + 1.0
     assert beside or above
+
+
+# What lies above the contact point, in the middle of the close-up, and in the lower lip behind it.
+ABOVE = """() => {
+    const box = document.querySelector('#lips').getBoundingClientRect();
+    const x = box.left + box.width / 2, y = box.top + box.height / 2;
+    const at = [[-6, -12], [-60, 8]];
+    const found = at.map(([right, down]) => document.elementFromPoint(x + right, y + down).tagName);
+    const gap = document.querySelector('#now').textContent.match(/gap at the lips ([0-9.e-]+) mm/);
+    return { found, gap: gap ? parseFloat(gap[1]) : NaN };
+}"""
+
+
+def test_the_lips_are_seen_close_up_open_and_closed(page: Page) -> None:
+    """Between two rebounds there is paper above the lower lip, at rest there is the upper one."""
+    page.set_viewport_size({"width": 1400, "height": 900})
+    page.locator("#lips").scroll_into_view_if_needed()
+    seen: dict[str, list[str]] = {}
+    for _ in range(600):
+        state = page.evaluate(ABOVE)
+        if state["gap"] > 0.4:
+            seen["open"] = state["found"]
+        elif state["gap"] == 0.0:
+            seen["closed"] = state["found"]
+        if len(seen) == 2:
+            break
+        page.wait_for_timeout(50)
+    # The lower lip stands still; the upper one is there or 30 pixels higher.
+    assert seen == {"open": ["svg", "path"], "closed": ["path", "path"]}
+    scale = page.evaluate(
+        "getComputedStyle(document.querySelector('#lips-scale'), '::after').content"
+    )
+    assert scale == '"bar 5 mm; rebounds x 10"'

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+import numpy as np
 import viser
 
 from ...errors import InputError
@@ -17,6 +18,7 @@ from ..scene.film import LARGEST_EXAGGERATION, exaggerated
 from .answer import Answer, answer
 from .curves.plots import Plots
 from .guard import Filter
+from .lips import Lips
 from .moment import closed_at, impulses_at, moment_text
 from .panel.controls import FIT, PIN, RESET, UNPIN, Controls
 from .panel.layout import NARROW, SECOND, STYLE, Widths, cursor
@@ -61,8 +63,8 @@ class Page:
         self._wake = threading.Event()
         self._clock = 0.0
         self._drawn: tuple[Answer | None, float, float] = (None, 0.0, 0.0)
-        self._text, self._share, self._told = "", 0.0, 0.0
-        self._stage = Stage(server, mechanism)
+        self._text, self._share, self._told, self._close = "", 0.0, 0.0, ""
+        self._stage, self._lips = Stage(server, mechanism), Lips(mechanism)
         self._memory, self._pressed = Memory(), list[str]()
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False)
@@ -73,6 +75,8 @@ class Page:
         gui.add_html(f"{STYLE}{boxed(title)}")
         self._set = Controls(gui, controls, self._changed, self._press)
         self._numbers = gui.add_html("")
+        if self._lips.html:
+            gui.add_html(boxed(self._lips.html))
         gui.add_html(SECOND)
         self._now = gui.add_html("")
         self._plots = Plots(gui, mechanism)
@@ -202,6 +206,7 @@ class Page:
         self._drawn = (self._answer, t, larger)
         if solution is None:
             self._stage.rest()
+            self._close = self._lips.style(np.zeros(self._mechanism.model.nv), 0.0, 1.0)
             self._stage.impulses({})
             self._text = "there is no motion to show: the touch configuration"
             return
@@ -212,6 +217,7 @@ class Page:
         except InputError as error:
             remark = f" {error.message}"
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
+        self._close = self._lips.style(drawn[0], self._answer.largest, larger)
         self._stage.phase(closed_at(solution, t))
         self._stage.impulses(impulses_at(solution, t, self._slow.value))
         self._text = f"{moment_text(solution, t, motion.q[0])}{remark}"
@@ -221,6 +227,6 @@ class Page:
         if at_once or now >= self._told + _TOLD:
             self._told = now
             words = boxed(f'Picture: <span id="now">{escape(self._text)}</span>')
-            content = f"{cursor(self._share)}{words}"
+            content = f"{cursor(self._share)}{self._close}{words}"
             if self._now.content != content:
                 self._now.content = content

@@ -12,9 +12,9 @@ from ...arrays import FloatArray
 from ...units import MM_PER_M
 from .closeup import CloseUp
 from .film import Film
-from .flat import mesh_of, placed
-from .sections import section
-from .solids import FIXED, Solid
+from .flat import placed
+from .lip_cuts import lip_cuts
+from .solids import Solid
 
 _EDGE, _INK, _PAPER, _FRAME = "#30343a", "#101418", "white", "#c5ccd6"
 
@@ -34,20 +34,7 @@ class LipsPainter:
     ) -> None:
         """Cut all solids of moving links."""
         self._shown, self._lips, self._size = shown, lips, size
-        heights = [
-            float(item.translation[1])
-            for item in shown.solution.system.body.placements(shown.drawn[0])
-        ]
-        self._cuts: list[tuple[int, int, list[FloatArray]]] = []
-        for place, item in enumerate(drawn):
-            # Frame and cylinder stand behind the lips and would hide nothing but confuse.
-            if item.body <= FIXED or item.spring is not None:
-                continue
-            corners, faces = mesh_of(item)
-            at = (corners * item.scale) @ item.placement[:3, :3].T + item.placement[:3, 3]
-            loops = section(at, faces, lips.across - heights[item.body])
-            if loops:
-                self._cuts.append((place, item.body, loops))
+        self._cuts = lip_cuts(shown.solution.system.body, drawn, lips.across)
 
     def picture(self, frame: int, colours: Sequence[str]) -> Image.Image:
         """The close-up of one frame.
@@ -58,11 +45,12 @@ class LipsPainter:
         """
         image = Image.new("RGB", self._size, _PAPER)
         draw = ImageDraw.Draw(image)
-        for place, body, loops in self._cuts:
-            for number, loop in enumerate(loops):
-                corners = self._pixels(placed(self._shown, frame, body, loop), frame)
+        for cut in self._cuts:
+            for number, loop in enumerate(cut.loops):
+                corners = self._pixels(placed(self._shown, frame, cut.body, loop), frame)
                 # Holes lie inside of the largest outline.
-                fill = _PAPER if number and _inside(loop, loops[0]) else colours[place]
+                hole = number and _inside(loop, cut.loops[0])
+                fill = _PAPER if hole else colours[cut.solid]
                 draw.polygon(corners, fill=fill)
                 draw.line([*corners, corners[0]], fill=_EDGE, width=2)
         self._scale(draw)

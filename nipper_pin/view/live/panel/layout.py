@@ -31,6 +31,10 @@ STYLE = f"""<style id="layout">
 div:has(+ div > .refused) input {{ border-color: #B00020; color: #B00020;
   text-decoration: line-through }}
 .refused {{ color: #B00020; font-size: 0.8em; line-height: 1.3; padding: 0 0.9em 0.4em }}
+#lips {{ display: block; width: 100%; max-width: 360px; background: #fff; margin: 0.3em auto 0;
+  border: 1px solid #c5ccd6 }}
+#lips path {{ stroke-width: 1 }}
+#lips-scale {{ text-align: center; color: #4a5360 }}
 #legend {{ display: flex; flex-wrap: wrap; gap: 0 1em; font-size: 0.8em; padding: 0.2em 1em }}
 #legend i {{ display: inline-block; width: 1.8em; margin-right: 0.4em; vertical-align: middle }}
 .u-over::after {{ content: ""; position: absolute; top: 0; bottom: 0; width: 1px;
