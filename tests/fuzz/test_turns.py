@@ -21,7 +21,8 @@ from nipper_pin import InputError, Mechanism, SimulationError, load
 from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turns
 from nipper_pin.study import speed_limit as speed_limit_module
 from nipper_pin.study.speed_limit import SpeedLimit, speed_limit
-from nipper_pin.view.studies.speed_limit_plot import _sentence, plot_speed_limit
+from nipper_pin.view.studies.speed_limit_plot import plot_speed_limit
+from nipper_pin.view.studies.speed_limit_report import _sentence
 
 BYTES, SECONDS = 10**9, 10.0
 STUDY = ["study", "speed-limit"]

@@ -33,7 +33,7 @@ from nipper_pin.study.identify.problem import problem, targets
 from nipper_pin.study.identify.problem import working_cycle as working
 from nipper_pin.study.identify.problem.targets import Condition, Target
 from nipper_pin.study.optimise import run
-from nipper_pin.study.optimise.points import bounces, evaluate
+from nipper_pin.study.optimise.points import bounces, evaluate, one_machine
 from nipper_pin.study.optimise.problem import quantities
 from nipper_pin.study.optimise.search import infeasible
 from nipper_pin.study.optimise.search import stages as searches
@@ -300,9 +300,12 @@ def test_provenance_of_identified_numbers(moves: bool) -> None:
 # Optimise.
 
 
+MACHINE = SimpleNamespace(name="machine")
+
+
 def point_source(**changes: Any) -> Any:
     given = {
-        "parameters": [], "sources": SimpleNamespace(build=lambda: "machine"), "rest_rate": None,
+        "parameters": [], "sources": SimpleNamespace(build=lambda: MACHINE), "rest_rate": None,
         "tolerance": 1e-8, **changes,
     }  # fmt: skip
     return SimpleNamespace(_problem=SimpleNamespace(**given))
@@ -310,10 +313,14 @@ def point_source(**changes: Any) -> Any:
 
 def test_why_a_search_has_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     """Numbers of the machine, numba that is missing, a machine that does not fit, or an error."""
-    sample = bounces.Transitions._sample
-    monkeypatch.setattr(bounces, "installed", lambda name: name == "numba")
+
+    def sample(source: Any) -> Any:
+        transitions = bounces.Transitions(source._problem)
+        return transitions._sampled()
+
+    monkeypatch.setattr(one_machine, "installed", lambda name: name == "numba")
     monkeypatch.setattr(bounces, "unfit", lambda _: None)
-    monkeypatch.setattr(bounces, "build", lambda machine: f"tables of the {machine}")
+    monkeypatch.setattr(bounces, "build", lambda machine: f"tables of the {machine.name}")
     assert sample(point_source()) == (
         "tables of the machine", "one machine: its tables are sampled once",
     )  # fmt: skip
@@ -324,7 +331,7 @@ def test_why_a_search_has_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
         None, "x, z change the machine, and so the tables",
     )  # fmt: skip
     assert sample(point_source(parameters=names[1:2]))[0] is not None
-    monkeypatch.setattr(bounces, "unfit", lambda machine: f"no {machine}")
+    monkeypatch.setattr(bounces, "unfit", lambda machine: f"no {machine.name}")
     assert sample(point_source()) == (None, "no machine")
 
     def fails() -> None:
@@ -332,7 +339,7 @@ def test_why_a_search_has_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
         raise InputError(message)
 
     assert sample(point_source(sources=SimpleNamespace(build=fails))) == (None, "it jams")
-    monkeypatch.setattr(bounces, "installed", lambda name: name != "numba")
+    monkeypatch.setattr(one_machine, "installed", lambda name: name != "numba")
     assert sample(point_source()) == (
         None, "the reduced engine needs numba, which is not installed",
     )  # fmt: skip

@@ -456,7 +456,7 @@ def test_live_page() -> None:
     np.testing.assert_allclose(found.hit_time, [1e3 * (e.t - start) for e in hits], atol=1e-12)
     np.testing.assert_allclose(found.impulse, impulses, rtol=1e-8)
     places = some(found.time)
-    wanted = FACTOR["deg"] * np.array(gaps(judge, "jaw", start + 1e-3 * found.time[places]))
+    wanted = 1e3 * FACTOR["deg"] * np.array(gaps(judge, "jaw", start + 1e-3 * found.time[places]))
     close(found.gap[places], wanted, 1e-6)
     duration = events[-1].t - start
     height, time = judge.rebound(hits[0], "jaw")  # type: ignore[misc]
@@ -465,12 +465,12 @@ def test_live_page() -> None:
         "rebound": ("[ms]", 1e3 * time),
         "duration": ("[ms]", 1e3 * duration),
         "collisions": ("", len(hits)),
-        "share": ("", (hits[2].t - start) / duration),
+        "share": ("[%]", 100.0 * (hits[2].t - start) / duration),
         "approach": ("[rad/s]", judge.rate("jaw", hits[0].v_before)),
         "impulse": ("[N s]", impulses[0]),
     }
-    assert {key for key, *_ in found.rows} >= set(numbers)
-    for key, label, value in found.rows:
+    assert {row.key for row in found.rows} >= set(numbers)
+    for key, label, value in ((row.key, row.label, row.text) for row in found.rows):
         if key in numbers:
             unit, number = numbers[key]
             assert label.endswith(unit)
@@ -479,8 +479,14 @@ def test_live_page() -> None:
 
 def test_live_moments(judge: Judge, run: Solution) -> None:
     """Phase, arrows and the line of numbers at moments of the motion."""
-    scale = {"deg": 180.0 / math.pi, "mm": 1e3}
-    names = list(judge.stops)
+    turn = 180.0 / math.pi
+    # Of the stop that bounces small gaps, and of one with a contact point the gap there, too.
+    main = judge.document["transition_stop"]
+    unit_of = {
+        name: (("mdeg", 1e3 * turn) if item.turns else ("um", 1e6)) if name == main
+        else (("deg", turn) if item.turns else ("mm", 1e3))
+        for name, item in judge.stops.items()
+    }  # fmt: skip
     for closed, begin, end in judge.phases:
         t = 0.5 * (begin + end)
         assert closed_at(run, t) == closed
@@ -488,17 +494,25 @@ def test_live_moments(judge: Judge, run: Solution) -> None:
         time, index, *rest = moment_text(run, t, q).split(", ")
         assert float(time.removesuffix(" ms")) == pytest.approx(1e3 * t, abs=0.0051)
         assert float(index.removeprefix("index ")) == pytest.approx(judge.index(t), abs=6e-4)
-        for text, name in zip(rest, names, strict=True):
-            said, value, unit = text.split()
-            assert said == name
-            assert unit == ("deg" if judge.stops[name].turns else "mm")
-            wanted = scale[unit] * judge.gap(name, q)
-            assert float(value) == pytest.approx(wanted, rel=6e-4, abs=1e-9)
+        expected = []
+        for name, item in judge.stops.items():
+            unit, scale = unit_of[name]
+            expected.append((name, scale * judge.gap(name, q), unit))
+            if name == main and item.lever is not None:
+                expected.append(("gap at the lips", 1e3 * item.lever * judge.gap(name, q), "mm"))
+            if name == main:
+                force = judge.forces(t, closed, left=True).get(name, 0.0)
+                expected.append(("clamping force", force, "N m" if moment(judge, name) else "N"))
+        assert len(rest) == len(expected)
+        for text, (said, wanted, unit) in zip(rest, expected, strict=True):
+            value = text.removeprefix(f"{said} ").removesuffix(f" {unit}")
+            size = 1e-6 if said == "clamping force" else 1e-9
+            assert float(value) == pytest.approx(wanted, rel=6e-4, abs=size)
     sizes = [
         judge.impulses(event)[0][event.stops[0]] / (judge.stops[event.stops[0]].lever or 1.0)
         for event in judge.hits
     ]
-    drawn = {name for name in names if not moment(judge, name)}
+    drawn = {name for name in judge.stops if not moment(judge, name)}
     pairs = [pair for pair in zip(judge.hits, sizes, strict=True) if pair[0].stops[0] in drawn]
     for event, size in pairs:
         # Just after a collision the arrow has its full size, and half of it half way of its end.

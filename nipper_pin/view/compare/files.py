@@ -40,12 +40,12 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
     """
     from ..plain_texts import plain
 
-    figure = plain(curves_figure(comparison))
+    figure = curves_figure(comparison)
     with complete_folder(folder, FILES) as target:
         table, *pictures = (target / name for name in FILES)
         table.write_text(comparison_csv(comparison), encoding="utf-8")
         for path in pictures:
-            figure.savefig(path, format=path.suffix.removeprefix("."))
+            plain(figure).savefig(path, format=path.suffix.removeprefix("."))
     return [Path(folder) / name for name in FILES]
 
 
