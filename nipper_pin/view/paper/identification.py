@@ -90,7 +90,7 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
             "identified_numbers",
             "Numbers that were identified",
             (
-                Column("path", "number"),
+                Column("path", "number", label),
                 Column("before", "before", digits),
                 Column("identified", "identified", digits),
                 Column("standard_deviation", "±", digits),
