@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..terms import named
 from ..tolerances.study import NO_EFFECT
-from ..units import MRAD_PER_RAD, MS_PER_S
 from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
 
 _WORDS = {
@@ -77,14 +77,12 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
 
 def _behaviour(found: Sensitivities) -> Iterator[str]:
     """Sentences on the motion of the machine with its own values."""
-    bounce, lasts, clamp = (
-        MRAD_PER_RAD * found.amplitude_rad,
-        MS_PER_S * found.transition_time_s,
-        found.clamping_force_N,
-    )
+    bounce = named("rebound_amplitude").phrase(found.amplitude_rad)
+    lasts = named("duration_s").phrase(found.transition_time_s)
+    clamp = found.clamping_force_N
     yield (
         f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
-        f"{bounce:.3g} mrad, it is at rest after {lasts:.3g} ms, and the lips then press with "
+        f"{bounce}, it is at rest after {lasts}, and the lips then press with "
         f"{clamp:.3g} N."
     )
     if found.premise_holds is False:

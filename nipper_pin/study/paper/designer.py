@@ -13,7 +13,7 @@ from ..speed_limit import SpeedLimit, speed_limit
 from .levers import Bounce, Lever, bounce, levers
 
 # In rated speeds; among the speeds of this grid are the rated one and the study's common one.
-_SLOWEST, _FASTEST, _SPEEDS = 0.5, 4.0, 127
+_SLOWEST, _FASTEST, _SPEEDS = 0.5, 4.0, 253
 
 
 @dataclass(frozen=True)

@@ -123,7 +123,8 @@ def levers(mechanism: Mechanism, found: Sensitivities, before: Bounce) -> tuple[
         At most three, the strongest first. A change by one unit that no machine can have, for
         example of a radius below zero, is passed over.
     """
-    sources, chosen = Sources.of(mechanism), []
+    sources = Sources.of(mechanism)
+    chosen: list[Lever] = []
     parts: set[str] = set()
     for row in _by_strength(mechanism, found):
         part = row.path.rpartition(".")[0]

@@ -12,8 +12,8 @@ from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
 from ...units import MS_PER_S
-from ..run.sampling import sample_coordinates
 from ..reading import units_of
+from ..run.sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import TIME, terms
@@ -57,20 +57,20 @@ def _angle(study: PaperStudy) -> Plate:
     )
 
 
-def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, collisions: list[float], unit: str) -> None:
+def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, at: list[float], unit: str) -> None:
     """Show the second rebound and what follows, which are small beside the first.
 
     Args:
         axes: The panel.
         t: Times, shape (K,) [ms].
         angle: Jaw angles, shape (K,), in ``unit``.
-        collisions: Times of the collisions [ms].
+        at: Times of the collisions [ms].
         unit: That of the angles.
     """
     inner = axes.inset_axes((0.855, 0.42, 0.14, 0.52))
-    later = t >= collisions[1]
+    later = t >= at[1]
     inner.plot(t[later], angle[later], color=LINES[0], linewidth=1.1)
-    inner.plot(collisions[1:], np.zeros(len(collisions) - 1), "|", color="black", markersize=5.0)
+    inner.plot(at[1:], np.zeros(len(at) - 1), "|", color="black", markersize=5.0)
     inner.tick_params(labelsize=SMALL - 1.5)
     inner.xaxis.set_major_locator(MaxNLocator(2))
     inner.yaxis.set_major_locator(MaxNLocator(3))

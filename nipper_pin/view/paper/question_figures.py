@@ -179,8 +179,8 @@ def _shares(study: PaperStudy) -> Plate:
     data = study.shares
     figure = new_figure(3.5, terms(study).mark)
     axes, rest = figure.subplots(1, 2)
-    axes.plot(data.restitutions, SHARE.value(data.ballistic), color="black", linestyle="--", linewidth=1.2,
-              label="1 - e²")  # fmt: skip
+    axes.plot(data.restitutions, SHARE.value(data.ballistic), color="black", linestyle="--",
+              linewidth=1.2, label="1 - e²")  # fmt: skip
     for i, speed in enumerate(data.speeds_rpm):
         axes.plot(data.restitutions, SHARE.value(data.shares[i]), color=LINES[i], linewidth=1.2,
                   label=f"{speed:g} r/min")  # fmt: skip
@@ -212,7 +212,7 @@ def _designs(study: PaperStudy) -> Plate:
     data, words = study.designs, terms(study)
     speeds = data.speeds_rpm
     places = speeds[0] + np.array(_LABELLED) * (speeds[-1] - speeds[0])
-    figure = new_figure(3.8, terms(study).mark)
+    figure = new_figure(3.2, terms(study).mark)
     panels = figure.subplots(1, len(data.stiffnesses), sharex=True, sharey=True)
     most = float(np.nanmax(data.durations)) * MS_PER_S
     levels = np.arange(0.0, most + 1.0)

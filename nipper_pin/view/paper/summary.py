@@ -4,57 +4,87 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from ...study.paper import PaperStudy
+from ...study.paper.designer import Designer
 from ...study.paper.ratios import Ratio, ratio_values, within
 from ...study.paper.studies import Studies
 from ...study.paper.study import FAR, IDENTIFIED, NEAR, note
 from ...terms import digits
-from ..console import say
-from .tables import percent
+from ..console import headline, paste, say, show_table
+from .front_page import front_page
+from .tables import percent, ratio_words
 
 
-def print_paper(study: PaperStudy, console: Console) -> None:
+def print_paper(study: PaperStudy, console: Console, found: Designer | None = None) -> None:
     """Print the published ratios beside ours, or the changes of another machine.
 
     Args:
         study: The study.
         console: Where to print.
+        found: What a designer wants to know; printed last, with the next command.
     """
-    console.print(_ratios(study.ratios) if study.compared else _changes(study.studies))
     if study.compared:
+        _ratios(study.ratios, console)
         say(console, _agreement(study.mechanism.name, study.ratios))
+    else:
+        _changes(study.studies, console)
     if study.identified:
         say(console, _agreement(IDENTIFIED, study.identified))
     say(console, note(study))
+    if found is not None:
+        _found(study, found, console)
 
 
-def _ratios(items: Sequence[Ratio]) -> Table:
-    table = _table("Published ratios beside ours", ("published", "ours", "deviation"))
-    for item in items:
-        table.add_row(
-            item.name, f"{item.published:g}", digits(item.ours), percent(item.relative_deviation)
+def _ratios(items: Sequence[Ratio], console: Console) -> None:
+    headline(console, "Published ratios beside ours")
+    show_table(
+        console,
+        ("ratio", "published", "ours", "deviation"),
+        [
+            (ratio_words(item.name), f"{item.published:g}", digits(item.ours),
+             percent(item.relative_deviation))
+            for item in items
+        ],
+    )  # fmt: skip
+
+
+def _changes(studies: Studies, console: Console) -> None:
+    headline(console, "Changes over the three studies, and shares")
+    rows = [(name_words(name), digits(value)) for name, value in ratio_values(studies).items()]
+    show_table(console, ("ratio", "value"), rows)
+
+
+def name_words(name: str) -> str:
+    """A ratio in words without the values of the E62, between which another machine's differ.
+
+    Args:
+        name: Study and quantity, as in the JSON document.
+    """
+    study, _, quantity = name.partition(".")
+    over = {"stiffness": "spring rate"}.get(study, study)
+    return f"{quantity.replace('_', ' ')} over the {over}"
+
+
+def _found(study: PaperStudy, found: Designer, console: Console) -> None:
+    """What a designer wants to know, and the command that tries the strongest lever."""
+    page = front_page(study, found)
+    headline(console, "For the designer")
+    for text in (*page.bounces, *page.fast):
+        say(console, text)
+    for lever in page.levers:
+        say(
+            console,
+            f"{lever.words} ({lever.value}): first rebound {lever.amplitude_change}, time to rest "
+            f"{lever.duration_change}, clamping force {lever.clamping_change}",
         )
-    return table
-
-
-def _changes(studies: Studies) -> Table:
-    table = _table("Changes over the three studies, and shares", ("value",))
-    for name, value in ratio_values(studies).items():
-        table.add_row(name, digits(value))
-    return table
-
-
-def _table(title: str, headings: Sequence[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, show_edge=False,
-                  pad_edge=False)  # fmt: skip
-    table.add_column("ratio")
-    for heading in headings:
-        table.add_column(heading, justify="right", no_wrap=True)
-    return table
+    if page.levers:
+        paste(
+            console,
+            f"Next: nipper-pin simulate {study.mechanism.name} --speed {found.speed_rpm:g} "
+            f"{page.levers[0].typed}",
+        )
 
 
 def _agreement(name: str, items: Sequence[Ratio]) -> str:

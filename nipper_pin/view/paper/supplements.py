@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...study.conclusions import label
+from ...study.paper.designer import Designer
 from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
 from ...terms import digits, named
 from ..style import LINES, SMALL, tidy
@@ -26,10 +27,12 @@ class Supplements:
 
     Attributes:
         sensitivities: Sensitivities of the model.
+        designer: What a designer wants to know first.
         identification: What ``nipper-pin identify --json`` wrote.
     """
 
     sensitivities: Sensitivities | None = None
+    designer: Designer | None = None
     identification: Mapping[str, Any] | None = None
 
 

@@ -102,8 +102,6 @@ def _rebounds(words: Terms) -> tuple[Column, ...]:
     )
 
 
-
-
 def ratio_words(name: str) -> str:
     """A published ratio in words: what changes, and between which two cases.
 
