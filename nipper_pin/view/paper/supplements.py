@@ -11,7 +11,7 @@ import numpy as np
 from ...study.conclusions import label
 from ...study.paper.designer import Designer
 from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
-from ...terms import digits, named
+from ...terms import named
 from ..style import LINES, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table
@@ -82,7 +82,7 @@ def sensitivity_table(found: Sensitivities) -> Table:
         "Sensitivities to every number of the model",
         (
             Column("path", "number", label),
-            Column("value", "value", digits),
+            Column("value", "value", of_row=lambda row: named(row[0]).phrase(row[1])),
             Column("unit", "one"),
             Column("rebound_amplitude_1_percent", "A<sub>1</sub> [%]", _change),
             Column("duration_percent", f"{TIME.words} [%]", _change),

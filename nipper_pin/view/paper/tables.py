@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,11 +31,13 @@ class Column:
         key: Name with the unit, in CSV files.
         heading: The same for people, who may see another unit.
         show: From the number to text.
+        of_row: From the whole row to text instead, where the row says what the unit is.
     """
 
     key: str
     heading: str
     show: Callable[[Any], str] = str
+    of_row: Callable[[Sequence[Any]], str] | None = None
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,10 @@ class Table:
     def shown(self) -> list[list[str]]:
         """Rows as text."""
         return [
-            [column.show(value) for column, value in zip(self.columns, row, strict=True)]
+            [
+                column.show(value) if column.of_row is None else column.of_row(row)
+                for column, value in zip(self.columns, row, strict=True)
+            ]
             for row in self.rows
         ]
 
