@@ -5,7 +5,7 @@
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
-# make pictures    the pictures of the documents and the pages of tolerances, made anew (some minutes; needs Chromium)
+# make pictures    the pictures of the documents and the pages of tolerances and quantities, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
@@ -73,6 +73,7 @@ pictures: $(DEV)
 	cp out/pictures/front/front.png $(IMAGES)/front_e62.png
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 	$(FIGURES)/write_tolerance_pages.py docs
+	$(FIGURES)/write_quantity_page.py docs
 
 $(VIEW): pyproject.toml constraints.txt
 	@command -v "$(PYTHON)" >/dev/null || { \

@@ -6,7 +6,9 @@ import argparse
 import contextlib
 import os
 import select
+import shutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
@@ -95,7 +97,7 @@ def _broken(error: BrokenPipeError) -> int:
         # Python would complain of it when it ends.
         sys.stderr.close()
         return _RIGHT
-    sys.stderr.write(f"nipper-pin: another process ended before its work was done ({error})\n")
+    _say(f"another process ended before its work was done ({error})")
     return _NOT_SIMULATED
 
 
@@ -111,12 +113,21 @@ def _unread() -> bool:
 
 
 def _note(message: Warning | str, *_: object, **__: object) -> None:
-    sys.stderr.write(f"nipper-pin: note: {message}\n")
+    _say(f"note: {message}")
 
 
 def _complain(error: NipperError, status: int) -> int:
-    sys.stderr.write(f"nipper-pin: {error.message}\n")
+    _say(error.message)
     return status
+
+
+def _say(text: str) -> None:
+    """Write one line to stderr; on a terminal it is broken between words."""
+    line = f"nipper-pin: {text}"
+    if sys.stderr.isatty():
+        width = shutil.get_terminal_size().columns
+        line = textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
+    sys.stderr.write(f"{line}\n")
 
 
 def _parser(command: str | None = None) -> argparse.ArgumentParser:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Iterator
+import shlex
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from .arguments import check_outputs, refuse_beside, write_json
+
+if TYPE_CHECKING:
+    from ..study.identify import Fit, Profile
 
 _SEED = 1
 
@@ -46,7 +50,6 @@ def _run(options: argparse.Namespace) -> None:
     from ..mechanism.new_folder import check_new_folder
     from ..study.identify import (
         identify,
-        profile,
         read_problem,
         record,
         write_model,
@@ -71,7 +74,7 @@ def _run(options: argparse.Namespace) -> None:
         )
     known, judged = fit.known, fit.goodness
     chosen = [path for path, _ in known.ranked()][: options.profiles]
-    profiles = tuple(profile(fit, path, workers=options.workers) for path in chosen)
+    profiles = _profiles(fit, chosen, options.workers)
     # The folder last: once it is there, the same command is refused.
     if options.json is not None:
         write_json(record(fit, judged, known, profiles), options.json)
@@ -80,27 +83,43 @@ def _run(options: argparse.Namespace) -> None:
     if options.json != "-":
         from rich.console import Console
 
+        from ..view.console import paste
         from ..view.studies.identify_report import print_fit
 
-        print_fit(fit, judged, known, profiles, Console())
+        console = Console()
+        print_fit(fit, judged, known, profiles, console)
+        paste(console, f"Next: {_next(options)}")
     # The result is written, but the fit contradicts the data.
     fit.check()
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int, float], None] | None]:
-    """Progress of the starts, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
+def _next(options: argparse.Namespace) -> str:
+    """Command line that checks the model that was written, or that writes it."""
+    if options.out is not None:
+        return shlex.join(["nipper-pin", "check", options.out])
+    return shlex.join(["nipper-pin", *options.words, "--out", "identified"])
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("starts", total=None)
+
+def _profiles(fit: Fit, paths: Sequence[str], workers: int | None) -> tuple[Profile, ...]:
+    from ..study.identify import profile
+    from ..view.progress import progress
+
+    found: list[Profile] = []
+    with progress("profiles", len(paths), alike=False) as tell:
+        for path in paths:
+            found.append(profile(fit, path, workers=workers))
+            tell(len(found), len(paths))
+    return tuple(found)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int, float], None]]:
+    """Progress of the starts: some take ten times as long as others, so no time left is told."""
+    from ..view.progress import progress
+
+    with progress("starts", alike=False) as tell:
 
         def advance(done: int, total: int, cost: float) -> None:
-            text = f"starts (least cost {cost:.4g})"
-            bar.update(task, completed=done, total=total, description=text)
+            tell(done, total, f"starts (least cost {cost:.4g})")
 
         yield advance

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
@@ -43,40 +43,57 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _list() -> None:
-    from ..mechanism.gallery import GALLERY
+    from rich.console import Console
 
-    width = max(map(len, GALLERY))
-    for name, draw in GALLERY.items():
-        sys.stdout.write(f"{name:<{width}}  {draw().title}\n")
+    from ..mechanism.gallery import GALLERY
+    from ..view.console import paste, say, show_table
+
+    console = Console()
+    rows = [(name, draw().title) for name, draw in GALLERY.items()]
+    show_table(console, ("machine", "what it is"), rows, text=(0, 1))
+    say(console, f"Found: {len(rows)} machines to start from.")
+    paste(console, f"Next: nipper-pin new my_machine --from {rows[0][0]}")
 
 
 def _skeleton(model: str) -> None:
     from ..mechanism.skeleton import write_skeleton
 
     folder = write_skeleton(Path(model))
-    sys.stdout.write(
-        f"{folder}: a press with one stop to strike and one to come back to, every line explained\n"
-        f"  {folder.name}.urdf        links, joints, masses, shapes\n"
-        f"  {folder.name}.toml        drive, spring, stops, closures, phases\n"
-        "  model.schema.json  what editors complete the TOML by\n"
-        "It runs as it stands:\n"
-        f"  {shlex.join(['nipper-pin', 'check', model])}\n"
-        f"  {shlex.join(['nipper-pin', 'simulate', model, '--window', 'cycle'])}\n"
-        "Then replace its parts by yours, and check after each.\n"
+    head = (
+        f"{folder}: a press with one stop to strike and one to come back to, every line explained"
     )
+    files = (
+        (f"{folder.name}.urdf", "links, joints, masses, shapes"),
+        (f"{folder.name}.toml", "drive, spring, stops, closures, phases"),
+        ("model.schema.json", "what editors complete the TOML by"),
+    )
+    _written(head, files, model, "Then replace its parts by yours, and check after each.")
 
 
 def _from_gallery(name: str, model: str) -> None:
     from ..mechanism.drawing import write_drawing
     from ..mechanism.gallery import drawn
 
-    drawing, turns = drawn(name), ("--window", "cycle")
+    drawing = drawn(name)
     write_drawing(drawing, model)
-    sys.stdout.write(
-        f"{model}: {drawing.title}\n"
-        f"  {drawing.known or drawing.invented}\n"
-        "It runs as it stands:\n"
-        f"  {shlex.join(['nipper-pin', 'check', model])}\n"
-        f"  {shlex.join(['nipper-pin', 'simulate', model, *turns])}\n"
-        f"  {shlex.join(['nipper-pin', 'view', model, *turns, '--html', f'{model}.html'])}\n"
-    )
+    _written(f"{model}: {drawing.title}", (), model, drawing.known or drawing.invented)
+
+
+def _written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str) -> None:
+    """Tell what was written, and what to run next."""
+    from rich.console import Console
+
+    from ..view.console import paste, say, show_table
+
+    console, turns = Console(), ("--window", "cycle")
+    say(console, head)
+    if files:
+        show_table(console, ("file", "what it holds"), files, text=(0, 1))
+    say(console, remark)
+    say(console, "It runs as it stands:")
+    for words in (
+        ("check", model),
+        ("simulate", model, *turns),
+        ("view", model, *turns, "--html", f"{model}.html"),
+    ):
+        paste(console, f"  {shlex.join(['nipper-pin', *words])}")

@@ -97,19 +97,17 @@ def _run(options: argparse.Namespace) -> None:
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
     """Show progress on a terminal; after an interrupt report the finished parts."""
-    from rich.console import Console
-    from rich.progress import Progress
+    from ..view.progress import progress
 
     kept = [0]
-    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
-    task = bar.add_task("parts known so far", total=None)
-
-    def advance(done: int, known: int) -> None:
-        kept[0] = done
-        bar.update(task, completed=done, total=known)
-
     try:
-        with bar:
+        # How many parts there are shows only as they are done: a share would go backwards.
+        with progress("parts", alike=False) as tell:
+
+            def advance(done: int, known: int) -> None:
+                kept[0] = done
+                tell(done, None, f"parts (at least {known:,})")
+
             yield advance
     except KeyboardInterrupt:
         sys.stderr.write(

@@ -132,9 +132,7 @@ def _progress(case: Case) -> Iterator[Any]:
     if case.window is not Window.CYCLE or case.cycles < 3 or not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import Progress
+    from ..view.progress import progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("turns", total=case.cycles)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with progress("turns", case.cycles) as tell:
+        yield tell

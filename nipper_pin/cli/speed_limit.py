@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+from typing import TYPE_CHECKING
 
 from ..extras import require
 from .arguments import check_outputs, load_mechanism, write_json
+
+if TYPE_CHECKING:
+    from ..study.speed_limit import SpeedLimit
 
 # Speeds by the rated one where none are given.
 _SLOWEST, _FASTEST = 0.5, 4.0
@@ -49,7 +54,7 @@ def run(options: argparse.Namespace) -> None:
     """Follow the turns, and tell how fast the machine can run."""
     check_outputs(None, options.json)
     require("study", "numba", what="the speed limit")
-    from ..view.studies.speed_limit_plot import check_figure, plot_speed_limit, print_speed_limit
+    from ..view.studies.speed_limit_plot import check_figure, plot_speed_limit
 
     if options.plot is not None:
         check_figure(options.plot)
@@ -76,8 +81,19 @@ def run(options: argparse.Namespace) -> None:
     from rich.console import Console
 
     from ..view.console import paste
+    from ..view.studies.speed_limit_report import print_speed_limit
 
     console = Console()
     print_speed_limit(result, console)
     if options.plot is not None:
         paste(console, f"figure: {options.plot}")
+    paste(console, f"Next: {_next(options, result)}")
+
+
+def _next(options: argparse.Namespace, result: SpeedLimit) -> str:
+    """Command line of a turn at the limit, or at the fastest speed that was followed."""
+    limits = [item for item in (result.settles_rpm, result.repeats_rpm) if item is not None]
+    speed = min([*limits, float(result.speed_rpm[-1])])
+    words = [word for item in options.set for word in ("--set", item)]
+    run = ["simulate", options.model, *words, "--speed", f"{speed:.5g}", "--window", "cycle"]
+    return shlex.join(["nipper-pin", *run])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -73,6 +74,7 @@ def _run(options: argparse.Namespace) -> None:
         else:
             text = f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks\n"
             text += expected.sentence()
+        text += f"\nNext: {shlex.join(['nipper-pin', 'sweep', options.study])}"
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
         with _progress(folder) as advance:
@@ -88,11 +90,24 @@ def _run(options: argparse.Namespace) -> None:
         if report.scenarios < plan.scenarios:
             size = f"{report.scenarios:,} of {size}"
         text = f"{size} in {report.folder}: {report.found:,} were there, {report.computed:,} "
-        text = "\n".join([text + f"computed in {report.wall_s:.3g} s", *report.sentences()])
+        text += f"computed in {report.wall_s:.3g} s"
+        found = [*report.sentences(), *report.extremes.sentences()]
+        text = "\n".join([text, *found, f"Next: {shlex.join(['nipper-pin', 'plot', str(folder)])}"])
     if options.json is not None:
         write_json(document, options.json)
     if options.json != "-":
-        sys.stdout.write(text + "\n")
+        _print(text)
+
+
+def _print(text: str) -> None:
+    from rich.console import Console
+
+    from ..view.console import paste, say
+
+    console = Console()
+    for line in text.splitlines():
+        # Commands are pasted, so they stay on one line.
+        (paste if line.startswith("Next: ") else say)(console, line)
 
 
 def _bounds(text: str | None) -> tuple[int, int] | None:
@@ -149,31 +164,15 @@ def _lines() -> Iterator[Callable[[int, int, int], None]]:
 
 @contextmanager
 def _bar() -> Iterator[Callable[[int, int, int], None]]:
-    """Advance the bar."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TaskProgressColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
+    """Advance the bar, with the rate of the scenarios that were not there before."""
+    from ..view.progress import progress
 
-    bar = Progress(
-        TextColumn("scenarios"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
-    task = bar.add_task("scenarios", total=None, rate="")
+    began = time.monotonic()
+    with progress("scenarios") as tell:
 
-    def show(done: int, found: int, total: int) -> None:
-        seconds = bar.tasks[0].elapsed or 0.0
-        rate = f"{(done - found) / seconds:,.0f}/s" if done > found and seconds > 0.0 else ""
-        bar.update(task, completed=done, total=total, rate=rate)
+        def show(done: int, found: int, total: int) -> None:
+            seconds = time.monotonic() - began
+            rate = f", {(done - found) / seconds:,.0f}/s" if done > found and seconds > 0.0 else ""
+            tell(done, total, f"scenarios{rate}")
 
-    with bar:
         yield show

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,14 +41,23 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(_document(found, problems), options.json)
     if options.json != "-":
-        for item in found:
-            made = f"nipper-pin {item.version}" if item.version else "an unknown version"
-            what = f" ({item.text})" if item.text else ""
-            sys.stdout.write(f"{item.path}: {item.kind}{what}, made by {made}\n")
+        _print(found, whole=not problems)
     if problems:
         raise DamagedError("; ".join(problems), problems=problems)
-    if options.json != "-":
-        sys.stdout.write("whole\n")
+
+
+def _print(found: Sequence[Verified], *, whole: bool) -> None:
+    from rich.console import Console
+
+    from ..view.console import say
+
+    console = Console()
+    for item in found:
+        made = f"nipper-pin {item.version}" if item.version else "an unknown version"
+        what = f" ({item.text})" if item.text else ""
+        say(console, f"{item.path}: {item.kind}{what}, made by {made}")
+    if whole:
+        say(console, "whole")
 
 
 def _document(found: tuple[Verified, ...], problems: list[str]) -> dict[str, object]:

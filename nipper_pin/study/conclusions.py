@@ -6,24 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..terms import named
+from ..terms import TERMS, parameter_shown
 from ..tolerances.study import NO_EFFECT
+from ..units import MS_PER_S
 from .sensitivity import QUANTITIES, SPEED, Sensitivities, Sensitivity
 
-_WORDS = {
-    "points": {
-        "x_mm": "pin {} forward",
-        "z_mm": "pin {} upward",
-        "radius_mm": "distance of pin {} from its shaft",
-        "angle_deg": "angle of pin {} about its shaft",
-    },
-    "links": {
-        "mass_kg": "mass of {}",
-        "gyration_mm": "radius of gyration of {}",
-        "com_x_mm": "centre of mass of {} forward",
-        "com_z_mm": "centre of mass of {} upward",
-    },
-}
 _SAID = ("first bounce", "transition", "clamping force")
 _FEW = 3
 _GAIN = 10.0
@@ -37,16 +24,7 @@ def label(path: str) -> str:
     Args:
         path: Its path.
     """
-    steps = path.split(".")
-    if len(steps) == 3 and steps[2] in _WORDS.get(steps[0], {}):
-        return _WORDS[steps[0]][steps[2]].format(steps[1].replace("_", " ").removesuffix(" pin"))
-    last = steps[-1]
-    for ending in ("_N_per_m", "_N_m_per_rad", "_mm", "_deg", "_rpm"):
-        last = last.removesuffix(ending)
-    words = last.replace("_", " ")
-    if len(steps) == 3:
-        return f"{words} of {steps[0].removesuffix('s')} {steps[1].replace('_', ' ')}"
-    return f"cylinder {words}" if steps[0] in (SPEED, "cylinder") else words
+    return parameter_shown(path).words
 
 
 def conclusions(found: Sensitivities) -> tuple[str, ...]:
@@ -77,12 +55,14 @@ def conclusions(found: Sensitivities) -> tuple[str, ...]:
 
 def _behaviour(found: Sensitivities) -> Iterator[str]:
     """Sentences on the motion of the machine with its own values."""
-    bounce = named("rebound_amplitude").phrase(found.amplitude_rad)
-    lasts = named("duration_s").phrase(found.transition_time_s)
-    clamp = found.clamping_force_N
+    bounce, lasts, clamp = (
+        TERMS["rebound_amplitude"].shown().value(found.amplitude_rad),
+        MS_PER_S * found.transition_time_s,
+        found.clamping_force_N,
+    )
     yield (
         f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
-        f"{bounce}, it is at rest after {lasts}, and the lips then press with "
+        f"{bounce:.4g} mdeg, it is at rest after {lasts:.3g} ms, and the lips then press with "
         f"{clamp:.3g} N."
     )
     if found.premise_holds is False:

@@ -3,10 +3,11 @@
 from .names import named
 from .parameters import NONE, parameter_shown, unit_of
 from .shown import Shown, digits, fixed, shown_in
-from .table import TERMS, Term, term_of
+from .table import SUBJECTS, TERMS, Term, term_of
 
 __all__ = [
     "NONE",
+    "SUBJECTS",
     "TERMS",
     "Shown",
     "Term",

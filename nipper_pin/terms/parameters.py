@@ -10,8 +10,24 @@ from .table import TERMS
 # What a name can end with, and how people write it.
 _UNITS = {"rpm": "r/min", "kg": "kg", "N": "N", "J": "J", "mm": "mm", "m": "m", "m2": "m2"}
 _UNITS |= {"rad": "rad", "deg": "deg", "s": "s", "hz": "Hz", "per": "/", "turn": "turn"}
+_UNITS |= {"s2": "/ s2"}
 NONE = "1"
 """Unit of a number without one."""
+# Numbers whose names say little without a drawing, by their last two steps.
+_WORDS = {
+    "points": {
+        "x_mm": "pin {} forward",
+        "z_mm": "pin {} upward",
+        "radius_mm": "distance of pin {} from its shaft",
+        "angle_deg": "angle of pin {} about its shaft",
+    },
+    "links": {
+        "mass_kg": "mass of {}",
+        "gyration_mm": "radius of gyration of {}",
+        "com_x_mm": "centre of mass of {} forward",
+        "com_z_mm": "centre of mass of {} upward",
+    },
+}
 
 
 def unit_of(name: str) -> str:
@@ -32,17 +48,25 @@ def parameter_shown(path: str) -> Shown:
     Args:
         path: Its path, such as ``springs.steeve.stiffness_N_per_m``, or ``speed_rpm``.
     """
-    head, _, last = path.rpartition(".")
+    *head, last = path.split(".")
     if not head and last in TERMS:
         return TERMS[last].shown()
-    if head.startswith("urdf."):
+    if head[:1] == ["urdf"]:
         # Names of numbers in a URDF carry no unit, and only the whole path says what they are.
         return Shown(words=path)
     what, file_unit = _split(last)
     unit, factor = shown_in(file_unit)
-    owner = head.rpartition(".")[2].replace("_", " ")
-    words = f"{what} of the {owner}" if owner else what
-    return Shown(words=words, unit=unit, factor=factor)
+    return Shown(words=_words(head, last, what), unit=unit, factor=factor)
+
+
+def _words(head: list[str], last: str, what: str) -> str:
+    """A number with its owner: a spring, a stop, a drive, a pin or a link."""
+    if len(head) != 2:
+        return f"{head[-1]} {what}".replace("_", " ") if head else what
+    kind, owner = head[0], head[1].replace("_", " ")
+    if last in _WORDS.get(kind, {}):
+        return _WORDS[kind][last].format(owner.removesuffix(" pin"))
+    return f"{what} of {kind.removesuffix('s')} {owner}"
 
 
 def _split(name: str) -> tuple[str, str]:

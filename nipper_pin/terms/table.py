@@ -64,7 +64,7 @@ _COLLISION = (
     Term(name="t_s", words="time from the start", symbol="t", unit="s", decimals=3),
     Term(name="time_s", words="time from the first collision", unit="s", decimals=3),
     Term(name="cylinder_angle_rad", words="cylinder angle", symbol="psi", unit="rad", decimals=3),
-    Term(name="index", words="index", symbol="index", decimals=3),
+    Term(name="index", words="index", decimals=3),
     Term(name="approach_rate", words="rate before", symbol="g_N_dot", unit="{gap}/s"),
     Term(name="separation_rate", words="rate after", symbol="w", unit="{gap}/s"),
     *_both("impulse", "impulse", "P_N", " s"),
@@ -119,9 +119,14 @@ _DESIGN = (
     Term(name="rest_margin", words="indices from rest to opening", decimals=3),
     Term(name="speed_rpm", words="cylinder speed", unit="r/min"),
 )
-TERMS: Mapping[str, Term] = {
-    item.name: item for item in (*_COLLISION, *_TRANSITION, *_TURN, *_DESIGN)
+SUBJECTS: Mapping[str, tuple[Term, ...]] = {
+    "A collision": _COLLISION,
+    "A transition": _TRANSITION,
+    "A turn": _TURN,
+    "A design": _DESIGN,
 }
+"""All terms by what they are of."""
+TERMS: Mapping[str, Term] = {item.name: item for group in SUBJECTS.values() for item in group}
 """All terms by their names in files."""
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
@@ -44,17 +44,19 @@ def show_table(
     rows: Sequence[Sequence[str]],
     *,
     text: Collection[int] = (0,),
+    keys: int = 1,
 ) -> None:
-    """Print a table; one that is wider than the terminal becomes several with the first column.
+    """Print a table; one that is wider than the terminal becomes several with the first columns.
 
     Args:
         console: Where to print.
         headings: Headings of the columns.
         rows: Texts of the cells; brackets and colons in them are printed.
         text: Places of columns of text; all others are numbers.
+        keys: Number of first columns that name a row.
     """
     columns = [_column(place, headings, rows, text) for place in range(len(headings))]
-    for part in _parts(columns, console.width):
+    for part in _parts(columns, keys, console.width):
         console.print(_table(part, rows, console.width))
 
 
@@ -106,13 +108,12 @@ def _column(
     return _Column(place, place in text, heading, least, most)
 
 
-def _parts(columns: Sequence[_Column], width: int) -> list[list[_Column]]:
-    """Columns that fit beside one another, the first one in each part."""
-    first, *others = columns
-    parts = [[first]]
-    for item in others:
-        if len(parts[-1]) > 1 and _width([*parts[-1], item]) > width:
-            parts.append([first])
+def _parts(columns: Sequence[_Column], keys: int, width: int) -> list[list[_Column]]:
+    """Columns that fit beside one another, the first ones in each part."""
+    parts = [list(columns[:keys])]
+    for item in columns[keys:]:
+        if len(parts[-1]) > keys and _width([*parts[-1], item]) > width:
+            parts.append(list(columns[:keys]))
         parts[-1].append(item)
     return parts
 
@@ -125,11 +126,16 @@ def _table(part: Sequence[_Column], rows: Sequence[Sequence[str]], width: int) -
     gap = 2 if _width(part, gap=2) <= width else 1
     widths = _widths(part, width - gap * (len(part) - 1))
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, gap - 1, 0, 0))
-    for item, size in zip(part, widths, strict=True):
-        heading = textwrap.fill(item.heading, size, break_long_words=False,
-                                break_on_hyphens=False)  # fmt: skip
-        table.add_column(Text(heading), justify="left" if item.text else "right", width=size,
-                         no_wrap=not item.text, vertical="bottom")  # fmt: skip
+    headings = [
+        textwrap.wrap(item.heading, size, break_long_words=False, break_on_hyphens=False)
+        for item, size in zip(part, widths, strict=True)
+    ]
+    most = max(map(len, headings))
+    for item, size, lines in zip(part, widths, headings, strict=True):
+        # Headings stand on the line below them, cells of several lines begin at the top.
+        text = "\n".join([*[""] * (most - len(lines)), *lines])
+        justify: JustifyMethod = "left" if item.text else "right"
+        table.add_column(Text(text), justify=justify, width=size, no_wrap=not item.text)
     for row in rows:
         table.add_row(*(Text(row[item.place]) for item in part))
     return table

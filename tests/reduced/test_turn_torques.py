@@ -9,8 +9,8 @@ from scipy.optimize import minimize_scalar
 from nipper_pin import Case, EventKind, InputError, Mechanism, Solution, load, simulate
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.reduced.kernels.turn_layout import TurnWork
-from nipper_pin.reduced.turns import TurnModel, TurnStatus, turn_torques
+from nipper_pin.reduced.kernels.turn_layout import Charts, TurnWork
+from nipper_pin.reduced.turns import TurnStatus, turn_torques
 from nipper_pin.reduced.turns import peak_torques as module
 
 # Forces of the direct engine between events, by their largest value.
@@ -107,8 +107,8 @@ def test_cases_that_cannot_be_followed_have_no_torque(
     few = turn_torques(e62, speed_rpm=650.0, max_collisions=3)
     roomy = module.scratch
 
-    def tight(model: TurnModel, most: int, panels: int = 0) -> TurnWork:
-        return roomy(model, most, min(panels, 5))
+    def tight(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
+        return roomy(charts, most, min(panels, 5))
 
     monkeypatch.setattr(module, "scratch", tight)
     full = turn_torques(e62, speed_rpm=650.0)

@@ -260,8 +260,9 @@ def test_a_run_ends_before_its_table_of_events_is_full(e62: Mechanism) -> None:
     for most in range(1, 26):
         beside = np.full((most + 4, EVENT_COLUMNS), 7.0)
         status, count, _, _, _ = follow(
-            grids, model.charts, module.scratch(model, 64), 650.0 * np.pi / 30.0, model.restitution,
-            model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1, (0, 0.0, 0.0, True, 0.0, 0.0),
+            grids, model.charts, module.scratch(model.charts, 64), 650.0 * np.pi / 30.0,
+            model.restitution, model.stiffness, model.preload, 1.0, 0.0, 1e-10, 1,
+            (0, 0.0, 0.0, True, 0.0, 0.0),
             model.clamp, beside[:most], np.empty((9, HOLD_COLUMNS)), np.empty((2, END_COLUMNS)),
         )  # fmt: skip
         assert count <= most

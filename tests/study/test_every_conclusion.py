@@ -29,7 +29,7 @@ def made_up(*rows: Sensitivity, holds: bool | None = True) -> Sensitivities:
 
 
 FIRST = (
-    "mine at 612.5 r/min: the first bounce opens the jaw by 2.35 mrad, it is at rest after "
+    "mine at 612.5 r/min: the first bounce opens the jaw by 134.4 mdeg, it is at rest after "
     "6.79 ms, and the lips then press with 147 N."
 )
 
@@ -52,7 +52,7 @@ FIRST = (
         ("drives.tension.ratio", "ratio of drive tension"),
         ("cylinder.angle_at_touch_deg", "cylinder angle at touch"),
         ("speed_rpm", "cylinder speed"),
-        ("other.limit_mm", "limit"),
+        ("other.limit_mm", "other limit"),
     ],
 )  # fmt: skip
 def test_numbers_of_a_model_in_words(path: str, words: str) -> None:

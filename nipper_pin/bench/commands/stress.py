@@ -141,20 +141,17 @@ def _refuse_failures(result: Campaign, *, one: bool) -> None:
 @contextmanager
 def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], None]]:
     """Show progress on a terminal; after an interrupt report the finished trials."""
-    from rich.console import Console
-    from rich.progress import Progress
+    from ...view.progress import progress
 
-    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
-    task = bar.add_task("cases", total=cases)
     words: dict[int, str] = {}
-
-    def advance(verdict: Verdict) -> None:
-        words[verdict.number] = verdict.word
-        wrong = list(words.values()).count("wrong")
-        bar.update(task, completed=len(words), description=f"cases, {wrong} wrong")
-
     try:
-        with bar:
+        with progress("cases", cases) as tell:
+
+            def advance(verdict: Verdict) -> None:
+                words[verdict.number] = verdict.word
+                wrong = list(words.values()).count("wrong")
+                tell(len(words), cases, f"cases, {wrong} wrong")
+
             yield advance
     except KeyboardInterrupt:
         where = f"are in {folder}: run the same command again for the others"

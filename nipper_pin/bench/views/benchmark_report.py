@@ -6,11 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
+from ...view.console import headline, say, show_table
 from ..run_time.benchmark import Benchmark
 from ..run_time.work_precision import Row
 
@@ -44,45 +42,35 @@ def print_benchmark(result: Benchmark, console: Console) -> None:
 
     Args:
         result: The benchmark.
-        console: Where to print; 80 columns are enough.
+        console: Where to print, of any width.
     """
     for line in header(result):
-        console.print(Text(line), highlight=False)
+        say(console, line)
     for sheet in sheets(result):
-        console.print()
-        console.print(Text(sheet.title, style="bold"), highlight=False)
-        console.print(_table(sheet, narrow=console.width < _ROOMY))
+        headline(console, sheet.title)
+        _print(sheet, console)
     for line in result.unavailable:
-        console.print(Text(f"Not measured: {line}"), highlight=False)
+        say(console, f"Not measured: {line}")
 
 
-def _table(sheet: Sheet, *, narrow: bool) -> Table:
-    """Return a table in which words fold and numbers do not."""
+def _print(sheet: Sheet, console: Console) -> None:
+    """Print a table; a narrow terminal shows the columns that matter most, and says so."""
     every = tuple(range(len(sheet.headings)))
-    columns = sheet.brief if narrow and sheet.brief else every
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
-    for number in columns:
-        words = number < sheet.text
-        table.add_column(
-            Text(sheet.headings[number]),
-            justify="left" if words else "right",
-            overflow="fold",
-            vertical="bottom",
-        )
-    above = ""
+    columns = sheet.brief if console.width < _ROOMY and sheet.brief else every
+    rows, above = [], ""
     for row in sheet.rows:
-        # A name that is repeated from row to row is printed once.
         cells = [row[number] for number in columns]
+        # A name that is repeated from row to row is printed once.
         if sheet.text > 1 and row[0] == above:
             cells[0] = ""
         above = row[0]
-        table.add_row(
-            *(
-                Text(cell, no_wrap=number >= sheet.text)
-                for number, cell in zip(columns, cells, strict=True)
-            )
-        )
-    return table
+        rows.append(cells)
+    text = [place for place, number in enumerate(columns) if number < sheet.text]
+    headings = [sheet.headings[number] for number in columns]
+    show_table(console, headings, rows, text=text, keys=max(1, len(text)))
+    left = [heading for number, heading in enumerate(sheet.headings) if number not in columns]
+    if left:
+        say(console, f"not shown, for want of room: {', '.join(left)} (all of them: --json, --out)")
 
 
 def markdown(result: Benchmark) -> str:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
-from ...view.console import paste
+from ...view.console import paste, say, show_table
 from ..stress import WRONG, Campaign, Verdict
 
 _FAILURES = 20
@@ -17,28 +15,27 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
 
     Args:
         campaign: The campaign.
-        console: Where to print; 80 columns are enough.
+        console: Where to print, of any width.
     """
-    record = campaign.record()
-    table = Table(box=box.SIMPLE_HEAD)
-    for name in ("family", "right", "refused", "wrong"):
-        table.add_column(name, justify="left" if name == "family" else "right")
-    for family, words in record["families"].items():
-        table.add_row(family, *(str(words[name]) for name in ("right", "refused", "wrong")))
-    table.add_section()
-    table.add_row("all", *(str(record[name]) for name in ("right", "refused", "wrong")))
-    console.print(table)
+    record, words = campaign.record(), ("right", "refused", "wrong")
+    rows = [
+        (family, *(str(found[word]) for word in words))
+        for family, found in record["families"].items()
+    ]
+    rows.append(("all", *(str(record[word]) for word in words)))
+    show_table(console, ("family", *words), rows)
     for title in ("errors", "outcomes"):
         text = ", ".join(f"{kind} {count}" for kind, count in record[title].items())
-        paste(console, f"{title}: {text or 'none'}")
+        say(console, f"{title}: {text or 'none'}")
     wrong = [item for item in campaign.verdicts if item.word == WRONG]
     for item in wrong[:_FAILURES]:
         print_verdict(item, console)
     if len(wrong) > _FAILURES:
-        console.print(f"and {len(wrong) - _FAILURES} more")
-    console.print(
+        say(console, f"and {len(wrong) - _FAILURES} more")
+    say(
+        console,
         f"{record['cases']} cases, seed {campaign.seed}, {campaign.wall_s:.3g} s; "
-        f"digest {record['digest'][:16]}"
+        f"digest {record['digest'][:16]}",
     )
 
 

@@ -46,7 +46,7 @@ def _run(
     run_turns(
         grids,
         model.charts,
-        scratch(model, settings.most),
+        scratch(model.charts, settings.most),
         *cases,
         np.ones(len(told)),
         settings.rest_rate,

@@ -23,7 +23,7 @@ from ..results import ENGINE
 from .batch import widening
 from .cases import BESIDE, check_size, room_for, turn_cases
 from .model import START_INDEX, TurnModel
-from .torques import torque_model, torque_scratch
+from .torques import torque_model
 from .turn import STRETCHES, scratch, turn_model
 
 # Panels of a turn that there is room for, by its collisions and other events.
@@ -130,10 +130,10 @@ class _Run:
         run_torques(
             grids,
             model.charts,
-            scratch(model, self.most),
-            scratch(model, self.most, _PANELS * events),
+            scratch(model.charts, self.most),
+            scratch(model.charts, self.most, _PANELS * events),
             torques.charts,
-            torque_scratch(torques),
+            scratch(torques.charts),
             *cases,
             np.ones(len(told)),
             self.rest_rate,

@@ -14,8 +14,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from ..kernels.layout import CASE_NUMBERS, LEVELS, SCRATCH_ROWS, SIZES
-from ..kernels.turn_layout import Charts, TurnWork
+from ..kernels.turn_layout import Charts
 from ..tables.functions import Samples
 from ..tables.tables import Domain, checks, resolved
 from ..tables.trimmed import trimmed
@@ -138,19 +137,3 @@ def _weights(around: Surroundings, sampler: _DriveSampler, rate: float) -> Float
     weights = np.append(np.abs(around.factors(rate)), fastest)
     size = float(np.abs(weights[:, None] * functions).sum(axis=0).mean())
     return weights / (size if size > 0.0 else 1.0)
-
-
-def torque_scratch(torques: TorqueModel) -> TurnWork:
-    """Scratch arrays of a call."""
-    count, _, cells, count_u, count_x = torques.charts.equation.shape
-    rows, finest = 4 * count_x, LEVELS[-1]
-    return TurnWork(
-        np.zeros((count, CASE_NUMBERS)),
-        np.zeros((count, cells, count_u, rows)),
-        np.zeros((count, SIZES, 3)),
-        np.zeros((count, cells, count_u)),
-        np.zeros(count, dtype=np.bool_),
-        np.zeros((finest + 1, rows)),
-        np.zeros((SCRATCH_ROWS, finest + 2)),
-        np.zeros((3, 1)),
-    )

@@ -19,7 +19,7 @@ from ...mechanism import Mechanism
 from ...units import S_PER_MIN
 from ..inputs import check_run, number, one_row
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
-from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, TurnWork
+from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Charts, TurnWork
 from .cases import BESIDE, by_stop, check_size
 from .model import START_INDEX, TurnModel, build_turns
 from .results import TURN_REASONS, ReducedTurns, TurnStatus
@@ -140,7 +140,7 @@ def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
     status, count, _, done, again = follow(
         grids,
         model.charts,
-        scratch(model, case.max_collisions),
+        scratch(model.charts, case.max_collisions),
         speed,
         _restitutions(model, case.restitution),
         one_row("stiffness", case.stiffness, model.stiffness, 0.0),
@@ -168,17 +168,16 @@ def _restitutions(model: TurnModel, restitution: float | Mapping[str, float] | N
     return found
 
 
-def scratch(model: TurnModel, most: int, panels: int = 0) -> TurnWork:
+def scratch(charts: Charts, most: int = 1, panels: int = 0) -> TurnWork:
     """Scratch arrays of a call: no two threads share them.
 
     Args:
-        model: The model.
+        charts: The functions that are evaluated.
         most: Largest number of collisions of a series.
         panels: Panels of the motion that are kept.
     """
-    count, _, cells, count_u, count_x = model.charts.equation.shape
-    rows = (3 + model.charts.others.shape[1]) * count_x
-    finest = LEVELS[-1]
+    count, _, cells, count_u, count_x = charts.equation.shape
+    rows, finest = (3 + charts.others.shape[1]) * count_x, LEVELS[-1]
     return TurnWork(
         np.zeros((count, CASE_NUMBERS)),
         np.zeros((count, cells, count_u, rows)),

@@ -9,6 +9,7 @@ from typing import Any
 from ...errors import SimulationError
 from ..transitions import REDUCED_TURN, TURN
 from .results import Tally
+from .results.extremes import Extremes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +26,7 @@ class SweepReport:
         workers: Local processes, or the address of the scheduler.
         wall_s: Time of this run [s].
         tally: What the rows say together.
+        extremes: Rows with the smallest and the largest value of the first quantity.
     """
 
     folder: Path
@@ -36,6 +38,7 @@ class SweepReport:
     workers: int | str
     wall_s: float
     tally: Tally
+    extremes: Extremes
 
     def record(self) -> dict[str, Any]:
         """The report as plain data for JSON."""
@@ -49,6 +52,7 @@ class SweepReport:
             "workers": self.workers,
             "wall_s": self.wall_s,
             **self.tally.record(),
+            "extremes": self.extremes.record(),
         }
 
     def check(self) -> None:

@@ -18,7 +18,7 @@ from .report import SweepReport
 from .results import Store, Tally
 from .results.chunk_file import read
 from .results.chunk_table import DamageError
-from .results.tally import SUMMARY
+from .results.extremes import Extremes
 
 Progress = Callable[[int, int, int], None]
 """Called with (scenarios stored, of these found on disk, scenarios in all)."""
@@ -77,6 +77,7 @@ def run_sweep(
         workers=scheduler or run.count,
         wall_s=time.perf_counter() - began,
         tally=run.tally,
+        extremes=run.extremes,
     )
     report.check()
     return report
@@ -100,7 +101,7 @@ class _Run:
         self.chunks = len(chosen)
         self.total = sum(chunk.stop - chunk.start for chunk in chosen)
         self.computed = self.count = 0
-        self.tally = Tally()
+        self.tally, self.extremes = Tally(), Extremes(store.plan.job)
         self.damaged: dict[int, str] = {}
         self.defects: list[DefectError] = []
 
@@ -132,7 +133,7 @@ class _Run:
     def _take_up(self, chunk: Chunk) -> bool:
         """Count a chunk that is on disk; a damaged one is as good as none."""
         try:
-            table = self._store.rows(chunk)
+            table = self._store.rows(chunk, self.extremes.columns)
         except DamageError as error:
             self.damaged[chunk.number] = Path(error.evidence["file"]).name
             return False
@@ -142,6 +143,7 @@ class _Run:
 
     def _finish(self, chunk: Chunk, table: object) -> None:
         self.tally.add(table)
+        self.extremes.add(table)
         self._done += chunk.stop - chunk.start
         self._left.pop(chunk.number)
 
@@ -201,7 +203,7 @@ class _Run:
                     self._left.pop(chunk.number)
                 else:
                     self._store.write(chunk, content)
-                    self._finish(chunk, read(content, SUMMARY))
+                    self._finish(chunk, read(content, self.extremes.columns))
                     self.computed += chunk.stop - chunk.start
                 self._store.release(chunk)
                 self._tell()

@@ -62,7 +62,8 @@ def print_fit(
     say(console, f"single numbers narrowed to less than half of their range: {single}")
     for item in profiles:
         _profile(item, console)
-    say(console, WORD, style="bold")
+    headline(console, f"Found: {judged.sentence()}")
+    say(console, WORD)
 
 
 def _targets(fit: Fit, judged: Goodness, console: Console) -> None:

@@ -1,4 +1,4 @@
-"""How fast a machine can run, as a figure and on the terminal."""
+"""How fast a machine can run, as a figure."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from ...study.speed_limit import SpeedLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from rich.console import Console
 
-_ROWS = 12
 _FORMATS = ("png", "svg", "pdf")
 
 
@@ -88,56 +86,3 @@ def speed_limit_figure(result: SpeedLimit) -> Figure:
     tidy(above, "", "index, counted from 24")
     tidy(below, "cylinder speed [r/min]", "clamped share")
     return figure
-
-
-def print_speed_limit(result: SpeedLimit, console: Console) -> None:
-    """Print the limits and a few speeds.
-
-    Args:
-        result: The study.
-        console: Where to.
-    """
-    from rich.table import Table
-
-    low, high = result.speed_rpm[0], result.speed_rpm[-1]
-    console.print(f"{result.title}: {low:g} to {high:g} r/min", markup=False)
-    table = Table()
-    for name in ("r/min", "touches", "rests", "opens", "margin", "clamped", "repeats after"):
-        table.add_column(name, justify="right")
-    chosen = np.unique(np.linspace(0, len(result.speed_rpm) - 1, _ROWS).astype(int))
-    for i in chosen:
-        again = result.repeats_after[i]
-        table.add_row(
-            f"{result.speed_rpm[i]:.4g}",
-            *(_index(values[i]) for values in (result.closing, result.rest, result.opening)),
-            _index(result.margin[i]),
-            f"{100.0 * result.clamped_share[i]:.1f} %",
-            str(again) if again else (">" if result.status[i] == "followed" else "-"),
-        )
-    console.print(table)
-    console.print(
-        "touches, rests, opens: index of the last turn, counted from 24; margin: indices from rest "
-        "to opening; clamped: share of the turn"
-    )
-    console.print(_sentence(result), markup=False)
-
-
-def _index(value: float) -> str:
-    return f"{value:.2f}" if np.isfinite(value) else "-"
-
-
-def _sentence(result: SpeedLimit) -> str:
-    settles, repeats = result.settles_rpm, result.repeats_rpm
-    lost = f" {result.lost}" if result.lost else ""
-    every = "at every speed below the first that cannot be followed" if lost else "at every speed"
-    first = (
-        f"The {result.stop} comes to rest before it opens {every}."
-        if settles is None
-        else f"From {settles:.5g} r/min on the {result.stop} is not at rest before it opens."
-    )
-    second = (
-        "Every turn repeats the one before."
-        if repeats is None
-        else f"From {repeats:.5g} r/min on turns do not repeat the one before."
-    )
-    return f"{first} {second}{lost}"

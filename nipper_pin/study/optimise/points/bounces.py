@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....errors import NipperError, SimulationError
-from ....extras import installed
+from ....errors import InputError, NipperError, SimulationError
 from ....hybrid.case import Case, Resolution
 from ....hybrid.run.outcome import Outcome
 from ....hybrid.run.periodicity import comes_back
@@ -25,6 +24,7 @@ from ....reduced import ReducedModel, ReducedTransition, build, transition, unfi
 from ...true_transition import TrueTransition, assumed_transition, transition_of_turns
 from ...turn_transition import TurnCase, TurnTransition, turn_transition
 from ..problem.problem import Problem
+from .one_machine import sampled_once
 
 REDUCED, DIRECT, REDUCED_TURN, TURN = "reduced", "direct", "reduced_turn", "turn"
 ENGINES = (REDUCED, DIRECT, REDUCED_TURN, TURN)
@@ -154,24 +154,15 @@ class Transitions:
 
     def _sampled(self) -> tuple[ReducedModel | None, str]:
         if self._tables is None:
-            self._tables = self._sample()
+            self._tables = sampled_once(self._problem, self._built)
         return self._tables
 
-    def _sample(self) -> tuple[ReducedModel | None, str]:
-        moving = [item.name for item in self._problem.parameters if item.target.kind == "model"]
-        if moving:
-            return None, f"{', '.join(moving)} change the machine, and so the tables"
-        if not installed("numba"):
-            return None, "the reduced engine needs numba, which is not installed"
-        try:
-            mechanism = self._problem.sources.build()
-            reason = unfit(mechanism)
-            if reason is not None:
-                return None, reason
-            self._machine = mechanism
-            return build(mechanism), "one machine: its tables are sampled once"
-        except NipperError as error:
-            return None, error.message
+    def _built(self, mechanism: Mechanism) -> ReducedModel:
+        reason = unfit(mechanism)
+        if reason is not None:
+            raise InputError(reason, model=mechanism.name)
+        self._machine = mechanism
+        return build(mechanism)
 
     def _by_tables(self, mechanism: Mechanism, speed_rpm: float) -> ReducedTransition | None:
         """The transition by the reduced engine; None where its tables do not cover it."""

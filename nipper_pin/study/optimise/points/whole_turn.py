@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....dynamics.system import DriveMode
-from ....errors import NipperError, SimulationError
-from ....extras import installed
+from ....errors import SimulationError
 from ....mechanism import Mechanism
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
@@ -25,6 +24,7 @@ from ...turns.table import FOLLOWED, TurnTable
 from ..problem.problem import Problem
 from ..problem.quantities import MARGIN, QUANTITIES
 from .bounces import REDUCED_TURN, TURN
+from .one_machine import sampled_once
 
 # Turns before one repeats, collisions of a turn, and how much coarser the second run is.
 _TURNS, _MOST_COLLISIONS, _COARSER = 8, 500, 100.0
@@ -150,18 +150,10 @@ class WholeTurns:
 
     def _sampled(self) -> tuple[Mechanism | None, str]:
         if self._base is None:
-            self._base = self._sample()
+            self._base = sampled_once(self._problem, self._with_tables)
         return self._base
 
-    def _sample(self) -> tuple[Mechanism | None, str]:
-        moving = [item.name for item in self._problem.parameters if item.target.kind == "model"]
-        if moving:
-            return None, f"{', '.join(moving)} change the machine, and so the tables"
-        if not installed("numba"):
-            return None, "the reduced engine needs numba, which is not installed"
-        try:
-            mechanism = self._problem.sources.build()
-            self._followed(mechanism, mechanism, self._problem.speed_rpm, coarse=True)
-        except NipperError as error:
-            return None, error.message
-        return mechanism, "one machine: its tables are sampled once"
+    def _with_tables(self, mechanism: Mechanism) -> Mechanism:
+        """Follow one turn, for which the tables are made and kept."""
+        self._followed(mechanism, mechanism, self._problem.speed_rpm, coarse=True)
+        return mechanism

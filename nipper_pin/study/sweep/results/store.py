@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,6 @@ from ..plan import Chunk, Plan
 from .chunk_file import check, read_file
 from .locks import Locks
 from .record import continued, plan_record, read_document
-from .tally import SUMMARY
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -58,8 +58,8 @@ class Store:
         """Leave chunks that are not finished to others."""
         self._locks.close()
 
-    def rows(self, chunk: Chunk) -> pa.Table | None:
-        """Rows of a chunk as far as a summary needs them; None if it is not on disk.
+    def rows(self, chunk: Chunk, columns: Sequence[str]) -> pa.Table | None:
+        """Columns of the rows of a chunk; None if it is not on disk.
 
         Raises:
             DamageError: It is there, and is not what was written.
@@ -67,7 +67,7 @@ class Store:
         path = self._path(chunk)
         if not path.is_file():
             return None
-        table = read_file(path, SUMMARY)
+        table = read_file(path, columns)
         check(table, path.name, chunk.start, chunk.stop, self._identity)
         return table
 

@@ -1,0 +1,66 @@
+"""How fast a machine can run, on the terminal."""
+
+from __future__ import annotations
+
+import numpy as np
+from rich.console import Console
+
+from ...study.speed_limit import SpeedLimit
+from ..console import headline, say, show_table
+
+_ROWS = 12
+_HEADINGS = ("speed r/min", "touches", "rests", "opens", "margin", "clamped %", "repeats after")
+
+
+def print_speed_limit(result: SpeedLimit, console: Console) -> None:
+    """Print the limits and a few speeds.
+
+    Args:
+        result: The study.
+        console: Where to print, of any width.
+    """
+    low, high = result.speed_rpm[0], result.speed_rpm[-1]
+    say(console, f"{result.title}: {low:g} to {high:g} r/min", style="bold")
+    say(console, _sentence(result))
+    console.print()
+    chosen = np.unique(np.linspace(0, len(result.speed_rpm) - 1, _ROWS).astype(int))
+    show_table(console, _HEADINGS, [_row(result, int(place)) for place in chosen], text=())
+    say(
+        console,
+        "touches, rests, opens: index of the last turn, counted from 24; margin: indices from rest "
+        "to opening; clamped: share of the turn; repeats after: turns, > if not within those "
+        "followed",
+    )
+    headline(console, f"Found: {_sentence(result)}")
+
+
+def _row(result: SpeedLimit, place: int) -> tuple[str, ...]:
+    again = int(result.repeats_after[place])
+    indices = (result.closing, result.rest, result.opening, result.margin)
+    return (
+        f"{result.speed_rpm[place]:.4g}",
+        *(_index(values[place]) for values in indices),
+        f"{100.0 * result.clamped_share[place]:.1f}",
+        str(again) if again else (">" if result.status[place] == "followed" else "-"),
+    )
+
+
+def _index(value: float) -> str:
+    return f"{value:.2f}" if np.isfinite(value) else "-"
+
+
+def _sentence(result: SpeedLimit) -> str:
+    settles, repeats = result.settles_rpm, result.repeats_rpm
+    lost = f" {result.lost}" if result.lost else ""
+    every = "at every speed below the first that cannot be followed" if lost else "at every speed"
+    first = (
+        f"The {result.stop} comes to rest before it opens {every}."
+        if settles is None
+        else f"From {settles:.5g} r/min on the {result.stop} is not at rest before it opens."
+    )
+    second = (
+        "Every turn repeats the one before."
+        if repeats is None
+        else f"From {repeats:.5g} r/min on turns do not repeat the one before."
+    )
+    return f"{first} {second}{lost}"
