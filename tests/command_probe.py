@@ -189,14 +189,18 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.sensitivity.sensitivities", lambda *_, **__: "sensitivities")
     note(
         "nipper_pin.view.paper.files.write_paper",
-        lambda _study, folder, more: _write(Path(folder) / "report.json", facts(more(), "more")),
+        lambda _study, folder, more, *_: _write(
+            Path(folder) / "report.json", facts(more(), "more")
+        ),
     )
+    note("nipper_pin.study.paper.designer.how_fast", lambda *_: "fast")
+    note("nipper_pin.study.paper.designer.designer", lambda *_: None)
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
     note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: report)
     note("nipper_pin.view.studies.speed_limit_plot.plot_speed_limit",
          lambda _result, path: _write(Path(path), done))  # fmt: skip
     note("nipper_pin.view.studies.speed_limit_plot.check_figure", lambda _: "json")
-    note("nipper_pin.view.studies.speed_limit_plot.print_speed_limit", lambda *_: None)
+    note("nipper_pin.view.studies.speed_limit_report.print_speed_limit", lambda *_: None)
     note("nipper_pin.bench.run_time.benchmark.benchmark", lambda **_: report)
     note("nipper_pin.bench.views.benchmark_files.write_benchmark",
          lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip

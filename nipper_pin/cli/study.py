@@ -160,7 +160,7 @@ def _with_report(
             changes = found.result()
             tell("report")
             first.append(designer(mechanism, changes, fast))
-            return Supplements(changes, first[0], identification)
+            return Supplements(changes, identification, first[0])
 
         tell("groups of figures")
         files = write_paper(result, folder, added, _counter(work, show, "groups of figures"))

@@ -54,7 +54,8 @@ class Work:
             stage: Its name; one that is not known changes nothing but the text.
         """
         self.stage = stage
-        self._note("stages", self._stages_done())
+        if stage in self.stages:
+            self._note("stages", self._stages_done())
 
     def part(self, name: str, done: int, total: int) -> None:
         """Some of a stage, or of the sensitivities, is done.
@@ -67,7 +68,7 @@ class Work:
         self.counts[name] = (done, total)
         if name == SENSITIVITIES:
             self._note(SENSITIVITIES, done / total)
-        else:
+        elif self.stage in self.stages:
             self._note("stages", self._stages_done())
 
     @property
@@ -106,8 +107,6 @@ class Work:
 
     def _stages_done(self) -> float:
         names = list(self.stages)
-        if self.stage not in names:
-            return self._seen.get("stages", (0.0, 0.0))[1]
         before = sum(self.stages[name] for name in names[: names.index(self.stage)])
         done, total = self.counts.get(self.stage, (0, 1))
         return (before + self.stages[self.stage] * done / total) / sum(self.stages.values())
@@ -141,8 +140,9 @@ def shown(work: Work) -> Iterator[Callable[[], None]]:
 
     bar = Progress(
         TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=16),
+        BarColumn(bar_width=20),
         Gone(),
+        TextColumn("gone"),
         Left(),
         console=Console(stderr=True),
         transient=True,

@@ -27,13 +27,13 @@ class Supplements:
 
     Attributes:
         sensitivities: Sensitivities of the model.
-        designer: What a designer wants to know first.
         identification: What ``nipper-pin identify --json`` wrote.
+        designer: What a designer wants to know first.
     """
 
     sensitivities: Sensitivities | None = None
-    designer: Designer | None = None
     identification: Mapping[str, Any] | None = None
+    designer: Designer | None = None
 
 
 def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
