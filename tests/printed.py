@@ -16,7 +16,7 @@ _MARK = """() => {
   const links = document.createElement('div'), found = [];
   const link = name => {
     const item = document.createElement('a');
-    item.href = '#' + name; item.textContent = '.'; links.append(item); };
+    item.href = '#' + name; item.textContent = '.'; links.append(item, ' '); };
   const parts = document.querySelectorAll(
     'main h1, main h2, main h3, main p, main ol, main ul, main li, main nav, main figure,' +
     ' main figcaption, main table, main tr, main section, main footer');

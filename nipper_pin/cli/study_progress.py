@@ -16,7 +16,7 @@ STAGES: Mapping[str, float] = {
     "fixed steps as published": 2.0,
     "maps": 0.7,
 }
-REPORT: Mapping[str, float] = {"turns at many speeds": 0.3, "groups of figures": 9.5, "report": 1.5}
+REPORT: Mapping[str, float] = {"turns at many speeds": 2.5, "groups of figures": 9.5, "report": 1.5}
 SENSITIVITIES = "sensitivities"
 # Processor time of all sensitivities, for the length of the bar alone [s].
 _SENSITIVITIES_S = 30.0

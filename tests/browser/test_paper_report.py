@@ -23,7 +23,8 @@ pytestmark = pytest.mark.slow
 
 FIGURES = [
     "designs", "mechanism", "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links",
-    "both_stops", "thresholds", "drives", "stop_force", "fixed_step", "shares", "sensitivities", "identification",
+    "both_stops", "thresholds", "drives", "stop_force", "fixed_step", "shares", "sensitivities",
+    "identification",
 ]  # fmt: skip
 COLOUR_BARS = {"stop_force-axes_3", "designs-axes_4"}
 # Frames, ticks and their labels alone are fewer than these.

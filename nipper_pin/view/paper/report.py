@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -120,6 +121,11 @@ def _subscripts(heading: str) -> str:
     return text
 
 
+def _glued(text: str) -> str:
+    """Sentences in which no line breaks between a number and its unit."""
+    return re.sub(r"(?<=\d) (?=(?:mdeg|µm|ms|mm/s|r/min|N|index)\b|%)", "\u00a0", text)
+
+
 def report_html(study: PaperStudy, supplements: Supplements, content: Material) -> str:
     """Return the page.
 
@@ -139,6 +145,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         lstrip_blocks=True,
     )
     environment.filters["subscripts"] = _subscripts
+    environment.filters["glued"] = _glued
     figure_numbers = numbers([plate.name for plate in content.plates])
     table_numbers = numbers([table.name for table in content.tables])
     plates = {

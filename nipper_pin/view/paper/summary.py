@@ -72,7 +72,8 @@ def _found(study: PaperStudy, found: Designer, console: Console) -> None:
     page = front_page(study, found)
     headline(console, "For the designer")
     for text in (*page.bounces, *page.fast):
-        say(console, text)
+        # Terminals may lack the Greek letter.
+        say(console, text.replace("µm", "um"))
     for lever in page.levers:
         say(
             console,
