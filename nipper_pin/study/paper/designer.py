@@ -81,7 +81,8 @@ def how_fast(mechanism: Mechanism) -> HowFast:
             mechanism, low_rpm=_SLOWEST * rated, high_rpm=_FASTEST * rated, speeds=_SPEEDS
         )
     except (InputError, SimulationError) as error:
-        return HowFast(None, error.message)
+        why = error.message.removeprefix(f"{mechanism.name}: ")
+        return HowFast(None, why.removesuffix("; use the direct engine"))
     return HowFast(found)
 
 

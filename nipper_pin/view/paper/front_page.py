@@ -156,7 +156,7 @@ def change_words(lever: Lever) -> str:
 def _fast(study: PaperStudy, found: Designer) -> Iterator[str]:
     limit, jaw = found.fast.limit, study.mechanism.transition_stop
     if limit is None:
-        yield f"Whole turns of this machine cannot be followed: {found.fast.why_not}."
+        yield f"That is not known, since its turns cannot be tabulated: {found.fast.why_not}."
     else:
         low, high = (f"{value:,.0f}" for value in limit.speed_rpm[[0, -1]])
         yield (
