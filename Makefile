@@ -23,6 +23,9 @@ PIP_INSTALL := $(BIN)/python -m pip install -q --disable-pip-version-check -c co
 
 IMAGES := docs/images
 FIGURES := $(BIN)/python scripts/maintain/figures
+# Plots that `make pictures` draws as PNG files.
+PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
+  front_e62 main_effects_duration_s level_lines_duration_s work_precision))
 
 .PHONY: demo test test-slow test-all lint types docs check pictures benchmark clean
 # Every target shares one environment, which only one pip may change at a time.
@@ -57,20 +60,29 @@ check: lint types docs test-all
 benchmark: $(DEV)
 	$(BIN)/nipper-pin benchmark --out out/benchmark
 	$(FIGURES)/write_benchmark_pages.py out/benchmark
-	cp out/benchmark/work_precision.png $(IMAGES)/work_precision.png
+	$(FIGURES)/draw_recorded_benchmark.py docs
+	$(FIGURES)/shrink_pictures.py $(IMAGES)/work_precision.png
 
-# work_precision.png is a measurement of one machine: `make benchmark` draws it.
+# All pictures of docs/images but those in before/, which an earlier version drew.
 pictures: $(DEV)
 	rm -rf out/pictures
 	$(FIGURES)/draw_gallery.py docs
 	$(BIN)/nipper-pin check e62 --drawing $(IMAGES)/mechanism.svg
 	$(SIMULATE) --window cycle --out out/pictures/cycle
 	cp out/pictures/cycle/motion.png $(IMAGES)/cycle_650.png
+	cp out/pictures/cycle/transition.png out/pictures/cycle/impulses.png out/pictures/cycle/phases.png $(IMAGES)/
 	$(BIN)/nipper-pin study speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
 	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
 	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/pictures/front
 	cp out/pictures/front/front.png $(IMAGES)/front_e62.png
+	sed 's/count = 100_000/count = 10_000/' scripts/sweep_spring.toml > out/pictures/sweep.toml
+	$(BIN)/nipper-pin sweep out/pictures/sweep.toml --out out/pictures/sweep
+	$(BIN)/nipper-pin plot out/pictures/sweep --format png --out out/pictures/sweep_plots
+	cp out/pictures/sweep_plots/*.png $(IMAGES)/
+	$(FIGURES)/draw_recorded_benchmark.py docs
+	$(FIGURES)/shrink_pictures.py --width 800 $(IMAGES)/parallel_duration_s.png
+	$(FIGURES)/shrink_pictures.py $(PLOTS)
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 	$(FIGURES)/write_tolerance_pages.py docs
 	$(FIGURES)/write_quantity_page.py docs

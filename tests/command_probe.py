@@ -26,6 +26,7 @@ import pytest
 from nipper_pin import Mechanism, Solution, load_solution
 from nipper_pin.bench.stress import Campaign
 from nipper_pin.cli import _parser, main
+from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.verify import Verified
 
 Facts = dict[str, Any]
@@ -160,8 +161,8 @@ def stand_ins(probe: Probe) -> None:
     )
     report = SimpleNamespace(record=lambda: done)
     note("nipper_pin.study.check.check_model", lambda *_: report)
-    note("nipper_pin.study.next_steps.next_steps", lambda *_: ("next",))
-    note("nipper_pin.view.studies.check_report.print_report", lambda *_: None)
+    note("nipper_pin.study.next_steps.next_steps", lambda *_: NextSteps((), ("next",)))
+    note("nipper_pin.view.studies.check_report.print_report", lambda *_, **__: None)
     note("nipper_pin.view.sketch.write_sketch", lambda _machine, path: Path(path).touch())
     _views(note)
     _studies(note, done, report)
@@ -196,7 +197,9 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.paper.designer.how_fast", lambda *_: "fast")
     note("nipper_pin.study.paper.designer.designer", lambda *_: None)
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
-    note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: report)
+    limit = SimpleNamespace(record=lambda: done, settles_rpm=None, repeats_rpm=None,
+                            speed_rpm=np.array([300.0, 500.0]))  # fmt: skip
+    note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: limit)
     note("nipper_pin.view.studies.speed_limit_plot.plot_speed_limit",
          lambda _result, path: _write(Path(path), done))  # fmt: skip
     note("nipper_pin.view.studies.speed_limit_plot.check_figure", lambda _: "json")
@@ -212,7 +215,8 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     for name in ("print_campaign", "print_verdict"):
         note(f"nipper_pin.bench.views.stress_report.{name}", lambda *_: None)
     swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
-                            record=lambda: done, sentences=list, check=lambda: None)  # fmt: skip
+                            record=lambda: done, sentences=list, check=lambda: None,
+                            extremes=SimpleNamespace(sentences=list))  # fmt: skip
     expected = SimpleNamespace(record=lambda: done, sentence=lambda: "soon")
     note("nipper_pin.study.sweep.estimate.estimate", lambda *_: expected)
     note("nipper_pin.study.sweep.run_sweep", lambda *_, **__: swept)

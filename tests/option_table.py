@@ -156,13 +156,17 @@ CHECK = {
        for name, item in of_a_model("check_model").items()},
     "--speed": Entry("--speed 500", {"check_model.speed_rpm": 500.0},
                      moves=("next_steps.given.",)),
+    "--provenance": Entry("--provenance", {"print_report.provenance": True}),
     "--start-index": Entry("--start-index 20", {"check_model.start_index": 20.0},
                            moves=("next_steps.start.",)),
     "--drawing": Entry("--drawing machine.svg", {
-        "write_sketch called": True, "write_sketch.path": "machine.svg", **files("machine.svg"),
+        "write_sketch called": True, "write_sketch.path": "machine.svg", "stdout": "lines",
+        **files("machine.svg"),
     }, moves=("write_sketch.mechanism.",)),
     "--json": Entry("--json -", DOCUMENT | {"next_steps called": GONE, "next_steps.model": GONE,
-                                            "print_report called": GONE}),
+                                            "print_report called": GONE,
+                                            "print_report.provenance": GONE,
+                                            "print_report.steps.commands.0": GONE}),
 }  # fmt: skip
 _OTHER_GONE = {"file other/other.toml": GONE, "file other/other.urdf": GONE,
                "file other/model.schema.json": GONE}  # fmt: skip
@@ -201,7 +205,7 @@ SPEED_LIMIT = {
     "--turns": Entry("--turns 9", {"speed_limit.turns": 9}),
     "--least-force": Entry("--least-force 5", {"speed_limit.least_force": 5.0}),
     "--plot": Entry("--plot limit.json", {
-        "plot_speed_limit called": True, "plot_speed_limit.path": "limit.json", "stdout": "lines",
+        "plot_speed_limit called": True, "plot_speed_limit.path": "limit.json",
         "check_figure called": True, "check_figure.path": "limit.json",
         **files("limit.json")}, moves=("in limit.json",)),
     "--json": Entry("--json -", DOCUMENT | {"print_speed_limit called": GONE}),

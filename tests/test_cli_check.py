@@ -11,7 +11,7 @@ import pytest
 from nipper_pin.cli import main
 from nipper_pin.mechanism import load
 from nipper_pin.study.check import check_model
-from nipper_pin.study.next_steps import next_steps
+from nipper_pin.study.next_steps import NextSteps, next_steps
 from tests.small_machines import frame, hinge, link, machine, slide
 
 
@@ -96,7 +96,7 @@ def test_a_stop_that_only_bounces_is_not_said_to_be_never_struck(
     drives = {"sled": {"joint": "sled", "law": "screw", "lead_mm_per_turn": 5.0}}
     springs = {"pull": {"joint": "ball", "stiffness_N_per_m": 100.0, "preload_length_mm": 5.0}}
     report = check_model(machine(parts, 2, stops=stops, drives=drives, springs=springs), 60.0)
-    print_report(report, Console(width=200))
+    print_report(report, NextSteps((), ()), Console(width=200))
     said = capsys.readouterr().out
     assert "stop left is struck first at index" in said
     assert "left: restitution 1, lower limit of ball at -1 mm; smallest force while closed not " \
@@ -119,7 +119,7 @@ def test_masses_in_grams_are_noticed() -> None:
     assert [item.mass_kg for item in report.masses] == [700.0, 1200.0, 6.1]
     assert report.masses[0].density_kg_m3 == pytest.approx(7e6)
     assert report.masses[2].density_kg_m3 == pytest.approx(6.1 / 7.853982e-4)
-    doubts = [step for step in next_steps(report, "m") if "grams" in step]
+    doubts = [step for step in next_steps(report, "m").missing if "grams" in step]
     assert doubts == [
         "Missing: link ram weighs 700 kg, 7e+06 kg/m3 by its shapes is far denser than any metal: "
         "is it in grams?",

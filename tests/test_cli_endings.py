@@ -18,6 +18,7 @@ from test_cli_options import DESIGN, FIT, STUDY
 from nipper_pin import Mechanism, SimulationError, cli
 from nipper_pin.bench.stress import Campaign, Verdict
 from nipper_pin.cli import main
+from nipper_pin.study.next_steps import NextSteps
 
 CASE = {
     "speed_rpm": 450.0, "window": "transition", "cycles": 1, "drive": "held", "rest_rate": None,
@@ -39,6 +40,7 @@ ASKED: dict[str, dict[str, object]] = {
     "check": {
         "check_model.mechanism.name": "e62", "check_model.speed_rpm": 450.0,
         "check_model.start_index": 24.0, "next_steps.model": "e62",
+        "print_report.provenance": False,
     },
     "study paper": {
         "paper_study.mechanism.name": "e62", "write_paper.folder": "out/paper",
@@ -267,20 +269,28 @@ def test_what_check_ends_with(
     capsys: pytest.CaptureFixture[str],
     e62: Mechanism,
 ) -> None:
-    """A heading and the commands, which carry the user's own words."""
+    """The findings and the next steps, which carry the user's own words, are printed together."""
     assert probe is not None
     given: list[Any] = []
 
-    def next_steps(_report: Any, model: str, words: list[str], begin: list[str]) -> list[str]:
+    told: list[Any] = []
+    steps = NextSteps(("this is missing",), ("one", "two"))
+
+    def next_steps(_report: Any, model: str, words: list[str], begin: list[str]) -> NextSteps:
         given.append((model, shlex.join(words), begin))
-        return ["one [bold] " + "long " * 30, "two"]
+        return steps
 
     monkeypatch.setattr("nipper_pin.study.next_steps.next_steps", next_steps)
+    monkeypatch.setattr(
+        "nipper_pin.view.studies.check_report.print_report",
+        lambda _report, shown, _console, *, provenance: told.append((shown, provenance)),
+    )
     words = "--set preload=9.25 --set stops.jaw.restitution=0.1 --stiffness 1e4 --speed 500"
     assert main(["check", e62.name, *words.split(), "--start-index", "20.5"]) == 0
-    assert capsys.readouterr().out == f"Next\none [bold] {'long ' * 30}\ntwo\n"
-    told = words.replace("1e4", "10000.0").replace("500", "500.0")
-    assert given == [("e62", told, ["--start-index", "20.5"])]
+    assert capsys.readouterr().out == ""
+    assert told == [(steps, False)]
+    typed = words.replace("1e4", "10000.0").replace("500", "500.0")
+    assert given == [("e62", typed, ["--start-index", "20.5"])]
 
 
 @pytest.mark.parametrize(
@@ -298,6 +308,7 @@ def test_what_check_ends_with(
         ("new --list --from a", "--from changes nothing beside --list"),
         ("stress --rerun x.json --family chain", "--family changes nothing beside --rerun"),
         ("view --json -", "so does the server; add --html FILE"),
+        ("check --json - --provenance", "--provenance changes nothing beside --json -, whose doc"),
     ],
 )
 def test_what_cannot_be_asked(

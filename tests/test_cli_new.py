@@ -267,13 +267,12 @@ def test_every_table_of_the_skeleton_is_explained() -> None:
 def test_check_says_what_is_missing(tmp_path: Path) -> None:
     """A model on the way: without stops, without drives, with a stop that nothing strikes."""
     steps = next_steps(check_model(load(first_step(tmp_path)), 120.0), "slider")
-    assert any("nothing can collide" in step for step in steps)
-    assert any("[provenance]" in step for step in steps)
-    assert steps[-2:] == (
+    assert any("nothing can collide" in step for step in steps.missing)
+    assert any("[provenance]" in step for step in steps.missing)
+    assert steps.commands == (
         "Then: nipper-pin simulate slider --window cycle",
         "Look at it: nipper-pin view slider --html slider.html",
     )
-    assert not any(step.startswith("Run next") for step in steps)
 
 
 def test_check_says_what_overlaps(press: Mechanism) -> None:
@@ -281,13 +280,13 @@ def test_check_says_what_overlaps(press: Mechanism) -> None:
     path = "urdf.link.crank_arm.collision.crank_arm.geometry.box.size.x"
     large = load(press.mesh_folder, {path: 0.4})
     steps = next_steps(check_model(large, 120.0), "press")
-    assert any(step.startswith("Missing: links overlap: ") for step in steps)
+    assert any(step.startswith("Missing: links overlap: ") for step in steps.missing)
 
 
 def test_check_says_what_is_not_struck(press: Mechanism) -> None:
     report = check_model(press, 120.0)
     steps = next_steps(replace(report, closing_index=None), "press")
-    assert steps[0].startswith("Missing: stop anvil is not struck in a turn at 120 r/min")
+    assert steps.missing[0].startswith("Missing: stop anvil is not struck in a turn at 120 r/min")
     steps = next_steps(replace(report, opening_index=None), "press")
-    assert steps[0].startswith("Missing: stop anvil does not open again")
-    assert steps[1] == "Run next: nipper-pin simulate press"
+    assert steps.missing[0].startswith("Missing: stop anvil does not open again")
+    assert steps.commands[0] == "Run next: nipper-pin simulate press"

@@ -25,6 +25,10 @@ from nipper_pin.cli.study_progress import SENSITIVITIES, Work
 Told = Callable[..., None]
 
 
+# Hours, minutes and seconds; the time left is told as unknown until there is an estimate.
+GONE, LEFT = r"0:00:\d\d gone", r"(-:--:--|\d:\d\d:\d\d) left"
+
+
 class Terminal(io.StringIO):
     """A stream that says that it is a terminal."""
 
@@ -112,7 +116,8 @@ def test_turns_of_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("nipper_pin.cli.simulate.simulate", short)
     words = "simulate --speed 400 --window cycle --json -"
-    assert re.search(r"turns ━.* 25% ", run(f"{words} --cycles 8", monkeypatch))
+    shown = run(f"{words} --cycles 8", monkeypatch)
+    assert re.search(rf"turns ━.* 2 of 8 {GONE} {LEFT}", shown)
     assert "turns" in run(f"{words} --cycles 3", monkeypatch)
     assert run(f"{words} --cycles 2", monkeypatch) == ""
     assert main([*words.split(), "--cycles", "8"]) == 0
@@ -132,24 +137,32 @@ def test_how_much_there_is_to_do_is_known_at_once(
 ) -> None:
     """Nothing of something is a share; of an unknown number there is none."""
     monkeypatch.setattr(place, interrupted)
-    assert re.search(rf"{shown} ━.* 0% ", run(words, monkeypatch, 130))
+    count = re.search(r"[89]", words)
+    assert count is not None
+    assert re.search(rf"{shown} ━.* 0 of {count[0]} {GONE} {LEFT}", run(words, monkeypatch, 130))
 
 
-def test_starts_of_an_identification(monkeypatch: pytest.MonkeyPatch) -> None:
-    given: list[Any] = []
+def test_starts_of_an_identification(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Starts and profiles of how many; no time left, and nothing where no terminal is."""
 
     def tell(*_: Any, progress: Any, **__: Any) -> None:
-        given.append(progress)
-        if progress is not None:
-            progress(1, 4, 0.123456)
+        progress(1, 4, 0.123456)
 
     import nipper_pin.study.identify  # noqa: F401
 
-    replaced(monkeypatch, "nipper_pin.study.identify.identify", tell)
-    words = "identify fit.toml --json -"
-    assert re.search(r"starts \(least cost 0\.1235\) ━.* 25% ", run(words, monkeypatch))
-    assert main(words.split()) == 0
-    assert [item is None for item in given] == [False, True]
+    words = "identify fit.toml --profiles 2 --json -"
+    with monkeypatch.context() as patch:
+        replaced(patch, "nipper_pin.study.identify.identify", tell)
+        shown = run(words, monkeypatch)
+        assert re.search(rf"starts \(least cost 0\.1235\) ━.* 1 of 4 {GONE}", shown)
+        assert re.search(rf"profiles ━.* 2 of 2 {GONE}", shown)
+        # Some starts take ten times as long as others.
+        assert "left" not in shown
+        capsys.readouterr()
+        assert main(words.split()) == 0
+        assert capsys.readouterr().err == ""
 
 
 def test_parts_of_an_optimisation(
@@ -163,7 +176,10 @@ def test_parts_of_an_optimisation(
     place = "nipper_pin.study.optimise.optimise"
     with monkeypatch.context() as patch:
         replaced(patch, place, tell)
-        assert re.search(r"parts known so far ━.* 25% ", run("optimise design.toml", monkeypatch))
+        shown = run("optimise design.toml", monkeypatch)
+        # How many parts there are is not known, so there is neither a share nor a time left.
+        assert re.search(rf"parts \(at least 12\) ━.* 3 done {GONE}", shown)
+        assert not re.search("3 of|%|left", shown)
         capsys.readouterr()
         assert main(["optimise", "design.toml"]) == 0
         assert capsys.readouterr().err == ""
@@ -197,9 +213,8 @@ def test_cases_of_a_campaign(
     place = "nipper_pin.bench.stress.run_campaign"
     with monkeypatch.context() as patch:
         replaced(patch, place, tell)
-        assert re.search(
-            r"cases, 2 wrong ━.* 25% ", run("stress --cases 12 --out kept", monkeypatch)
-        )
+        shown = run("stress --cases 12 --out kept", monkeypatch)
+        assert re.search(rf"cases, 2 wrong ━.* 3 of 12 {GONE} {LEFT}", shown)
         capsys.readouterr()
         assert main(["stress", "--cases", "12"]) == 0
         assert capsys.readouterr().err == ""
@@ -215,7 +230,7 @@ def test_cases_of_a_campaign(
 def test_bar_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
     """Share of all scenarios, and the rate of those that were not there before."""
     now = [100.0]
-    monkeypatch.setattr("rich.console.monotonic", lambda: now[0])
+    monkeypatch.setattr("nipper_pin.cli.sweep.time", SimpleNamespace(monotonic=lambda: now[0]))
 
     def tell(*_: Any, progress: Any, **__: Any) -> None:
         now[0] = 104.0
@@ -223,7 +238,8 @@ def test_bar_of_a_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
 
     with monkeypatch.context() as patch:
         replaced(patch, "nipper_pin.study.sweep.run_sweep", tell)
-        assert re.search(r"scenarios ━.* 25% 500/s ", run("sweep sweep.toml", monkeypatch))
+        shown = run("sweep sweep.toml", monkeypatch)
+        assert re.search(rf"scenarios, 500/s ━.* 3,000 of 12,000 {GONE} {LEFT}", shown)
     for done, found in ((3000, 3000), (0, 0)):
         now[0] = 100.0
         with monkeypatch.context() as patch:

@@ -79,8 +79,6 @@ LARGE = {
     "reduced/kernels/arrival_check.py",
     "study/identify/problem/problem.py",
     "view/paper/tables.py",
-    "view/run/table.py",
-    "view/studies/sweep_plots.py",
 }
 
 

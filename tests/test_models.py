@@ -103,7 +103,8 @@ def test_check_finds_a_usable_machine(turn: Solution) -> None:
     assert report.condition.value < 50.0
     assert all(force.value > 0.0 for force in report.stop_force.values())
     steps = next_steps(report, mechanism.name)
-    assert not any(step.startswith("Missing") for step in steps)
+    assert not any(step.startswith("Missing") for step in steps.missing)
+    assert any("simulate" in step for step in steps.commands)
 
 
 @pytest.mark.parametrize("name", OTHERS)

@@ -191,18 +191,20 @@ class System:
         return np.abs(moved) * self._numbers.turning
 
     def lift(self, jacobian: FloatArray, split: Partition, v: FloatArray) -> FloatArray:
-        """Velocity with G v = 0, shape (nv,): dependent rates from independent ones.
+        """Velocities with G v = 0, shape of ``v``: dependent rates from independent ones.
 
         Args:
             jacobian: Closure Jacobian G, shape (m, nv).
             split: What :meth:`split` gives for it.
-            v: Velocity, shape (nv,); its dependent rates count for nothing.
+            v: Velocity, shape (nv,) or (N, nv); its dependent rates count for nothing.
         """
         # Caches the inverse of the dependent block.
         self._serves(split, jacobian)
         lifted = v.copy()
-        lifted[split.columns] = 0.0
-        lifted[split.columns] = -product(self._inverse, product(jacobian, lifted))
+        # Of one velocity or of many, the coordinates come first when transposed.
+        by_coordinate = lifted.T
+        by_coordinate[split.columns] = 0.0
+        by_coordinate[split.columns] = -product(self._inverse, product(jacobian, by_coordinate))
         return lifted
 
     def closed_velocity(self, v: FloatArray, jacobian: FloatArray, split: Partition) -> FloatArray:

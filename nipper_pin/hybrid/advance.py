@@ -30,8 +30,9 @@ from .state import State
 
 # In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000
-# What drives alone determine is smoother than flights: panels have more nodes and are longer.
-_LONGER_WITHOUT_FREEDOM = 2.0
+# What drives alone determine is smoother than flights: panels have more nodes and are longer, the
+# more so once one has shown it.
+_LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.0, 2.0
 
 
 class Advance(NamedTuple):
@@ -73,17 +74,17 @@ def advance(
         SimulationError: The motion cannot be followed.
     """
     way = _Way(system, state, t_limit, resolution)
-    jacobian, begin = state.jacobian, Begin(state.t, state.q, state.v, a)
-    h = way.longest
+    begin = Begin(state.t, state.q, state.v, a, state.jacobian)
+    h = way.first
     if not way.kinematic:
         h = min(h, _ballistic_length(begin, way.phase.open))
     panels: list[Panel] = []
     while True:
-        solved = way.solve(begin, way.length(begin.t, h), jacobian)
+        solved = way.solve(begin, way.length(begin.t, h))
         if len(panels) >= _MOST_PANELS:
             raise way.too_many(begin, solved.panel.h)
         end = way.end(solved)
-        suited = way.suited(solved.panel, jacobian, end)
+        suited = way.suited(solved.panel, begin.jacobian, end)
         shown = way.shown(solved.panel, end)
         if (suited is None or not shown) and end.t - begin.t > 4.0 * way.shortest:
             # The same motion in shorter panels: they see what happens at its end, and each has the
@@ -97,8 +98,8 @@ def advance(
         panels.append(panel)
         if end.found or end.t >= t_limit:
             return way.closed_up(panels, end, place)
-        jacobian = end.exact.jacobian
-        begin = Begin(begin.t + panel.h, end.exact.q, end.exact.v, panel.a[-1])
+        q, v, jacobian, _ = end.exact
+        begin = Begin(begin.t + panel.h, q, v, panel.a[-1], jacobian)
         h = min(way.longest, solved.advised)
 
 
@@ -137,8 +138,10 @@ class _Way:
         self.phase = phase = system.constraint_set(state.closed)
         self.kinematic = phase.freedom == 0
         self.longest = system.shaft.period / resolution.panels_per_turn
+        self.first = self.longest
         if self.kinematic:
-            self.longest *= _LONGER_WITHOUT_FREEDOM
+            self.first *= _LONGER_WITHOUT_FREEDOM
+            self.longest = self.first * _LONGER_STILL
         self.shortest = SHORTEST_PANEL * system.shaft.period
         self._checks: tuple[PanelCheck, ...] = panel_checks(system, resolution)
         # A stop that has just been left is independent, so that its gap keeps its relative
@@ -153,11 +156,11 @@ class _Way:
         # Round-off of a sum of panels must not leave one that holds nothing but round-off.
         return left if left - h < self.shortest else h
 
-    def solve(self, begin: Begin, h: float, jacobian: FloatArray) -> _Solved:
+    def solve(self, begin: Begin, h: float) -> _Solved:
         """Solve a panel from ``begin``, at most of the length h [s]."""
         choose = self._system.split if self.kinematic else self._system.good_split
         try:
-            split = choose(jacobian, self.phase.given, self._preferred)
+            split = choose(begin.jacobian, self.phase.given, self._preferred)
             return self._resolved(split, begin, h)
         except SimulationError as error:
             evidence = {**error.evidence, "t": begin.t, "q": begin.q}
@@ -261,7 +264,7 @@ def _closed_up(system: System, phase: ConstraintSet, end: Exact, hit: list[Stop]
 
 def _ballistic_length(begin: Begin, open_stops: Sequence[Stop]) -> float:
     """Time [s] in which a body that leaves a stop at constant acceleration is back, and a bit."""
-    _, q, v, a = begin
+    _, q, v, a, _ = begin
     lengths = [
         -2.0 * v[stop.index] / a[stop.index]
         for stop in open_stops

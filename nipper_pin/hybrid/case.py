@@ -36,8 +36,8 @@ class Resolution:
         flight_nodes: Collocation nodes of a panel with freedom; with 4 n + 1 of them, iteration
             starts on coarser grids that are nested in this one.
         kinematic_nodes: Collocation nodes of a panel without freedom.
-        panels_per_turn: Longest panel with freedom, as a fraction of a turn; those without may
-            have twice its length.
+        panels_per_turn: Longest panel with freedom, as a fraction of a turn; without it the first
+            panel of a phase may have twice its length, and those after it four times.
         adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
             panel length by the order of the method, which is how that order is measured.
         integrator: Name of the integrator of motion with freedom.

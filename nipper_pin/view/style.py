@@ -31,6 +31,7 @@ from .reading import (
 )
 
 WIDTH_IN = 7.2
+TITLE = 10.5
 TEXT = 9.0
 SMALL = 8.0
 # Okabe and Ito's palette; lines take the strong colours, phases the light tints.

@@ -1,5 +1,7 @@
 """Panels that are as long as they may be, and panels that are too long."""
 
+import pytest
+
 from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.hybrid.case import Resolution
 from nipper_pin.hybrid.motion.panel import Begin
@@ -16,7 +18,8 @@ def test_a_panel_that_is_too_long_is_given_up_after_two_sweeps_of_each_grid(e62:
     solution = simulate(e62, Case(speed_rpm=650.0))
     system, segment = solution.system, solution.segments[0]
     first = segment.panels[0]
-    begin = Begin(first.t, first.q[0], first.v[0], first.a[0])
+    jacobian = system.body.closures(first.q[:1])[1][0]
+    begin = Begin(first.t, first.q[0], first.v[0], first.a[0], jacobian)
     phase, before = system.constraint_set(segment.closed), system.body.evaluations
     h = 0.2 * system.shaft.period
     attempt = flight_panel(system, phase, first.split, begin, h, Resolution())
@@ -25,10 +28,11 @@ def test_a_panel_that_is_too_long_is_given_up_after_two_sweeps_of_each_grid(e62:
     assert system.body.evaluations - before <= 2 * (COARSE + MIDDLE + FINE) + ROUND_OFF
 
 
-def test_phases_without_freedom_take_panels_of_a_sixth_of_a_turn(e62: Mechanism) -> None:
-    """Three stretches of a turn of the E62 at 450 r/min take no more than eight of them."""
+def test_phases_without_freedom_take_panels_of_a_sixth_of_a_turn_and_more(e62: Mechanism) -> None:
+    """Three stretches of a turn of the E62 at 450 r/min: the first one of each may be as long."""
     solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
-    panels = [panel for item in solution.segments if item.kinematic for panel in item.panels]
+    stretches = [item.panels for item in solution.segments if item.kinematic]
     sixth = solution.shaft.period / 6.0
-    assert len(panels) <= 8
-    assert max(panel.h for panel in panels) > 0.99 * sixth
+    assert sum(len(panels) for panels in stretches) <= 7
+    assert max(panels[0].h for panels in stretches) == pytest.approx(sixth)
+    assert max(panel.h for panels in stretches for panel in panels[1:]) > 1.2 * sixth

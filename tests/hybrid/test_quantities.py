@@ -33,13 +33,15 @@ def test_names_say_their_unit() -> None:
     every = [*COLLISION, *TRANSITION]
     assert len({item.name for item in every}) == len(every)
     for item in every:
-        if item.unit in PUSHED:
-            assert item.name.endswith("_" + item.unit.replace(" ", "_")), item.name
+        unit = item.term.unit
+        if unit in PUSHED:
+            assert item.name.endswith("_" + unit.replace(" ", "_")), item.name
         else:
-            assert item.unit in ("", "{gap}", "{gap}/s")
+            assert unit in ("", "{gap}", "{gap}/s")
             assert not item.name.endswith(("_s", "_rad", "_m", "_J", "_N"))
         assert item.read or item.column
-        assert item.words
+        assert item.term.words
+        assert item.term.name == item.name
 
 
 def test_units_follow_the_stop(e62: Mechanism) -> None:

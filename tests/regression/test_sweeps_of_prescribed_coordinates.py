@@ -49,10 +49,10 @@ def test_round_off_of_a_closed_stop_does_not_end_the_iteration(round_off: float)
     start = system.accelerations(motion, q[None], v[None], rows)[0]
     assert abs(start[wheel]) > 1.0
     start[lift] = round_off
-    split = system.split(np.zeros((0, 2)), rows.given, (wheel,))
-    attempt = flight_panel(
-        system, rows, split, Begin(0.0, q, v, start), LENGTH, Resolution(tolerance=TOLERANCE)
-    )
+    none = np.zeros((0, 2))
+    split = system.split(none, rows.given, (wheel,))
+    begin = Begin(0.0, q, v, start, none)
+    attempt = flight_panel(system, rows, split, begin, LENGTH, Resolution(tolerance=TOLERANCE))
     panel = attempt.panel
     assert panel is not None
     exact = system.accelerations(shaft.driven(panel.times), panel.q, panel.v, rows)

@@ -205,6 +205,7 @@ def test_a_sweep_and_its_report(
         total, computed, chunks, count = 22, 9, 4, 3
         damaged = {7: "7.parquet", 9: "9.parquet"}  # noqa: RUF012
         tally = SimpleNamespace(rows=22)
+        extremes = SimpleNamespace(smallest="it")
 
         def __init__(self, *words: Any) -> None:
             asked.append(words[1:])
@@ -232,3 +233,4 @@ def test_a_sweep_and_its_report(
     assert (found.chunks, found.damaged) == (4, ("7.parquet", "9.parquet"))
     assert (found.workers, found.wall_s) == ("tcp://a" if chunks else 3, 3.5)
     assert found.tally.rows == 22
+    assert found.extremes is Run.extremes

@@ -271,7 +271,11 @@ def test_what_to_do_next(e62: Mechanism) -> None:
     words: dict[str, Any] = {"given": ["--speed", "500"], "start": ["--start-index", "3"]}
 
     def steps(**changes: Any) -> tuple[str, ...]:
-        return next_steps(report_of(changes.pop("mechanism", e62), **changes), "my model", **words)
+        found = next_steps(report_of(changes.pop("mechanism", e62), **changes), "my model", **words)
+        # Commands are begun by what they are for, sentences are not.
+        assert all("nipper-pin" in text for text in found.commands)
+        assert not any("nipper-pin" in text for text in found.missing)
+        return (*found.missing, *found.commands)
 
     assert steps() == (transition, turn, view)
     assert steps(no_transition="too many stops") == ("No transition: too many stops", turn, view)

@@ -30,7 +30,8 @@ def test_a_machine_is_complete_and_runs_a_turn(name: str) -> None:
     """Nothing is missing, a stop is struck and left again in the turn, and the run ends well."""
     mechanism = drawn_mechanism(drawn(name))
     report = check_model(mechanism, mechanism.cylinder.rated_speed_rpm)
-    missing = [step for step in next_steps(report, name) if step.startswith("Missing")]
+    steps = next_steps(report, name)
+    missing = [step for step in steps.missing if step.startswith("Missing")]
     if name in RATTLING:
         missing = [step for step in missing if "does not open again" not in step]
     assert not missing
@@ -74,7 +75,8 @@ def test_the_command_writes_a_machine(
 def test_the_command_lists_the_machines(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(GALLERY)
+    names = [line.split()[0] for line in lines[2:-2] if not line.startswith(" ")]
+    assert names == list(GALLERY)
 
 
 @pytest.mark.parametrize(

@@ -90,18 +90,31 @@ def test_the_command_says_what_it_found(
     figure = tmp_path / "limit.svg"
     figure.write_text("of before", encoding="utf-8")
     assert main([*given, "--plot", str(figure)]) == 0
-    text = " ".join(capsys.readouterr().out.split())
+    lines = capsys.readouterr().out.splitlines()
+    text = " ".join(" ".join(lines).split())
+    # The last line of the headings has a word for each of the seven columns.
+    rule = next(place for place, line in enumerate(lines) if line.startswith("─"))
+    heads = lines[rule - 1].split()
+    assert heads == ["r/min", "touches", "rests", "opens", "margin", "%", "after"]
+    assert lines[rule - 2].split() == ["speed", "clamped", "repeats"]
     assert main([*given, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     limit = document["settles_rpm"]
     assert f"From {limit:.5g} r/min on the jaw is not at rest before it opens." in text
     assert "Every turn repeats the one before." in text
+    # What was found is said once more at the end, then a turn at the limit.
+    assert text.rindex("Found: From ") > text.rindex("repeats after: turns")
+    speed = f"--speed {limit:.5g} --window cycle"
+    assert lines[-1] == f"Next: nipper-pin simulate e62 {speed}"
     assert document["repeats_rpm"] is None
     assert [row["speed_rpm"] for row in document["speeds"]] == [1500, 1525, 1550, 1575, 1600]
     for row in document["speeds"]:
         if row["speed_rpm"] < limit:
             assert f"{row['rest_index']:.2f}" in text
-            assert f"{100.0 * row['clamped_share']:.1f} %" in text
+            cells = [f"{row['speed_rpm']:g}", f"{100.0 * row['clamped_share']:.1f}"]
+            rows = [line.split() for line in lines[rule:]]
+            line = next(row for row in rows if row[:1] == cells[:1])
+            assert line[heads.index("%")] == cells[1]
         else:
             assert row["rest_index"] is None
             assert row["clamped_share"] == 0.0

@@ -29,7 +29,7 @@ from nipper_pin.study.optimise import write as write_optimum
 from nipper_pin.view.live import serve, shapes
 from nipper_pin.view.paper import files, kinematic_figures
 from nipper_pin.view.paper.terms import terms
-from nipper_pin.view.run import csv_tables, export, sampling, table
+from nipper_pin.view.run import csv_tables, export, lead, remarks, sampling
 from nipper_pin.view.scene import gif
 from nipper_pin.view.studies import front_plot
 
@@ -312,7 +312,7 @@ def printed(write: Callable[[Console], None]) -> str:
 def test_transitions_that_no_turn_has(holds: bool | None, turns: str) -> None:
     """With the command that finds those of turns, or how to find them."""
     solution: Any = SimpleNamespace(premise_holds=holds, premise=SimpleNamespace(why="It is late."))
-    text = printed(lambda console: table._premise(solution, console, turns))
+    text = printed(lambda console: lead.premise(solution, console, turns))
     if holds is not False:
         assert text == ""
         return
@@ -331,7 +331,7 @@ def test_runs_without_motion_have_no_shaft_speeds() -> None:
         mechanism=SimpleNamespace(drives=[SimpleNamespace(name="a", index=0)]),
     )  # fmt: skip
     assert sampling.shaft_rates(solution) == {}
-    assert printed(lambda console: table._shafts(solution, console)) == ""
+    assert printed(lambda console: remarks.shafts(solution, console)) == ""
 
 
 def test_forces_that_are_not_known_have_no_range(monkeypatch: pytest.MonkeyPatch) -> None:

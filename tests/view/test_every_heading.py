@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_up_results import PATHS, design, identified, optimum
 from rich.console import Console
 from small_machines import frame, hinge, link, machine
 
@@ -22,15 +23,15 @@ from nipper_pin.bench.stress.judging import Verdict as Judged
 from nipper_pin.bench.views.stress_report import print_verdict
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study.identify.fitting.goodness import Verdict
+from nipper_pin.study.optimise.result import CAUTION
 from nipper_pin.study.paper.published import published
 from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.view import reading
-from nipper_pin.view.console import add_row, paste, plain_table, say
+from nipper_pin.view.console import paste, say, show_table
 from nipper_pin.view.paper import summary, tables
-from nipper_pin.view.run import table
 from nipper_pin.view.scene.solids import solids
 from nipper_pin.view.studies import check_report as checked
-from nipper_pin.view.studies import identify_report, optimise_report
+from nipper_pin.view.studies import optimise_report
 
 BOLD, RED = "\x1b[1m", "\x1b[1;31m"
 
@@ -46,53 +47,35 @@ def printed(write: Callable[[Console], None], *, colours: bool = False) -> str:
     return stream.getvalue()
 
 
-def columns(text: str, first: str, rows: int) -> dict[str, list[str]]:
-    """Cells by heading of the table whose first heading is given: what stands below one another."""
+def columns(text: str, first: str, rows: int, title: str = "") -> dict[str, list[str]]:
+    """Cells by heading of a table: what stands below one another.
+
+    It is the one whose headings end with a word on their last line, or that follows its title.
+    """
     lines = text.splitlines()
-    head = next(k for k, line in enumerate(lines) if line.split()[:1] == [first] and "  " in line)
-    width = len(lines[head + 1])
-    assert set(lines[head + 1].strip()) == {"─"}
-    block = [line.ljust(width) for line in (lines[head], *lines[head + 2 : head + 2 + rows])]
+    begin = lines.index(title) + 1 if title else 0
+    rule = next(
+        k for k in range(begin + 1, len(lines))
+        if lines[k].startswith("─") and (title or lines[k - 1].split()[:1] == [first])
+    )  # fmt: skip
+    if not title:
+        # Headings of several lines: the first column, of one line, leaves room above its own.
+        begin = next(k for k in range(rule - 1, -1, -1) if not lines[k - 1].startswith("  "))
+    width = len(lines[rule])
+    assert set(lines[rule]) == {"─"}
+    heads, cells = lines[begin:rule], lines[rule + 1 : rule + 1 + rows]
+    block = [line.ljust(width) for line in (*heads, *cells)]
     filled = "".join("x" if any(row[k] != " " for row in block) else " " for k in range(width))
     spans = [item.span() for item in re.finditer(r"x+(?: x+)*", filled)]
-    return {block[0][a:b].strip(): [row[a:b].strip() for row in block[1:]] for a, b in spans}
+    return {
+        " ".join(" ".join(row[a:b] for row in block[: len(heads)]).split()): [
+            row[a:b].strip() for row in block[len(heads) :]
+        ]
+        for a, b in spans
+    }
 
 
 # Identify.
-
-PATHS = ("springs.a", "stops.b")
-
-
-def identified(verdict: Verdict, **others: Any) -> Callable[[Console], None]:
-    """What is printed of a fit of two numbers to two targets."""
-    targets = [SimpleNamespace(name=others.get("name", "one"), value=5.25, sigma=0.5),
-               SimpleNamespace(name="two", value=80.0, sigma=2.5)]  # fmt: skip
-    parameters = [SimpleNamespace(path=PATHS[0], start=11.0, low=4.0, high=20.0, width=16.0),
-                  SimpleNamespace(path=PATHS[1], start=0.25, low=0.125, high=0.5,
-                                  width=0.375)]  # fmt: skip
-    given: dict[str, Any] = {
-        "objective": SimpleNamespace(
-            problem=SimpleNamespace(title="made up", targets=targets, parameters=parameters)
-        ),
-        "descents": [SimpleNamespace(cost=2.0)], "best": SimpleNamespace(cost=2.0), "seed": 3,
-        "within": lambda part: 1 if part < 0.05 else 2, "predicted": np.array([5.375, 76.0]),
-        "deviations": np.array([0.025, -0.05]), "values": {PATHS[0]: 12.25, PATHS[1]: 0.5},
-        "at_bounds": {PATHS[1]: "high"}, "premises": {}, "broken_limits": {},
-        "excess": np.zeros(0), **others,
-    }  # fmt: skip
-    fit: Any = SimpleNamespace(**given)
-    judged: Any = SimpleNamespace(
-        verdict=verdict, sentence=lambda: f"It is {verdict.value}.", scale=others.get("scale", 2.0),
-        residuals=np.array([0.25, -1.6]), outliers=(1,),
-    )  # fmt: skip
-    known: Any = SimpleNamespace(
-        paths=PATHS, identifiable_directions=1, singular_values=[9.5, 0.25], determined=(),
-        ranked=lambda: [(PATHS[0], 0.25), (PATHS[1], 0.5)],
-        deviations={PATHS[0]: 0.125, PATHS[1]: 0.2},
-        scaled_deviations=lambda scale: {PATHS[0]: 0.0625 * scale, PATHS[1]: 0.29 * scale},
-        strongest=lambda _: [],
-    )  # fmt: skip
-    return lambda console: identify_report.print_fit(fit, judged, known, (), console)
 
 
 def test_tables_of_a_fit_by_heading() -> None:
@@ -140,42 +123,6 @@ def test_broken_limits_are_red() -> None:
 # Optimise.
 
 
-def design(scale: float, *, inside: bool = True) -> Any:
-    return SimpleNamespace(
-        values={"duration_s": 0.25 * scale, "rebound_amplitude_1": 3.0 * scale},
-        numbers={"springs.a.rate": 7.0 * scale, "springs.b.rate": 90.0 * scale,
-                 "stops.c": 0.5 * scale},
-        inside=inside, slacks=np.array([0.5, -0.5, 0.0]),
-    )  # fmt: skip
-
-
-def optimum(**others: Any) -> Any:
-    """Three numbers, two quantities."""
-    names = ("springs.a.rate", "springs.b.rate", "stops.c")
-    problem = SimpleNamespace(
-        title="made up", quantities=("duration_s", "rebound_amplitude_1"),
-        aims=[SimpleNamespace(quantity="duration_s"),
-              SimpleNamespace(quantity="rebound_amplitude_1")],
-        units={"duration_s": "s", "rebound_amplitude_1": "m"}, limits=("one", "two", "three"),
-        parameters=[SimpleNamespace(name=name, start=float(k), low=-1.0 * k, high=10.0 * k)
-                    for k, name in enumerate(names, start=1)],
-    )  # fmt: skip
-    descents = [SimpleNamespace(feasible=fits, aim=aim)
-                for aim, fits in ((0.25, True), (0.25 * (1 + 9e-7), True), (0.2, False),
-                                  (0.25 * (1 + 1.1e-6), True))]  # fmt: skip
-    given: dict[str, Any] = {
-        "problem": problem, "gain": -0.125, "best": design(1.0), "before": design(2.0),
-        "account": SimpleNamespace(residual=0.0, bindings=[
-            SimpleNamespace(name="p <= 1", active=True, price=0.5),
-            SimpleNamespace(name="q <= 1", active=False, price=0.0)]),
-        "control": SimpleNamespace(values={"duration_s": 0.375}, turns=4), "contradiction": "",
-        "descents": descents, "seed": 7, "evaluations": 5000, "wall_s": 1.5,
-        "engines": {"reduced": 3000, "direct": 900, "turn": 80}, "check": None, "check_gain": 0.0,
-        "no_machine": (), "front": (), "command": "do it", **others,
-    }  # fmt: skip
-    return SimpleNamespace(**given)
-
-
 def told(**others: Any) -> str:
     return printed(lambda console: optimise_report.print_optimum(optimum(**others), console))
 
@@ -187,14 +134,22 @@ def test_tables_of_an_optimum_by_heading() -> None:
         "optimum": ["7", "90", "0.5"], "bounds": ["-1 to 10", "-2 to 20", "-3 to 30"],
     }  # fmt: skip
     quantities = {
-        "quantity": ["duration_s", "rebound_amplitude_1"], "before": ["0.5", "6"],
-        "optimum": ["0.25", "3"], "control (simulated turn)": ["0.375", "-"],
+        "quantity": ["time to rest [ms]", "first rebound amplitude [um]"],
+        "before": ["500", "6e+06"], "optimum": ["250", "3e+06"], "control": ["375", "-"],
     }  # fmt: skip
     assert columns(text, "quantity", 2) == quantities
     text = told(before=None, gain=None)
     assert columns(text, "quantity", 2) == {**quantities, "before": ["-", "-"]}
-    assert "(-12.5 %)" in told()
-    assert "%" not in text.splitlines()[1]
+    assert text.splitlines()[1] == "smallest time to rest: 250.0 ms"
+    said = "smallest time to rest: 250.0 ms (-12.5 %)"
+    lines = told().splitlines()
+    assert lines[1] == said
+    # What was found stands at the end once more, before the next command.
+    assert lines[-4:] == ["", f"Found: {said}", CAUTION, "Next: do it"]
+    larger = optimum()
+    larger.problem.aims.reverse()
+    text = printed(lambda console: optimise_report.print_optimum(larger, console))
+    assert text.splitlines()[1] == "largest first rebound amplitude: 3.000e6 um (-12.5 %)"
 
 
 def test_an_optimum_that_is_confirmed_or_not() -> None:
@@ -207,7 +162,7 @@ def test_an_optimum_that_is_confirmed_or_not() -> None:
     assert f"{BOLD}NOT CONFIRMED: it differs\x1b[0m" in text
     assert "confirmed by turn" not in text
     # The limit whose slack is negative, and none that is just kept.
-    assert "the model itself breaks two\n" in text
+    assert "the model itself breaks: first rebound amplitude at least 2.000 um\n" in text
     assert "breaks" not in told(before=design(2.0))
     assert "breaks" not in told(before=None)
 
@@ -220,8 +175,11 @@ def test_the_search_for_an_optimum_in_words() -> None:
         "of them 3,000 by the reduced engine, 900 by the direct engine, 80 by whole turns, 1,020 "
         "without a usable machine\n" in text
     )
-    assert "p <= 1: one unit more of room is worth 0.5 s\n" in text
-    assert "with room left: q <= 1\n" in text
+    # A second of room is worth 0.5 s, so that a millisecond is worth 0.5 ms.
+    limit = "time to rest at most 500.0 ms: one ms more of room is worth 0.5 ms\n"
+    assert f"\nWhat holds it back\n{limit}" in text
+    assert "\nstops.c <= 30: one unit more of room is worth 250 ms\n" in text
+    assert "with room left: first rebound amplitude at least 2.000 um\n" in text
     assert "explains: 0\n" in text
     assert "some samples make no machine: it jams\n" in text
     assert "some samples make no machine: too light\n" in text
@@ -237,18 +195,19 @@ def test_the_search_for_an_optimum_in_words() -> None:
 def test_front_by_heading() -> None:
     """Aims with their units; last words of the paths where they tell the numbers apart."""
     text = told(front=(design(1.0), design(3.0)))
-    assert columns(text, "time", 2) == {
-        "time to rest [s]": ["0.25", "0.75"], "rebound amplitude 1 [m]": ["3", "9"],
+    assert columns(text, "", 2, "Pareto front") == {
+        "time to rest [ms]": ["250", "750"], "first rebound amplitude [um]": ["3e+06", "9e+06"],
         "springs.a.rate": ["7", "21"], "springs.b.rate": ["90", "270"], "stops.c": ["0.5", "1.5"],
     }  # fmt: skip
     apart = optimum(front=(design(1.0), design(3.0)))
     apart.problem.parameters = apart.problem.parameters[::2]
     text = printed(lambda console: optimise_report.print_optimum(apart, console))
-    front = columns(text, "time", 2)
+    front = columns(text, "", 2, "Pareto front")
     assert list(front)[2:] == ["rate", "c"]
     assert front["c"] == ["0.5", "1.5"]
     text = told(front=(design(1.0),))
-    assert "No conflict: one design is the best by duration_s and by rebound_amplitude_1\n" in text
+    words = "one design is the best by time to rest and by first rebound amplitude"
+    assert f"\nNo conflict: {words}\n" in text
     assert "Pareto" not in text
     assert "Pareto" not in told()
 
@@ -259,7 +218,7 @@ def test_front_by_heading() -> None:
 def test_text_is_printed_without_styles_of_its_own() -> None:
     """Numbers, paths and brackets of the user's are neither coloured nor taken for markup."""
     words = "[bold]a[/bold] 12 /a/path 'text' None True http://x.org :smile:"
-    for write in (say, paste, table._say):
+    for write in (say, paste):
         text = printed(lambda console: write(console, words), colours=True)  # noqa: B023
         assert text == f"{words}\n"
     long = "word " * 200
@@ -268,14 +227,15 @@ def test_text_is_printed_without_styles_of_its_own() -> None:
     assert printed(lambda console: say(console, "x", style="bold"), colours=True) == (
         f"{BOLD}x\x1b[0m\n"
     )
-    made = plain_table("a [s]", "b [m]", ":smile:")
-    add_row(made, "[red]x[/red]", "[/]", ":+1: 7")
-    text = printed(lambda console: console.print(made), colours=True)
+    heads, row = ("a [s]", "b[m]", ":smile:"), ("[red]x[/red]", "[/]", ":+1: 7")
+    text = printed(lambda console: show_table(console, heads, [row]), colours=True)
     text = re.sub(r"\x1b\[[0-9;]*m", "", text)
-    assert columns(text, "a", 1) == {
-        "a [s]": ["[red]x[/red]"], "b [m]": ["[/]"], ":smile:": [":+1: 7"],
-    }  # fmt: skip
-    assert [column.justify for column in made.columns] == ["left", "right", "right"]
+    assert columns(text, "a", 1) == {head: [cell] for head, cell in zip(heads, row, strict=True)}
+    # Text begins where its heading does, numbers end where theirs does.
+    head, _, cells = text.splitlines()
+    assert head.index("a [s]") == cells.index("[red]") == 0
+    assert head.index("b[m]") + len("b[m]") == cells.rindex("[/]") + len("[/]")
+    assert head.index(":smile:") + len(":smile:") == len(cells)
 
 
 # Tables 3 to 5 of the study.
@@ -441,7 +401,6 @@ def test_names_are_printed_as_they_are() -> None:
         masses=[SimpleNamespace(link="one", mass_kg=1.5), SimpleNamespace(link="two", mass_kg=2.0)],
     )
     text = printed(lambda console: checked._joints(report, console))
-    assert text.startswith("Joints")
     assert columns(text, "joint", 4) == {
         "joint": [f"{ODD}0", f"{ODD}1", "pin", ODD],
         "kind": ["revolute", "revolute", "cut pin", "pin in a slot"],
@@ -487,7 +446,7 @@ def test_study_on_a_terminal(monkeypatch: pytest.MonkeyPatch, compared: bool) ->
             "value": ["1.500", "-"],
         }  # fmt: skip
         return
-    assert text.startswith("\nPublished ratios beside ours")
+    assert text.startswith("Published ratios beside ours")
     assert columns(text, "ratio", 3) == {
         "ratio": [tables.ratio_words(name) for name in names], "published": ["4", "-0.5", "0.2"],
         "ours": ["3.950", "-0.4600", "0.3000"], "deviation": ["-1.2 %", "-8.0 %", "+50.0 %"],

@@ -6,6 +6,7 @@ way. What a label says decides the unit: a value in another one fails.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from typing import Any
@@ -39,7 +40,8 @@ from nipper_pin.view.scene.tracks import animation
 
 # States between nodes are interpolated here and closed again by the package.
 DENSE = 1e-7
-FACTOR = {"deg": 180.0 / math.pi, "mm": 1e3, "ms": 1e3, "um": 1e6, "": 1.0, "N": 1.0, "N m": 1.0}
+FACTOR = {"deg": 180.0 / math.pi, "mdeg": 180e3 / math.pi, "mm": 1e3, "ms": 1e3, "um": 1e6, "": 1.0,
+          "N": 1.0, "N m": 1.0}  # fmt: skip
 
 
 @pytest.fixture(scope="module", params=["e62", "press"])
@@ -104,10 +106,10 @@ def spans(axes: Axes) -> list[tuple[float, float, str]]:
     return found
 
 
-def assert_phases_in_time(judge: Judge, figure: Figure) -> None:
+def assert_phases_in_time(judge: Judge, figure: Figure, panels: list[Axes]) -> None:
     """Shading of every panel, one colour a set of closed stops, and the index above."""
     names = {frozenset(item["closed"]): item["number"] for item in judge.document["phases"]}
-    for axes in figure.axes:
+    for axes in panels:
         bands = spans(axes)
         close([band[:2] for band in bands], [(1e3 * a, 1e3 * b) for _, a, b in judge.phases], 1e-12)
         colours = {closed: band[2] for (closed, *_), band in zip(judge.phases, bands, strict=True)}
@@ -117,20 +119,21 @@ def assert_phases_in_time(judge: Judge, figure: Figure) -> None:
             t = 1e-3 * text.get_position()[0]
             closed = next(closed for closed, a, b in judge.phases if a <= t <= b)
             assert text.get_text() == str(names[closed])
-    top = figure.axes[0].child_axes[0]
+    top = panels[0].child_axes[0]
     assert top.get_xlabel().startswith("index")
     figure.canvas.draw()
     first, last = top.get_xlim()
     assert first == pytest.approx(judge.index(0.0), abs=1e-6)
     whole = 40.0 * judge.run.segments[-1].t_end / (60.0 / judge.run.case.speed_rpm)
     assert last - first == pytest.approx(whole, rel=1e-9)
-    assert figure.axes[-1].get_xlabel() == "time from the start of the run [ms]"
+    assert panels[-1].get_xlabel() == "time from the start of the run [ms]"
 
 
 def test_motion(judge: Judge, run: Solution) -> None:
-    """The gap of every stop against time in the unit of the label, and its events."""
+    """The gap of every stop against time in the unit of the label, its events, and rebounds."""
     figure = motion_figure(run)
-    for axes, name in zip(figure.axes, judge.stops, strict=True):
+    *panels, enlarged = figure.axes
+    for axes, name in zip(panels, judge.stops, strict=True):
         label = axes.get_ylabel()
         assert label.startswith(f"{name} ")
         x, y = (np.asarray(values) for values in axes.lines[0].get_data())
@@ -147,7 +150,9 @@ def test_motion(judge: Judge, run: Solution) -> None:
             if times:
                 close(marks[shape].get_xdata(), times, 1e-12)
                 assert not np.any(marks[shape].get_ydata())
-    assert_phases_in_time(judge, figure)
+    assert_phases_in_time(judge, figure, panels)
+    assert_rebounds(judge, enlarged)
+    assert enlarged.get_title() == f"rebounds of the {judge.document['transition_stop']}, enlarged"
 
 
 def test_forces(judge: Judge, run: Solution) -> None:
@@ -170,7 +175,7 @@ def test_forces(judge: Judge, run: Solution) -> None:
                 for i in places
             ]
             close(y[begin:end][places], [item[name] for item in wanted])
-    assert_phases_in_time(judge, figure)
+    assert_phases_in_time(judge, figure, figure.axes)
 
 
 def test_phases(judge: Judge, run: Solution) -> None:
@@ -227,25 +232,52 @@ def series(judge: Judge) -> list[Event]:
     return found
 
 
-def test_transition(judge: Judge, run: Solution) -> None:
-    """The bounces against time from the first collision, and against time left until rest."""
-    linear, log = transition_figure(run, run.transitions[0]).axes
+def assert_rebounds(judge: Judge, axes: Axes) -> None:
+    """Gap from the first collision to rest, in mdeg or um; heights, and the gap at the contact."""
     name, events = judge.document["transition_stop"], series(judge)
-    start, end = events[0].t, events[-1].t
-    hits = [1e3 * (event.t - start) for event in events[:-1]]
-    factor = FACTOR[unit_of(linear.get_ylabel())]
-    assert unit_of(linear.get_ylabel()) == unit_of(log.get_ylabel())
-    assert unit_of(linear.get_ylabel()) == ("deg" if judge.stops[name].turns else "mm")
-    assert linear.get_xlabel() == "time from the first collision [ms]"
-    assert log.get_xlabel().startswith("time left until rest [ms]")
-    ground, curve, struck, rest = linear.lines
+    item, times = judge.stops[name], [event.t for event in events]
+    assert unit_of(axes.get_ylabel()) == ("mdeg" if item.turns else "um")
+    assert axes.get_xlabel() == "time from the start of the run [ms]"
+    factor = FACTOR[unit_of(axes.get_ylabel())]
+    ground, curve, struck, rest = axes.lines
     assert not np.any(ground.get_ydata())
     x, y = (np.asarray(values) for values in curve.get_data())
     places = some(x)
-    close(y[places], factor * np.array(gaps(judge, name, start + 1e-3 * x[places])), 1e-6)
-    close((x[0], x[-1]), (0.0, hits[-1]), 1e-9)
-    close(struck.get_xdata(), hits, 1e-9)
-    close(rest.get_xdata(), [1e3 * (end - start)], 1e-9)
+    close(y[places], factor * np.array(gaps(judge, name, 1e-3 * x[places])), 1e-6)
+    close((x[0], x[-1]), (1e3 * times[0], 1e3 * times[-2]), 1e-9)
+    close(struck.get_xdata(), [1e3 * t for t in times[:-1]], 1e-9)
+    close(rest.get_xdata(), [1e3 * times[-1]], 1e-9)
+    # Of rebounds that last less than 3 % of the whole the height is not written.
+    flights = [
+        (a, b) for a, b in itertools.pairwise(times[:-1])
+        if b - a >= 0.03 * (times[-1] - times[0])
+    ][:3]  # fmt: skip
+    assert len(axes.texts) == len(flights) >= 1
+    for text, (begin, end) in zip(axes.texts, flights, strict=True):
+        inside = y[(1e-3 * x >= begin) & (1e-3 * x <= end)]
+        value, unit = text.get_text().split()
+        assert unit == unit_of(axes.get_ylabel())
+        # Four digits, of a top that lies between two samples.
+        assert float(value) == pytest.approx(inside.max(), rel=2e-3)
+        assert text.xy == pytest.approx((5e2 * (begin + end), float(value)), rel=1e-3)
+    assert len(axes.child_axes) == (item.lever is not None)
+    for beside in axes.child_axes:
+        axes.figure.canvas.draw()
+        assert beside.get_ylabel() == "gap at the contact [um]"
+        assert beside.get_ylim()[1] == pytest.approx(
+            1e6 * item.lever * axes.get_ylim()[1] / factor, rel=1e-9
+        )
+
+
+def test_transition(judge: Judge, run: Solution) -> None:
+    """The bounces against time from the start, and against time left until rest."""
+    linear, log = transition_figure(run, run.transitions[0]).axes
+    name, events = judge.document["transition_stop"], series(judge)
+    end = events[-1].t
+    factor = FACTOR[unit_of(linear.get_ylabel())]
+    assert linear.get_ylabel() == log.get_ylabel()
+    assert_rebounds(judge, linear)
+    assert log.get_xlabel().startswith("time left until rest [ms]")
     left, gap = (np.asarray(values, dtype=float) for values in log.lines[0].get_data())
     seen = np.flatnonzero(np.isfinite(gap) & (left > 0.0))
     places = seen[some(seen)]
@@ -429,7 +461,7 @@ def test_live_page() -> None:
     duration = events[-1].t - start
     height, time = judge.rebound(hits[0], "jaw")  # type: ignore[misc]
     numbers: dict[str, tuple[str, float]] = {
-        "amplitude": ("[deg]", FACTOR["deg"] * height),
+        "amplitude": ("[mdeg]", 1e3 * FACTOR["deg"] * height),
         "rebound": ("[ms]", 1e3 * time),
         "duration": ("[ms]", 1e3 * duration),
         "collisions": ("", len(hits)),

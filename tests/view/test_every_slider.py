@@ -15,7 +15,8 @@ from judge import press
 
 from nipper_pin import Case, Mechanism, Outcome, load, simulate
 from nipper_pin.view.live import answer as answers
-from nipper_pin.view.live.answer import answer, as_html
+from nipper_pin.view.live.answer import answer
+from nipper_pin.view.live.panel.text import as_html
 from nipper_pin.view.live.settings import _round_step, changed, knobs
 
 pytest.importorskip("viser", reason="viser is not installed (extra `live`)")
@@ -25,8 +26,6 @@ from nipper_pin.view.live import page as pages
 from nipper_pin.view.live import stage as stages
 from nipper_pin.view.live.page import Page
 from nipper_pin.view.live.stage import Stage
-
-REST = {"x": {"time": False}}
 
 
 def ends(mechanism: Mechanism, speed: float) -> dict[str, tuple[Any, ...]]:
@@ -111,7 +110,7 @@ class Rows(HTMLParser):
         self._open.append(name or (self._open[-1] if self._open and tag == "b" else ""))
         if given.get("role"):
             self.roles[name] = given["role"]
-        if tag == "td" and not name:
+        if tag == "td" and not name and "data-difference" not in given:
             self.labels.append("")
 
     def handle_data(self, data: str) -> None:
@@ -138,13 +137,13 @@ def test_numbers_and_setting_in_the_page(e62: Mechanism) -> None:
         "speed 700 r/min, restitution of the jaw 0.2, stiffness 9 N/mm, preload 11 mm"
     )
     assert read.labels == [
-        "first rebound amplitude [deg]", "first rebound time [ms]", "transition time [ms]",
-        "collisions computed up to the limit", "share of the first two rebounds",
+        "first rebound amplitude [mdeg]", "first rebound time [ms]", "time to rest [ms]",
+        "collisions", "share of the first two rebounds [%]",
         "rate of the first collision [rad/s]", "impulse of the first collision [N s]", "engine",
     ]  # fmt: skip
     keys = ["amplitude", "rebound", "duration", "collisions", "share", "approach", "impulse"]
     assert list(read.texts) == ["setting", *keys, "engine"]
-    assert [(key, value) for key, _, value in found.rows] == list(read.texts.items())[1:]
+    assert [(item.key, item.text) for item in found.rows] == list(read.texts.items())[1:]
     run = found.solution
     assert read.texts["engine"] == f"direct, {1e3 * run.wall_s:.1f} ms"
     assert run.case == Case(speed_rpm=700.0, max_collisions=400)
@@ -158,7 +157,7 @@ def test_other_stops_on_the_way_have_a_row(e62: Mechanism) -> None:
     rows = answers._rows(run, list(run.collisions), [other])
     late = 1e3 * (other.t - run.collisions[0].t)
     said = f"On the way the steeve struck its stop once, first after {late:.3g} ms."
-    assert rows[-2] == ("others", "other stops", said)
+    assert rows[-2][:3] == ("others", "other stops", said)
     assert "others" not in {key for key, *_ in answers._rows(run, list(run.collisions), [])}
 
 
@@ -205,7 +204,7 @@ def test_what_the_page_is_built_of(
 ) -> None:
     """Panel, title, sliders with their ends, plots with their axes, and the note on estimates."""
     made = noted(
-        monkeypatch, server.gui, "add_slider", "add_checkbox", "add_html", "add_uplot",
+        monkeypatch, server.gui, "add_slider", "add_checkbox", "add_html", "add_text",
         "configure_theme", "set_panel_label",
     )  # fmt: skip
     titled = replace(e62, title="an <estimate> & co")
@@ -224,33 +223,46 @@ def test_what_the_page_is_built_of(
         ("slow motion 1 :", 100, 5000, 100, 1000),
         ("gap drawn larger, times", 1.0, 50.0, 1.0, 10.0),
     ]  # fmt: skip
+    fields = [words for words, _ in by_kind["add_text"]]
+    assert fields == [("speed", "650"), ("restitution of the jaw", "0.2"), ("stiffness", "9"),
+                      ("preload", "11")]  # fmt: skip
     assert by_kind["add_checkbox"] == [(("play",), {"initial_value": True})]
     texts = [words[0] for words, _ in by_kind["add_html"]]
-    assert Rows(texts[0]).texts == {"title": "an <estimate> & co"}
+    assert Rows(texts[0].partition("</style>")[2]).texts == {"title": "an <estimate> & co"}
     assert "none is the maker's" in Rows(texts[-1]).texts["note"]
-    gap, impulse = page._gap, page._impulse
+    plots = page._plots
+    gap, force, impulse = plots.gap, plots.force, plots.impulse
     time = "time from the first collision [ms]"
-    assert [axis["label"] for axis in gap.axes] == [time, "jaw angle [deg]"]
-    assert [axis["label"] for axis in impulse.axes] == [time, "impulse [N s]"]
-    assert gap.scales == REST
-    # 3 is a logarithmic scale of uPlot.
-    assert impulse.scales == {**REST, "y": {"distr": 3}}
-    for plot in (gap, impulse):
+    assert [axis.get("label") for axis in gap.axes] == [
+        None, "jaw angle [mdeg]", "gap at the lips [mm]"
+    ]  # fmt: skip
+    assert [axis.get("label") for axis in force.axes] == [None, "clamping force [N]"]
+    assert [axis.get("label") for axis in impulse.axes] == [time, "impulse [N s]"]
+    x = {"time": False, "range": (0.0, 10.0)}
+    assert gap.scales["x"] == force.scales["x"] == impulse.scales["x"] == x
+    # One axis is the other times the lever of the contact.
+    lever = e62.stop("jaw").contact.lever_m
+    high = gap.scales["y"]["range"][1]
+    assert gap.scales["lips"]["range"][1] == pytest.approx(lever * math.radians(high), rel=1e-12)
+    # 3 is a logarithmic scale of uPlot, and its marks are the powers of ten.
+    assert impulse.scales["y"] == {"distr": 3, "range": (1e-4, 1.0)}
+    assert impulse.axes[1]["values"] == ("0.0001", "0.001", "0.01", "0.1", "1")
+    for plot in (gap, force, impulse):
         assert plot.legend == {"show": False}
-        # Their labels do not cover the numbers of the axes, and nothing covers the plot.
-        assert all(axis["size"] > axis["labelSize"] > 0 for axis in plot.axes)
-        assert 2 * sum(axis["size"] for axis in plot.axes) < plot.height
-        assert [axis.get("grid") for axis in plot.axes] == [None, {"show": False}]
-        assert [axis.get("ticks") for axis in plot.axes] == [None, {"show": False}]
+        assert all(axis.get("ticks") == {"show": False} for axis in plot.axes[1:])
         assert plot.visible
         assert plot.series[0] == {"label": time}
-    assert "points" not in gap.series[1]
-    assert impulse.series[1]["stroke"] == "transparent"
-    assert impulse.series[1]["points"]["show"] is True
+        assert len(plot.series) == len(plot.data)
+    assert [item["stroke"] for item in gap.series[1:]] == [
+        "#E69F00", "#A6CDE6", "#0072B2", "transparent"
+    ]  # fmt: skip
+    assert [item["points"]["fill"] for item in impulse.series[1:]] == [
+        "#E69F00", "#A6CDE6", "#0072B2"
+    ]  # fmt: skip
     np.testing.assert_array_equal(impulse.data[0], page._answer.hit_time)
     # A slider that moves wakes the page, whoever moves it.
     assert not page._wake.is_set()
-    page._sliders["steeve.preload"].value = 8.0
+    page._set.sliders["steeve.preload"].value = 8.0
     assert page._wake.is_set()
     without = Page(server, replace(e62, title="a machine"), knobs(e62, 650.0))
     assert without is not None
@@ -293,7 +305,8 @@ def test_the_picture_follows_the_clock(
     np.testing.assert_array_equal(seen[6][1], motion.q[0])
     assert page._text.endswith(" too large")
     # Without motion everything stands as it does at touch, and no arrow is left over.
-    page._sliders["restitution"].value = 0.0
+    page._set.sliders["speed"].value = 900.0
+    page._set.sliders["restitution"].value = 0.7
     page._answer = page._follow()
     page._draw(0.0)
     assert seen[9:] == [("rest",), ("impulses", {})]
@@ -312,7 +325,8 @@ def test_texts_come_eight_times_a_second(e62: Mechanism, server: viser.ViserServ
         page._tell(now, at_once=at_once)
         told.append(Rows(page._now.content).texts["now"])
     assert told == ["a <b>", "a <b>", "c", "d", "d", "f"]
-    assert re.sub(r"<[^>]*>", "", page._now.content) == "Picture: f"
+    words = page._now.content.partition("</style>")[2]
+    assert re.sub(r"<[^>]*>", "", words) == "Picture: f"
 
 
 # What is drawn.

@@ -6,6 +6,7 @@ The results are made up, each number another one, so that one in a wrong place o
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections import Counter
 from collections.abc import Callable
@@ -14,6 +15,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from rich.console import Console
 
@@ -31,6 +33,7 @@ from nipper_pin.study.identify.problem.targets import Condition
 from nipper_pin.study.sweep.job import NO_MODEL
 from nipper_pin.study.sweep.report import SweepReport
 from nipper_pin.study.sweep.results import Tally
+from nipper_pin.study.sweep.results.extremes import Extremes
 from nipper_pin.study.transitions import FAILED, TURN
 from nipper_pin.view.console import paste
 from nipper_pin.view.live.answer import _also
@@ -194,15 +197,23 @@ def test_sweep_in_words(
     file.write_text(STUDY, encoding="utf-8")
     asked: list[Path] = []
 
-    def run_sweep(_plan: Any, folder: Path, **_others: Any) -> SweepReport:
+    def run_sweep(plan: Any, folder: Path, **_others: Any) -> SweepReport:
         asked.append(folder)
+        extremes = Extremes(plan.job)
+        extremes.add(
+            pa.table({
+                "scenario": [3, 7, 9], "duration_s": [0.0125, 0.003456, math.nan],
+                "speed_rpm": [450.0, 650.0, 550.0], "restitution": [0.1, 0.2, 0.2],
+            })
+        )  # fmt: skip
         return SweepReport(
             folder=folder, scenarios=5, found=2, computed=3, chunks=1, damaged=("chunk 7",),
-            workers=2, wall_s=1.75, tally=tally(),
+            workers=2, wall_s=1.75, tally=tally(), extremes=extremes,
         )  # fmt: skip
 
     monkeypatch.setattr(sweep, "run_sweep", run_sweep)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "1000")
     assert main(["sweep", str(file)]) == 0
     assert main(["sweep", str(file), "--out", "elsewhere"]) == 0
     assert asked == [Path("out") / "some_study", Path("elsewhere")]
@@ -220,6 +231,14 @@ def test_sweep_in_words(
         "whole turns" in lines
     )
     assert "19 without a result, 11 because: it jams at 3.5" in lines
+    # Last the rows with the smallest and the largest value, in ms, and what to run next.
+    ends = [
+        "Smallest time to rest: 3.456 ms (scenario 7: speed_rpm 650, restitution 0.2)",
+        "Largest time to rest: 12.50 ms (scenario 3: speed_rpm 450, restitution 0.1)",
+    ]
+    assert lines[-3:] == [*ends, "Next: nipper-pin plot elsewhere"]
+    half = len(lines) // 2
+    assert lines[half - 3 : half] == [*ends, "Next: nipper-pin plot out/some_study"]
 
 
 # Stress.

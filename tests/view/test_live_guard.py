@@ -59,10 +59,15 @@ def test_requests_of_this_page_are_told_from_others(
     ("speed", {"min": 0}, None), ("speed", {"update_cb": []}, None), ("speed", {}, None),
     ("speed", [], None), ("other", {"value": 450}, None), (["speed"], {"value": 450}, None),
     ("play", {"value": False}, False), ("play", {"value": 1}, None), ("play", {"value": "x"}, None),
+    ("field", {"value": "<b>6"}, "<b>6"), ("field", {"value": 99 * "6"}, 40 * "6"),
+    ("field", {"value": 6}, None), ("field", {"value": b"6"}, None),
+    ("buttons", {"value": "reset"}, "reset"), ("buttons", {"value": "other"}, None),
+    ("buttons", {"value": True}, None), ("buttons", {"value": ["reset"]}, None),
 ])  # fmt: skip
 def test_values_are_those_of_their_controls(control: Any, updates: Any, value: Any) -> None:
     found = Filter.__new__(Filter)
     found._ranges, found._switches = {"speed": (60.0, 2000.0)}, frozenset({"play"})
+    found._fields, found._choices = frozenset({"field"}), {"buttons": frozenset({"reset", "fit"})}
     assert found.allowed(control, updates) == value
     assert type(found.allowed(control, updates)) is type(value)
 

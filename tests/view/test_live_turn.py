@@ -11,9 +11,11 @@ import pytest
 
 from nipper_pin import Case, EventKind, Mechanism, SimulationError, Window, load, simulate
 from nipper_pin.view.live import whole_turn
-from nipper_pin.view.live.answer import answer, as_html
+from nipper_pin.view.live.answer import answer
+from nipper_pin.view.live.panel.numbers import Number, Rows
+from nipper_pin.view.live.panel.text import as_html
 from nipper_pin.view.live.settings import Knob, knobs
-from nipper_pin.view.live.whole_turn import Rows, WholeTurns, turn_rows, unusable
+from nipper_pin.view.live.whole_turn import WholeTurns, turn_rows, unusable
 
 pytest.importorskip("numba", reason="numba is not installed (extra `study`)")
 
@@ -28,7 +30,7 @@ def asked(controls: tuple[Knob, ...], **values: float) -> dict[str, float]:
 
 
 def read(rows: Rows) -> dict[str, str]:
-    return {key: value for key, _, value in rows}
+    return {item.key: item.text for item in rows}
 
 
 @pytest.mark.parametrize(
@@ -66,7 +68,7 @@ def test_numbers_are_those_of_the_direct_engine(
         index = run.mechanism.cylinder.index_from_angle(float(run.shaft.angle(t)))
         assert float(found[key]) == pytest.approx(index, abs=6e-4), key
     assert float(found["held"]) == pytest.approx(1e3 * (opening.t - rest.t), rel=6e-4)
-    assert float(found["clamped"]) == pytest.approx((opening.t - rest.t) / period, rel=6e-4)
+    assert float(found["clamped"]) == pytest.approx(100.0 * (opening.t - rest.t) / period, rel=6e-4)
     assert (found["lost"], found["repeats"]) == ("not lost", "every turn")
     assert found["turn_engine"].startswith("reduced, ")
 
@@ -132,7 +134,7 @@ def test_tables_are_made_beside_the_page(
     turns = WholeTurns(e62, controls, told.set)
     turns.start()
     one, other = asked(controls), asked(controls, speed=700.0)
-    assert turns.rows(one) == (("turn", "whole turn", "its tables are being made"),)
+    assert turns.rows(one) == (Number("turn", "whole turn", "its tables are being made"),)
     gate.set()
     assert told.wait(60.0)
 
@@ -148,7 +150,7 @@ def test_tables_are_made_beside_the_page(
 
 def test_the_turn_has_a_table_of_its_own(e62: Mechanism, controls: tuple[Knob, ...]) -> None:
     """Below the numbers, or below the reason why there are none."""
-    rows = (("closing", "index <of> touch", "34.05"),)
+    rows = (Number("closing", "index <of> touch", "34.05"),)
     for values in ({}, {"speed": 900.0, "restitution": 0.7}):
         page = as_html(answer(e62, controls, asked(controls, **values)), rows)
         head, _, table = page.partition('<table id="turn"')
@@ -171,7 +173,7 @@ def test_the_page_shows_a_turn_that_comes_later(
         page = Page(server, e62, controls)
         assert "its tables are being made" in page._numbers.content
         monkeypatch.setattr(page, "_wake", wake)
-        monkeypatch.setattr(page.turns, "rows", lambda _: (("closing", "index", "34.05"),))
+        monkeypatch.setattr(page.turns, "rows", lambda _: (Number("closing", "index", "34.05"),))
         before = page._answer
         page._turned()
         follow = page._follow
@@ -182,7 +184,7 @@ def test_the_page_shows_a_turn_that_comes_later(
         assert (asked_for, page._answer) == ([], before)
         assert "34.05" in page._numbers.content
         page._turned()
-        page._sliders["speed"].value = 700.0
+        page._set.sliders["speed"].value = 700.0
         waits = iter([True])
         with pytest.raises(StopIteration):
             page.run()

@@ -17,7 +17,15 @@ from nipper_pin.cli import main
 from nipper_pin.study.sweep import SweepTable, read_plan, read_sweep, run_sweep
 from nipper_pin.study.sweep.results.chunk_file import about, encode
 from nipper_pin.view.studies import sweep_plots
-from nipper_pin.view.studies.sweep_plots import cell_means, plot_sweep
+from nipper_pin.view.studies.sweep_figures import (
+    Parameter,
+    Quantity,
+    cell_means,
+    level_lines,
+    main_effects,
+    parallel_coordinates,
+)
+from nipper_pin.view.studies.sweep_plots import plot_sweep
 
 STUDY = """
 format = 1
@@ -91,8 +99,8 @@ def test_main_effects_of_a_known_function() -> None:
     random = np.random.default_rng(5)
     x, z = random.uniform(-1.0, 1.0, 4000), random.uniform(-1.0, 1.0, 4000)
     table = made_up([axis("x", -1.0, 1.0), axis("z", -1.0, 1.0)], {"x": x, "z": z, "y": x * x + z})
-    parameters = [sweep_plots._Parameter.of(table, place) for place in range(2)]
-    figure = sweep_plots.main_effects(table, parameters, "y", x * x + z)
+    parameters = [Parameter.of(table, place) for place in range(2)]
+    figure = main_effects(table, parameters, Quantity.of(table, "y"))
     for axes, wanted in zip(figure.axes, (np.square, lambda z: z + 1.0 / 3.0), strict=True):
         (line,) = axes.get_lines()
         np.testing.assert_allclose(line.get_ydata(), wanted(line.get_xdata()), atol=0.2)
@@ -101,18 +109,16 @@ def test_main_effects_of_a_known_function() -> None:
 
 
 def test_parallel_coordinates_place_every_scenario() -> None:
-    """Ends of a logarithmic axis at 0 and 1, its geometric mean half-way; colours by quantity."""
+    """Ends of a logarithmic axis at 0 and 1, its geometric mean half-way; three scenarios, three
+    looks: the middle one in grey, then the highest, then the lowest.
+    """
     values = [1.0, 10.0, 100.0]
-    y = np.array([3.0, 1.0, 2.0])
     axes = [axis("k", 1.0, 100.0, scale="log", values=values)]
-    table = made_up(axes, {"k": np.array(values), "y": y})
-    figure = sweep_plots.parallel_coordinates(table, [sweep_plots._Parameter.of(table, 0)], "y", y)
-    (lines,) = [
-        item for item in figure.axes[0].collections if isinstance(item, LineCollection)
-    ]  # fmt: skip
-    found = np.array([segment[:, 1] for segment in lines.get_segments()])
-    np.testing.assert_allclose(found, [[0.0, 1.0], [0.5, 0.0], [1.0, 0.5]], atol=1e-12)
-    np.testing.assert_array_equal(lines.get_array(), y)
+    table = made_up(axes, {"k": np.array(values), "y": np.array([3.0, 1.0, 2.0])})
+    figure = parallel_coordinates(table, [Parameter.of(table, 0)], Quantity.of(table, "y"))
+    groups = [item for item in figure.axes[0].collections if isinstance(item, LineCollection)]
+    found = [np.array([segment[:, 1] for segment in lines.get_segments()]) for lines in groups]
+    np.testing.assert_allclose(found, [[[1.0, 0.5]], [[0.0, 1.0]], [[0.5, 0.0]]], atol=1e-12)
 
 
 @pytest.mark.slow
@@ -128,12 +134,13 @@ def test_figures_of_a_sweep(folder: Path, tmp_path: Path) -> None:
     (png,) = plot_sweep(folder, kind="png", target=tmp_path)[2:]
     assert png.read_bytes().startswith(b"\x89PNG")
     sweep = read_sweep(folder)
-    y = sweep.table["duration_s"].to_numpy()
-    parameters = [sweep_plots._Parameter.of(sweep, place) for place in range(3)]
-    figure = sweep_plots.level_lines(sweep, parameters[0], parameters[1], "duration_s", y)
-    title = figure.get_suptitle()
-    assert "9 of them without a value" in title
-    assert "not the maker's data" in title
+    parameters = [Parameter.of(sweep, place) for place in range(3)]
+    quantity = Quantity.of(sweep, "duration_s")
+    figure = level_lines(sweep, parameters[0], parameters[1], quantity)
+    assert figure.get_suptitle() == "Time to rest over cylinder speed and restitution of stop jaw"
+    below = figure.get_supxlabel()
+    assert "9 of them without a value" in below
+    assert "not the maker's data" in below
     assert figure.axes[0].get_yscale() == "log"
 
 
@@ -142,7 +149,7 @@ def test_level_lines_show_the_table(folder: Path) -> None:
     sweep = read_sweep(folder)
     rows = [row for row in sweep.table.to_pylist() if row["outcome"] == "at_rest"]
     assert len(rows) == 9
-    speed, e = (sweep_plots._Parameter.of(sweep, place) for place in (0, 1))
+    speed, e = (Parameter.of(sweep, place) for place in (0, 1))
     y = sweep.table["rebound_amplitude_1"].to_numpy()
     field = cell_means(speed.cell, e.cell, (3, 3), y)
     for row in rows:

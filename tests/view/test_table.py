@@ -4,6 +4,9 @@ import dataclasses
 import io
 import math
 import re
+from collections import Counter
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from rich.console import Console
@@ -15,15 +18,21 @@ from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
 from nipper_pin.terms import digits, fixed
+from nipper_pin.view.run import table
 from nipper_pin.view.run.table import print_solution
 
-# Rates, impulses, amplitudes and times are printed with four significant digits.
+# Rates, impulses, amplitudes and durations are printed with four significant digits.
 FOUR_DIGITS = 5.1e-4
+# Times from the start and indices are printed with three decimals.
+THREE_DECIMALS = 5.1e-4
+# Rebounds below this part of the largest one of their stop are told in one line.
+MICRO = 1e-3
+MDEG_PER_RAD = 1e3 * 180.0 / math.pi
 
 
 def text_of(solution: Solution, width: int = 80, *, forces: bool = False) -> str:
     stream = io.StringIO()
-    print_solution(solution, Console(file=stream, width=width), forces=forces)
+    print_solution(solution, Console(file=stream, width=width), with_forces=forces)
     return stream.getvalue()
 
 
@@ -42,10 +51,10 @@ def expected(solution: Solution, item: Collision) -> list[float]:
     mechanism = solution.mechanism
     place = mechanism.stop(item.stop).index
     joint = next(joint for joint in mechanism.joints if joint.index == place)
-    rate, amplitude = (1.0, 180.0 / math.pi) if joint.kind == "revolute" else (1e3, 1e6)
+    rate, amplitude = (1.0, MDEG_PER_RAD) if joint.kind == "revolute" else (1e3, 1e6)
     return [
         item.index,
-        1e3 * (item.t - solution.collisions[0].t),
+        1e3 * item.t,
         rate * item.approach_rate,
         rate * item.separation_rate,
         item.impulse,
@@ -61,13 +70,76 @@ def test_collision_rows_hold_the_numbers_of_the_solution(
     name: str, width: int, request: pytest.FixtureRequest
 ) -> None:
     solution: Solution = request.getfixturevalue(name)
-    rows = collision_rows(text_of(solution, width))
-    assert sorted(rows) == [item.number for item in solution.collisions]
-    for item in solution.collisions:
+    text = text_of(solution, width)
+    rows = collision_rows(text)
+    large, _ = parted(solution)
+    assert sorted(rows) == sorted(item.number for item in large)
+    for item in large:
         wanted, found = expected(solution, item), rows[item.number]
-        assert found[0] == pytest.approx(wanted[0], abs=5.1e-5)
-        assert found[1] == pytest.approx(wanted[1], abs=5.1e-6)
+        assert found[:2] == pytest.approx(wanted[:2], abs=THREE_DECIMALS)
         assert found[2:] == pytest.approx(wanted[2:], rel=FOUR_DIGITS)
+
+
+def parted(solution: Solution) -> tuple[list[Collision], dict[str, list[Collision]]]:
+    """Collisions that have a row, and by stop those whose rebounds are too small for one."""
+    large, small = [], {}
+    for stop in solution.mechanism.stops:
+        hits = [item for item in solution.collisions if item.stop == stop.name]
+        most = max((item.rebound_amplitude for item in hits), default=0.0)
+        small[stop.name] = [item for item in hits if item.rebound_amplitude < MICRO * most]
+        large += [item for item in hits if item.rebound_amplitude >= MICRO * most]
+    return large, small
+
+
+@pytest.mark.parametrize("name", ["transition", "cycle"])
+def test_small_rebounds_are_counted_and_their_limit_told(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    """Below a thousandth of the largest of their stop; with the rows these are all collisions."""
+    solution: Solution = request.getfixturevalue(name)
+    text = text_of(solution, 120)
+    large, small = parted(solution)
+    blocks = {part.split()[0]: part for part in text.split("\nCollisions of stop ")[1:]}
+    assert set(blocks) == {item.stop for item in solution.collisions}
+    for stop, block in blocks.items():
+        assert len(small[stop]) > 1
+        told = re.findall(r"^(\d+) more rebounds below (\S+) (\S+) \(", block, flags=re.M)
+        ((count, limit, unit),) = told
+        assert int(count) == len(small[stop])
+        amplitude = {"jaw": ("mdeg", MDEG_PER_RAD), "steeve": ("um", 1e6)}[stop]
+        assert unit == amplitude[0]
+        most = max(item.rebound_amplitude for item in large if item.stop == stop)
+        assert float(limit) == pytest.approx(MICRO * amplitude[1] * most, rel=FOUR_DIGITS)
+
+
+@pytest.mark.parametrize(
+    ("parts", "line"),
+    [
+        ((1.0, MICRO), None),
+        ((1.0, 0.999 * MICRO), "1 more rebound below 1000 mdeg "),
+        ((1.0, 0.999 * MICRO, 0.0), "2 more rebounds below 1000 mdeg "),
+        ((1.0, None), None),
+        ((0.0, 0.0), None),
+    ],
+)
+def test_which_rebounds_are_small(
+    parts: tuple[float | None, ...], line: str | None, transition: Solution
+) -> None:
+    """What is at the limit has a row, as has a rebound that the window ends and one of nothing."""
+    largest = 1e6 / MDEG_PER_RAD
+    names = ("number", "index", "t", "approach_rate", "separation_rate", "impulse", "energy_lost",
+             "rebound_time", "stop")  # fmt: skip
+    hits: list[Any] = [
+        SimpleNamespace(**{name: getattr(item, name) for name in names},
+                        rebound_amplitude=None if part is None else part * largest)
+        for part, item in zip(parts, transition.collisions, strict=False)
+    ]  # fmt: skip
+    stream = io.StringIO()
+    table._of_stop(transition, "jaw", hits, Console(file=stream, width=120))
+    text = stream.getvalue()
+    rows = 1 if line else 2
+    assert len(collision_rows(text)) == rows
+    assert re.findall(r"^\d+ more.*(?=\()", text, re.M) == ([line] if line else [])
 
 
 def test_every_stop_has_its_own_table_in_its_own_units(cycle: Solution) -> None:
@@ -75,7 +147,7 @@ def test_every_stop_has_its_own_table_in_its_own_units(cycle: Solution) -> None:
     units = {block.split()[0]: block for block in blocks}
     assert set(units) == {"jaw", "steeve"}
     assert "rad/s" in units["jaw"]
-    assert "deg" in units["jaw"]
+    assert " mdeg " in units["jaw"]
     steeve = units["steeve"].split("Phases")[0] if "Phases" in units["steeve"] else units["steeve"]
     assert "mm/s" in steeve
     assert " um " in steeve
@@ -95,16 +167,17 @@ def test_nothing_is_cut_short_and_nothing_is_coloured(cycle: Solution, width: in
     assert "\x1b" not in text
 
 
-def test_a_narrow_terminal_folds_digits_and_loses_none(transition: Solution) -> None:
-    narrow, wide = text_of(transition, 40), text_of(transition, 80)
-    start, end = "Collisions of stop", "\nPhases"
+def test_a_narrow_terminal_shows_every_cell_whole(cycle: Solution) -> None:
+    """Tables that are too wide become several, each with the numbers of its rows."""
 
-    def count(text: str) -> int:
-        block = text[text.index(start) : text.index(end)]
-        rows = re.split("[\N{BOX DRAWINGS LIGHT HORIZONTAL}]{5,}", block)[-1]
-        return sum(character.isdigit() for character in rows)
+    def cells(text: str) -> Counter[str]:
+        block = text[text.index("\nCollisions of stop") : text.index("\nReleases")]
+        return Counter(word for word in block.split() if re.search(r"\d", word))
 
-    assert count(narrow) == count(wide)
+    narrow, wide = cells(text_of(cycle, 40)), cells(text_of(cycle, 120))
+    assert not wide - narrow
+    # Nothing is added but the numbers of the rows.
+    assert set(narrow) == set(wide)
 
 
 def test_header_names_the_case(cycle: Solution) -> None:
@@ -118,11 +191,12 @@ def test_header_names_the_case(cycle: Solution) -> None:
 
 
 def test_phase_rows_hold_the_intervals_of_the_solution(cycle: Solution) -> None:
-    block = text_of(cycle).split("\nPhases")[1].split("\nTransition")[0]
+    block = text_of(cycle).split("\nPhases")[1].split("\n\n")[0]
     rows = [line.split() for line in block.splitlines() if re.match(r"\d ", line)]
     assert [int(row[0]) for row in rows] == [item.number for item in cycle.phases]
     for row, item in zip(rows, cycle.phases, strict=True):
-        assert float(row[-1]) == pytest.approx(1e3 * (item.t_end - item.t_start), abs=5.1e-6)
+        wanted = (1e3 * item.t_start, 1e3 * (item.t_end - item.t_start))
+        assert [float(cell) for cell in row[-2:]] == pytest.approx(wanted, abs=THREE_DECIMALS)
 
 
 def test_transition_line_agrees_and_says_that_the_series_has_a_limit(transition: Solution) -> None:
@@ -130,11 +204,11 @@ def test_transition_line_agrees_and_says_that_the_series_has_a_limit(transition:
     text = " ".join(text_of(transition).split())
     match = re.search(r"([\d.]+) ms from the first collision to rest, (\d+) collisions", text)
     assert match is not None
-    assert float(match[1]) == pytest.approx(1e3 * found.duration, abs=5.1e-6)
+    assert float(match[1]) == pytest.approx(1e3 * found.duration, rel=FOUR_DIGITS)
     assert int(match[2]) == found.collisions
     share = re.search(r"rebounds take ([\d.]+) %", text)
     assert share is not None
-    assert float(share[1]) == pytest.approx(100.0 * found.first_two_share, abs=5.1e-3)
+    assert float(share[1]) == pytest.approx(100.0 * found.first_two_share, rel=FOUR_DIGITS)
     assert "the time of rest is their limit" in text
 
 
@@ -148,7 +222,7 @@ def test_a_release_in_the_first_phase_gets_a_line(cycle: Solution) -> None:
     psi = float(cycle.shaft.angle(released.t))
     index = cycle.mechanism.cylinder.index_from_angle(psi)
     text = " ".join(text_of(cycle).split())
-    assert f"The steeve leaves its stop in phase 1 at index {index:.4f}, opens by up to" in text
+    assert f"The steeve leaves its stop in phase 1 at index {index:.3f}, opens by up to" in text
     assert "before the jaw collides" in text
 
 
@@ -174,11 +248,40 @@ def test_forces_are_printed_if_asked_and_lie_in_their_range(cycle: Solution) -> 
 def test_of_many_turns_two_are_printed_and_the_rest_is_counted(many_turns: Solution) -> None:
     text = text_of(many_turns)
     per_turn = len(many_turns.collisions) // 20
-    assert len(collision_rows(text)) == 2 * per_turn
+    told = [int(count) for count in re.findall(r"(\d+) more rebounds below", text)]
+    assert len(told) == 2
+    assert len(collision_rows(text)) + sum(told) == 2 * per_turn
     assert f"{18 * per_turn} more collisions are not shown." in text
     assert many_turns.repeated_from is not None
     first = many_turns.repeated_from
     assert f"Turns {first + 1} to 20 are equal to turn {first}" in text
+
+
+def test_what_a_transition_came_to_stands_before_its_tables(transition: Solution) -> None:
+    """Duration and the first two rebounds, in mdeg and ms, before the first table."""
+    head = " ".join(text_of(transition).split("\nCollisions of stop")[0].split())
+    assert head.index(" Transition ") < head.index("from the first collision to rest")
+    match = re.search(
+        r"First rebound (\S+) mdeg in (\S+) ms; second rebound (\S+) mdeg in (\S+) ms\.", head
+    )
+    assert match is not None
+    first, second = transition.collisions[:2]
+    wanted = [
+        value
+        for item in (first, second)
+        for value in (MDEG_PER_RAD * item.rebound_amplitude, 1e3 * item.rebound_time)
+    ]
+    assert [float(part) for part in match.groups()] == pytest.approx(wanted, rel=FOUR_DIGITS)
+    assert "Times t count from the start of the run at index 34.049." in head
+
+
+def test_the_next_command_is_the_last_line(transition: Solution) -> None:
+    """Ready to be pasted however long it is; without one the outcome is the last line."""
+    command = "nipper-pin view e62 --set '[bold]=1' " + "--set a.b=1 " * 20 + "--html e62.html"
+    stream = io.StringIO()
+    print_solution(transition, Console(file=stream, width=60), following=command)
+    assert stream.getvalue().splitlines()[-1] == f"Next: {command}"
+    assert text_of(transition).splitlines()[-1] == transition.outcome.value
 
 
 def test_checks_work_and_outcome_close_the_text(cycle: Solution) -> None:

@@ -12,6 +12,7 @@ from small_machines import SHAFT, frame, hinge, link, machine, slide
 
 from nipper_pin import Case, Solution, Window, load_solution, record, save, simulate
 from nipper_pin.study.check import check_model
+from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.run.timelines import motion_figure
 from nipper_pin.view.scene import Look, film
@@ -31,7 +32,7 @@ def boxed() -> Solution:
 def printed(boxed: Solution) -> str:
     """The tables as text."""
     text = io.StringIO()
-    print_solution(boxed, Console(file=text, width=120), forces=True)
+    print_solution(boxed, Console(file=text, width=120), with_forces=True)
     return text.getvalue()
 
 
@@ -43,7 +44,7 @@ def test_the_table_counts_rates_from_the_stop(boxed: Solution) -> None:
     text = printed(boxed)
     assert "Collisions of stop floor" in text
     assert "Collisions of stop ceiling" in text
-    first = next(line for line in text.splitlines() if line.split()[:2] == ["1", "1.2000"])
+    first = next(line for line in text.splitlines() if line.split()[:2] == ["1", "1.200"])
     assert first.split()[3:5] == ["-5000", "3750"]
     found = record(boxed)["collisions"]
     assert all(item["approach_rate"] < 0.0 < item["separation_rate"] for item in found)
@@ -122,7 +123,8 @@ def test_the_report_shows_limits_and_slots() -> None:
                "far": {"joint": "room", "restitution": 0.5, "side": "upper", "at_mm": 6.0}},
     )  # fmt: skip
     text = io.StringIO()
-    print_report(check_model(mechanism, 60.0), Console(file=text, width=120))
+    nothing = NextSteps((), ())
+    print_report(check_model(mechanism, 60.0), nothing, Console(file=text, width=120))
     assert "stop near: restitution 0.5, lower limit of room at -4 mm;" in text.getvalue()
     assert "stop far: restitution 0.5, upper limit of room at 6 mm;" in text.getvalue()
     row = next(line for line in text.getvalue().splitlines() if "pin in a slot" in line)

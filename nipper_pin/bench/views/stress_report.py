@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from ...view.console import paste, say, show_table
+from ...view.console import say, show_table
 from ..stress import WRONG, Campaign, Verdict
 
 _FAILURES = 20
@@ -42,4 +42,4 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
 def print_verdict(verdict: Verdict, console: Console) -> None:
     """Print one verdict."""
     text = f"case {verdict.number} ({verdict.family}): {verdict.word}, {verdict.kind}"
-    paste(console, f"{text}: {verdict.detail}" if verdict.detail else text)
+    say(console, f"{text}: {verdict.detail}" if verdict.detail else text)

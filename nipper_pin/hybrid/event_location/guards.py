@@ -14,7 +14,7 @@ from ...dynamics.system import ConstraintSet, System
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
-from ..motion.chebyshev import Series, evaluate, nodes
+from ..motion.chebyshev import Series, interpolant, nodes
 from ..motion.panel import Panel, forces_at, one_state_at
 from .roots import first_descent, polish
 
@@ -90,13 +90,9 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
     if panel.integrated:
         return _flight_root(panel, stop, gap, rate)
     h, gaps = panel.h, stop.gaps(panel.q)
-    if _positive(gaps):
+    series = interpolant(gaps)
+    if series.positive:
         return None
-
-    def rough(t: float) -> tuple[float, float]:
-        both = np.stack([gaps, stop.rates(panel.v)], axis=1)
-        gap_rate = evaluate(both, np.array([(t - panel.t) / h]), 0)[0]
-        return float(gap_rate[0]), float(gap_rate[1])
 
     def exact(t: float) -> tuple[float, float]:
         state = one_state_at(system, phase, panel, t)
@@ -115,7 +111,8 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
     def lowest(sigma: float) -> float:
         return exact(panel.t + h * sigma)[0]
 
-    return _polished(panel, first_descent(grid.samples, values, lowest), rough, exact)
+    bracket = first_descent(grid.samples, values, lowest)
+    return None if bracket is None else _polished(panel, bracket, series, exact)
 
 
 def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | None:
@@ -183,7 +180,8 @@ def _force_root(
     column: int,
 ) -> float | None:
     """Time at which the force of a closed stop falls through zero on a panel, or None."""
-    if _positive(force):
+    series = interpolant(force)
+    if series.positive:
         return None
     grid = nodes(panel.order)
     values = grid.sample_value @ force
@@ -193,26 +191,19 @@ def _force_root(
         # The force was zero to round-off when the stop was taken to be pressed, and does not rise.
         return panel.t
 
-    def interpolant(sigma: float) -> float:
-        return float(evaluate(force, np.array([sigma]), 0)[0])
-
     samples, start = grid.samples, 0
-    bracket = first_descent(samples, values, interpolant)
+    bracket = first_descent(samples, values, series.value)
     if bracket is None:
         return None
-    slope = np.gradient(values, samples) / panel.h
-
-    def rough(t: float) -> tuple[float, float]:
-        sigma = (t - panel.t) / panel.h
-        return interpolant(sigma), float(np.interp(sigma, samples, slope))
 
     @cache
     def exact(t: float) -> tuple[float, float]:
         la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
-        return float(la_N[0, column]), rough(t)[1]
+        slope = series.value_and_slope((t - panel.t) / panel.h)[1] / panel.h
+        return float(la_N[0, column]), slope
 
     first, last = (panel.t + panel.h * end for end in bracket)
-    near = polish(rough, first, last)
+    near = panel.t + panel.h * polish(series.value_and_slope, *bracket)
     if _surely_within(first, last, near, *exact(near)):
         return polish(exact, first, last, near)
     while bracket is not None:
@@ -231,8 +222,8 @@ def _force_root(
             while before > 0 and exact(panel.t + panel.h * left)[0] <= 0.0:
                 before -= 1
                 left, right = float(samples[before]), left
-            return _polished(panel, (left, right), rough, exact)
-        bracket = first_descent(samples[start:], values[start:], interpolant)
+            return _polished(panel, (left, right), series, exact)
+        bracket = first_descent(samples[start:], values[start:], series.value)
     return None
 
 
@@ -241,22 +232,13 @@ def _surely_within(left: float, right: float, t: float, value: float, slope: flo
     return slope < 0.0 and _MARGIN * abs(value / slope) < min(t - left, right - t)
 
 
-def _positive(values: FloatArray) -> bool:
-    """True if an interpolant is known to be positive: no Chebyshev polynomial exceeds one."""
-    coefficients = product(nodes(len(values)).integrals[0], values)
-    return bool(2.0 * coefficients[0] > np.add.reduce(np.abs(coefficients)))
-
-
 def _polished(
     panel: Panel,
-    bracket: tuple[float, float] | None,
-    *functions: Callable[[float], tuple[float, float]],
-) -> float | None:
-    """Root in a bracket, by one function after the other: the cheap ones find the start."""
-    if bracket is None:
-        return None
+    bracket: tuple[float, float],
+    series: Series,
+    exact: Callable[[float], tuple[float, float]],
+) -> float:
+    """Root in a bracket by the exact function, from that of the series, which costs little."""
     left, right = (panel.t + panel.h * sigma for sigma in bracket)
-    root = right
-    for function in functions:
-        root = polish(function, left, right, root)
-    return root
+    near = panel.t + panel.h * polish(series.value_and_slope, *bracket)
+    return polish(exact, left, right, min(max(near, left), right))

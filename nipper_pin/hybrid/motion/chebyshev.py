@@ -263,6 +263,11 @@ class Series:
         return value, 2.0 * (high + 0.5 * x2 * slope_high - slope_low)
 
 
+def interpolant(values: FloatArray) -> Series:
+    """Return the polynomial through node values, shape (N,), as a series."""
+    return Series(product(nodes(len(values)).integrals[0], values))
+
+
 def tail(values: FloatArray) -> FloatArray:
     """Size of the last two Chebyshev coefficients of every column of node values.
 

@@ -42,14 +42,13 @@ def kinematic_panel(
     Returns:
         The panel with the stop forces, or the advice to try a shorter one.
     """
-    t, q, v, a = begin
-    grid = nodes(resolution.kinematic_nodes)
-    tau = (h * grid.sigma)[:, None]
-    guess = q + tau * v + 0.5 * tau**2 * a
-    times = t + h * grid.sigma
-    rates = np.repeat(v[None], len(times), axis=0)
+    t, q, v, _, jacobian = begin
+    times = t + h * nodes(resolution.kinematic_nodes).sigma
+    guess, rates = (np.repeat(row[None], len(times), axis=0) for row in (q, v))
     motion = system.shaft.driven(times)
     system.prescribe(motion, guess, rates, phase)
+    # The tangent at the start, along which the others follow the drives.
+    guess[:, split.columns] += system.lift(jacobian, split, guess - q)[:, split.columns]
     q_nodes, jacobian = close_positions(system.body, guess, split)
     inverse = _inverses(jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split, inverse)

@@ -24,12 +24,14 @@ class Begin(NamedTuple):
         q: Closed configuration, shape (nv,).
         v: Closed velocity, shape (nv,).
         a: Acceleration, shape (nv,).
+        jacobian: Closure Jacobian, shape (m, nv).
     """
 
     t: float
     q: FloatArray
     v: FloatArray
     a: FloatArray
+    jacobian: FloatArray
 
 
 class Attempt(NamedTuple):

@@ -75,7 +75,7 @@ class Sweeps:
     ) -> None:
         """Compute what no sweep changes."""
         self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
-        t, q, v, _ = begin
+        t, q, v, _, _ = begin
         elapsed = h * nodes(finest).sigma
         motion = system.shaft.driven(t + elapsed)
         self._forcing = system.forcing(motion, phase)

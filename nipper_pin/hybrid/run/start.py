@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil, tau
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from ..case import Case, Window
 from ..state import State
 from .diagnosis import located
 
-_ASSEMBLY_STEPS = 12
+# Steps of the assembly: for a turn of the cylinder, and at least if stops or starts move, too.
+_STEPS_A_TURN, _STEPS_OF_STOPS = 18, 12
 _NOW = np.zeros(1)
 
 
@@ -74,8 +76,10 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     travel = shaft.start_angle_rad - mechanism.cylinder.angle_at_touch_rad
     # In the touch configuration all coordinates are zero: there is nothing to assemble.
     places = [(stop.index, stop.at) for stop in shut] + [(item.index, item.at) for item in starts]
-    away = travel != 0.0 or any(at for _, at in places)
-    times = np.linspace(-travel / shaft.rate, 0.0, _ASSEMBLY_STEPS + 1) if away else _NOW
+    moved = any(at for _, at in places)
+    away = travel != 0.0 or moved
+    steps = max(ceil(_STEPS_A_TURN * abs(travel) / tau), _STEPS_OF_STOPS if moved else 1)
+    times = np.linspace(-travel / shaft.rate, 0.0, steps + 1) if away else _NOW
     angles, rates, accelerations = shaft.driven(times) if away else shaft.driven_at(0.0)
     driven = shaft.indices
     given = [*driven, *[index for index, _ in places]]

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from .points import Evaluator
+from ...tolerances.study import ACTIVE_LIMIT
+from .points import Evaluator, Point
+from .problem.problem import Problem
 from .search.trace import Scales
 
 
@@ -24,6 +26,8 @@ class Design:
         errors: Their stated errors.
         slacks: Slack of every limit, in the order of the problem.
         inside: Whether all limits hold, to the tolerance of the search.
+        holding: Limits and bounds without room to speak of, each in the words of
+            :class:`~.search.binding.Binding`.
         engine: Engine that found its transition, or its whole turn if one is asked for: "reduced"
             or "direct"; "reduced_turn" or "turn", the same two on whole turns.
     """
@@ -34,6 +38,7 @@ class Design:
     errors: Mapping[str, float]
     slacks: tuple[float, ...]
     inside: bool
+    holding: tuple[str, ...]
     engine: str
 
     def record(self) -> dict[str, Any]:
@@ -44,6 +49,7 @@ class Design:
             "errors": {name: _finite(value) for name, value in self.errors.items()},
             "slacks": list(self.slacks),
             "inside": self.inside,
+            "holding": list(self.holding),
             "engine": self.engine,
         }
 
@@ -71,5 +77,18 @@ def design(source: Evaluator, by: Scales, z: tuple[float, ...]) -> Design | None
         errors=source.errors(place),
         slacks=point.slacks,
         inside=by.inside(point),
+        holding=_holding(source.problem, by, point),
         engine=point.engine,
     )
+
+
+def _holding(problem: Problem, by: Scales, point: Point) -> tuple[str, ...]:
+    """Names of the limits with less than the least room, and of the bounds that are as near."""
+    limits = zip(problem.limits, point.slacks, by.limits, strict=True)
+    found = [str(limit) for limit, slack, size in limits if slack <= ACTIVE_LIMIT * size]
+    for item, z in zip(problem.parameters, point.z, strict=True):
+        if z <= ACTIVE_LIMIT:
+            found.append(item.bound("low"))
+        if z >= 1.0 - ACTIVE_LIMIT:
+            found.append(item.bound("high"))
+    return tuple(found)

@@ -12,6 +12,7 @@ import math
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import contextmanager
 from http import HTTPStatus
+from types import MappingProxyType
 from typing import Annotated, Any
 
 import msgspec
@@ -21,6 +22,7 @@ from viser import _messages
 from websockets.asyncio import server as sockets
 
 from ..local import is_local
+from .panel.fields import LONGEST
 
 _REFUSED = "this page is for browsers on this machine, at the address that was printed\n"
 # A browser sends the value of a control, or where its camera stands.
@@ -119,6 +121,8 @@ class Filter:
         server: The server, with all its controls.
         ranges: Lowest and highest value of each slider, by its identity in viser.
         switches: Identities of the check boxes.
+        fields: Identities of the fields of text, of which no more than a line is read.
+        choices: What each group of buttons offers, by its identity.
     """
 
     def __init__(
@@ -126,9 +130,12 @@ class Filter:
         server: viser.ViserServer,
         ranges: Mapping[str, tuple[float, float]],
         switches: frozenset[str],
+        fields: frozenset[str] = frozenset(),
+        choices: Mapping[str, frozenset[str]] = MappingProxyType({}),
     ) -> None:
         """Take the place of viser's own handlers."""
         self._ranges, self._switches = ranges, switches
+        self._fields, self._choices = fields, choices
         interface = server.gui._websock_interface
         (self._apply,) = interface._incoming_handlers[_messages.GuiUpdateMessage]
         interface.unregister_handler(_messages.GuiUpdateMessage)
@@ -142,7 +149,7 @@ class Filter:
             if done is not None:
                 await done
 
-    def allowed(self, control: object, updates: object) -> float | bool | None:
+    def allowed(self, control: object, updates: object) -> float | bool | str | None:
         """Return the value of a control that an update asks for, in its range; None if none.
 
         Args:
@@ -156,6 +163,11 @@ class Filter:
         value = updates["value"]
         if control in self._switches:
             return value if isinstance(value, bool) else None
+        if control in self._fields:
+            return value[:LONGEST] if isinstance(value, str) else None
+        if control in self._choices:
+            known = isinstance(value, str) and value in self._choices[control]
+            return value if known else None
         if control not in self._ranges or isinstance(value, bool):
             return None
         if not isinstance(value, int | float) or not math.isfinite(value):

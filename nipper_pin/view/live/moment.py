@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from ...arrays import FloatArray
+from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...terms import digits
-from ...units import MS_PER_S
+from ...units import MM_PER_M, MS_PER_S
 from ..reading import index_at, units_of
 from ..scene.arrows import FADE, HELD, drawn_collisions
 
@@ -46,16 +47,24 @@ def impulses_at(solution: Solution, t: float, slow: float) -> dict[str, float]:
 
 
 def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
-    """Time, index and gaps of the stops: the machine's, not the drawing's.
+    """Time, index, gaps of the stops and clamping force: the machine's, not the drawing's.
 
     Args:
         solution: The solution.
         t: Time [s].
         q: Configuration, shape (nv,) [rad or m].
     """
+    mechanism = solution.mechanism
     parts = [f"{MS_PER_S * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
-    for stop in solution.mechanism.stops:
-        units = units_of(solution.mechanism, stop.index)
-        value = digits(units.coordinate_factor * stop.gap(q))
-        parts.append(f"{stop.name} {value} {units.coordinate}")
+    for stop in mechanism.stops:
+        units, gap = units_of(mechanism, stop.index), stop.gap(q)
+        if stop.name != mechanism.transition_stop:
+            value = digits(units.coordinate_factor * gap)
+            parts.append(f"{stop.name} {value} {units.coordinate}")
+            continue
+        parts.append(f"{stop.name} {digits(units.amplitude_factor * gap)} {units.amplitude}")
+        if stop.contact is not None:
+            parts.append(f"gap at the lips {digits(MM_PER_M * stop.lever * gap)} mm")
+        force = solution.trajectory.reactions(t).contacts[stop.name][0]
+        parts.append(f"clamping force {digits(float(force))} {force_unit(mechanism, stop)}")
     return ", ".join(parts)

@@ -8,35 +8,30 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
-import numpy as np
 import viser
-from viser import uplot
 
 from ...errors import InputError
-from ...hybrid.result.quantities import force_unit
 from ...mechanism import Mechanism
-from ..reading import gap_noun, units_of
+from ...units import MS_PER_S
 from ..scene.film import LARGEST_EXAGGERATION, exaggerated
-from .answer import Answer, answer, as_html, boxed
+from .answer import Answer, answer
+from .curves.plots import Plots
 from .guard import Filter
 from .moment import closed_at, impulses_at, moment_text
+from .panel.controls import FIT, PIN, RESET, UNPIN, Controls
+from .panel.layout import NARROW, SECOND, STYLE, Widths, cursor
+from .panel.memory import ONE_CHANGE, Memory
+from .panel.text import as_html, boxed
 from .settings import Knob
 from .stage import Stage
-from .whole_turn import Rows, WholeTurns
+from .whole_turn import WholeTurns
 
 _FRAME = 1.0 / 30.0  # seconds
 _AFTER = 0.004  # seconds from new numbers to the picture that belongs to them
-_HELD = 0.8  # seconds that the film stands after a slider moved
+_HELD = ONE_CHANGE  # seconds that the film stands after a slider moved
 _TOLD = 0.12  # seconds between two texts of the moment; a new one has the panel drawn again
-_PAUSE = 0.7  # seconds of playback at rest before the film starts again
+_PAUSE = 0.7  # seconds of playback at its end before the film starts again
 _SLOW = (100, 5000, 1000)  # ends and start of the slow motion
-_WIDTH = 400  # pixels, of the panel
-_HEIGHT = 170  # pixels, of a plot
-_AXIS = (30, 44)  # pixels of the axes below and beside a plot
-_LABEL = 18  # pixels of their labels
-_PADDING = (10, 20, 0, 0)
-_LINE = "#0072B2"
-_DOTS = "#D55E00"
 _NOTE = (
     "Every number here is computed from these estimates of the class of machine, also where it "
     "agrees with a publication; none is the maker's. The shapes are illustrations."
@@ -66,22 +61,21 @@ class Page:
         self._wake = threading.Event()
         self._clock = 0.0
         self._drawn: tuple[Answer | None, float, float] = (None, 0.0, 0.0)
-        self._text, self._told = "", 0.0
+        self._text, self._share, self._told = "", 0.0, 0.0
         self._stage = Stage(server, mechanism)
+        self._memory, self._pressed = Memory(), list[str]()
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False)
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(_WIDTH)
+        gui.main_panel.set_width(NARROW)
         gui.set_panel_label(f"nipper-pin live: {mechanism.name}")
-        gui.add_html(boxed(f'<b id="title">{escape(mechanism.title or mechanism.name)}</b>'))
-        self._sliders = {
-            item.key: gui.add_slider(
-                item.label, min=item.low, max=item.high, step=item.step, initial_value=item.start
-            )
-            for item in controls
-        }
-        self._numbers, self._now = gui.add_html(""), gui.add_html("")
-        self._gap, self._impulse = self._plots()
+        title = f'<b id="title">{escape(mechanism.title or mechanism.name)}</b>'
+        gui.add_html(f"{STYLE}{boxed(title)}")
+        self._set = Controls(gui, controls, self._changed, self._press)
+        self._numbers = gui.add_html("")
+        gui.add_html(SECOND)
+        self._now = gui.add_html("")
+        self._plots = Plots(gui, mechanism)
         low, high, start = _SLOW
         self._play = gui.add_checkbox("play", initial_value=True)
         self._slow = gui.add_slider("slow motion 1 :", low, high, low, start)
@@ -90,15 +84,23 @@ class Page:
         )
         if "estimate" in mechanism.title:
             gui.add_html(boxed(f'<span id="note">{escape(_NOTE)}</span>'))
-        for slider in self._sliders.values():
-            slider.on_update(self._changed)
-        numbers: list[Any] = [*self._sliders.values(), self._slow, self._larger]
-        ranges = {item._impl.uuid: (float(item.min), float(item.max)) for item in numbers}
-        Filter(server, ranges, frozenset({self._play._impl.uuid}))
+        self._guard()
+        Widths(server)
         self._shown: dict[str, float] = {}
         self._came = threading.Event()
         self.turns = WholeTurns(mechanism, controls, self._turned)
         self._answer = self._follow()
+
+    def _guard(self) -> None:
+        """Take from browsers what these controls send, and nothing else."""
+        numbers: list[Any] = [*self._set.sliders.values(), self._slow, self._larger]
+        Filter(
+            self._server,
+            {item._impl.uuid: (float(item.min), float(item.max)) for item in numbers},
+            frozenset({self._play._impl.uuid}),
+            frozenset(item._impl.uuid for item in self._set.fields.values()),
+            {self._set.buttons._impl.uuid: frozenset({RESET, PIN, UNPIN, FIT})},
+        )
 
     def run(self) -> None:
         """Follow the sliders and move the picture, for ever."""
@@ -110,11 +112,12 @@ class Page:
                 self._wake.clear()
             if self._came.is_set():
                 self._came.clear()
-                self._write(self._answer, self.turns.rows(self._shown))
-                moved = moved and self._stand() != self._shown
-                if not moved:
+                self._memory.turned(self.turns.rows(self._shown))
+                self._write()
+                if not self._pressed and self._set.stand() == self._shown:
                     continue
             if moved:
+                self._act()
                 with self._server.atomic():
                     self._answer = self._follow()
                 self._server.flush()
@@ -134,9 +137,27 @@ class Page:
             # The film goes on where it stood.
             last = due if moved else now
 
-    def _changed(self, _: object) -> None:
+    def _changed(self) -> None:
         """Note that a slider moved; of many moves only the last matters."""
         self._wake.set()
+
+    def _press(self, button: str) -> None:
+        """Note that a button was pressed."""
+        self._pressed.append(button)
+        self._wake.set()
+
+    def _act(self) -> None:
+        """Do what the pressed buttons ask for."""
+        while self._pressed:
+            button = self._pressed.pop(0)
+            if button == RESET:
+                self._memory.end_change()
+                self._set.reset()
+            if button in (RESET, FIT):
+                self._plots.forget()
+            if button in (PIN, UNPIN):
+                self._memory.pin()
+                self._set.pinned(self._memory.pinned is not None)
 
     def _turned(self) -> None:
         """Note that whole turns can be followed from now on."""
@@ -144,26 +165,24 @@ class Page:
         self._wake.set()
 
     def _follow(self) -> Answer:
-        """Answer the setting of the sliders, and show numbers and plots, or why there are none."""
-        self._shown = self._stand()
-        found = answer(self._mechanism, self._controls, self._shown)
-        self._write(found, self.turns.rows(self._shown))
-        for plot, x, y in (
-            (self._gap, found.time, found.gap),
-            (self._impulse, found.hit_time, found.impulse),
-        ):
-            plot.visible = not found.message
-            if not found.message:
-                plot.data = (x, y)
-        return found
+        """Answer the setting of the sliders, and show numbers and curves, or why there are none."""
+        stand = self._set.stand()
+        if stand != self._shown:
+            self._shown = stand
+            found = answer(self._mechanism, self._controls, stand)
+            self._memory.take(time.perf_counter(), found, self.turns.rows(stand))
+        self._write()
+        self._plots.show(self._memory)
+        present = self._memory.present
+        return present.answer if present is not None else self._answer
 
-    def _stand(self) -> dict[str, float]:
-        """Where the sliders stand."""
-        return {key: float(slider.value) for key, slider in self._sliders.items()}
-
-    def _write(self, found: Answer, turn: Rows) -> None:
+    def _write(self) -> None:
         """Write the numbers, unless they are there."""
-        text = as_html(found, turn)
+        kept = self._memory.present
+        if kept is None:
+            return
+        pinned = self._memory.pinned is not None
+        text = as_html(kept.answer, kept.turn, self._memory.other, pinned=pinned)
         if self._numbers.content != text:
             self._numbers.content = text
 
@@ -176,6 +195,7 @@ class Page:
         if passed > 0.0 and self._clock > end + _PAUSE / self._slow.value:
             self._clock = 0.0
         t = min(self._clock, end)
+        self._share = MS_PER_S * t / self._plots.until
         # What stands still is not sent again: every message makes the browsers draw.
         if self._drawn == (self._answer, t, larger):
             return
@@ -200,45 +220,7 @@ class Page:
         """Say what the picture shows, if it is time for that or if it has to be said at once."""
         if at_once or now >= self._told + _TOLD:
             self._told = now
-            self._now.content = boxed(f'Picture: <span id="now">{escape(self._text)}</span>')
-
-    def _plots(self) -> tuple[viser.GuiUplotHandle, viser.GuiUplotHandle]:
-        """Gap of the transition stop, and impulses of its collisions, against time."""
-        mechanism, gui = self._mechanism, self._server.gui
-        stop = mechanism.stop(mechanism.transition_stop)
-        units = units_of(mechanism, stop.index)
-        x = "time from the first collision [ms]"
-        none = (np.zeros(1), np.ones(1))
-        dots = uplot.Series_Points(show=True, size=7.0, fill=_DOTS, stroke=_DOTS)
-        time_axis = uplot.Axis(label=x, size=_AXIS[0], labelSize=_LABEL)
-        return (
-            gui.add_uplot(
-                none,
-                (uplot.Series(label=x), uplot.Series(stroke=_LINE, width=1.5)),
-                scales={"x": uplot.Scale(time=False)},
-                axes=(
-                    time_axis,
-                    _axis(f"{stop.name} {gap_noun(mechanism, stop)} [{units.coordinate}]"),
-                ),
-                legend=uplot.Legend(show=False),
-                height=_HEIGHT,
-                padding=_PADDING,
-            ),
-            gui.add_uplot(
-                none,
-                (uplot.Series(label=x), uplot.Series(stroke="transparent", points=dots)),
-                scales={"x": uplot.Scale(time=False), "y": uplot.Scale(distr=3)},
-                axes=(time_axis, _axis(f"impulse [{force_unit(mechanism, stop)} s]")),
-                legend=uplot.Legend(show=False),
-                height=_HEIGHT,
-                padding=_PADDING,
-            ),
-        )
-
-
-def _axis(label: str) -> uplot.Axis:
-    """The vertical axis of a plot, without the crowd of lines that a logarithmic one draws."""
-    none = uplot.Axis_Ticks(show=False)
-    return uplot.Axis(
-        label=label, size=_AXIS[1], labelSize=_LABEL, grid=uplot.Axis_Grid(show=False), ticks=none
-    )
+            words = boxed(f'Picture: <span id="now">{escape(self._text)}</span>')
+            content = f"{cursor(self._share)}{words}"
+            if self._now.content != content:
+                self._now.content = content

@@ -29,7 +29,7 @@ class Knob:
 
     Attributes:
         key: Name of the number among the values of a setting.
-        label: What the slider is called, unit included.
+        name: What the number is.
         unit: Unit of the values below.
         factor: SI value of one unit.
         low: Left end.
@@ -39,13 +39,18 @@ class Knob:
     """
 
     key: str
-    label: str
+    name: str
     unit: str
     factor: float
     low: float
     high: float
     step: float
     start: float
+
+    @property
+    def label(self) -> str:
+        """What the slider is called, unit included."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
@@ -73,7 +78,7 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
     found = [
         _knob(SPEED, "speed", "r/min", 1.0, rated, _SPEED_RANGE, speed_rpm),
         Knob(
-            key=RESTITUTION, label=f"restitution of the {stop.name}", unit="", factor=1.0, low=0.0,
+            key=RESTITUTION, name=f"restitution of the {stop.name}", unit="", factor=1.0, low=0.0,
             high=max(_MOST_RESTITUTION, stop.restitution), step=0.01, start=stop.restitution,
         ),
     ]  # fmt: skip
@@ -132,7 +137,7 @@ def _key(spring: Spring, what: str) -> str:
 
 def _knob(
     key: str,
-    label: str,
+    name: str,
     unit: str,
     factor: float,
     scale: float,
@@ -143,7 +148,7 @@ def _knob(
 
     Args:
         key: Key.
-        label: What the number is.
+        name: What the number is.
         unit: Unit that people read.
         factor: SI value of one unit.
         scale: Usual value, SI.
@@ -160,7 +165,7 @@ def _knob(
     )
     return Knob(
         key=key,
-        label=f"{label} [{unit}]",
+        name=name,
         unit=unit,
         factor=factor,
         low=min(low, first),

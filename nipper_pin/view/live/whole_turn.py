@@ -19,12 +19,10 @@ from ...mechanism import INDEX_PER_TURN, Mechanism
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS
-from ...terms import digits
+from ...terms import TERMS
 from ...units import MS_PER_S
+from .panel.numbers import Number, Rows
 from .settings import RESTITUTION, SPEED, Knob, changed
-
-Rows = tuple[tuple[str, str, str], ...]
-"""Key, label and value of numbers."""
 
 # Turns until they repeat, and collisions of a turn.
 _TURNS, _MOST_COLLISIONS = 32, 400
@@ -58,7 +56,7 @@ class WholeTurns:
             shown: Values of the knobs in their units, by key.
         """
         if self._why is None:
-            return (("turn", "whole turn", _PENDING),)
+            return (Number("turn", "whole turn", _PENDING),)
         return turn_rows(self._mechanism, self._controls, shown, self._why)
 
     def _make(self) -> None:
@@ -123,30 +121,38 @@ def turn_rows(
 
 def _nothing(why: str) -> Rows:
     return (
-        ("turn", "whole turn", f"not followed: {why}"),
-        ("turn_engine", "engine of the turn", "none; simulate --window cycle takes the direct one"),
+        Number("turn", "whole turn", f"not followed: {why}"),
+        Number(
+            "turn_engine",
+            "engine of the turn",
+            "none; simulate --window cycle takes the direct one",
+        ),
     )
 
 
 def _numbers(model: TurnModel, found: TurnQuantities, wall_ms: float) -> Rows:
     """Rows of the last turn that was followed."""
-    clamp, period = model.transition_stop, int(found.repeats_after[0])
-    share, held = float(found.clamped_share[0]), MS_PER_S * float(found.clamped_time[0])
+    period = int(found.repeats_after[0])
     again = {0: f"not within {_TURNS} turns", 1: "every turn"}.get(period, f"after {period} turns")
+    share, held = TERMS["clamped_share"].shown(), TERMS["clamped_time_s"].shown()
+    parts = (
+        ("clamped", share, float(found.clamped_share[0])),
+        ("held", held, float(found.clamped_time[0])),
+    )
     return (
-        ("clamped", f"{clamp} pressed shut, share of the turn", digits(share)),
-        ("held", f"{clamp} pressed shut, time of a turn [ms]", digits(held)),
-        ("closing", "index of the first touch", _index(model, found.closed_at[0], "none")),
-        ("rest", "index of rest", _index(model, found.rests_at[0], "no rest before it opens")),
-        ("opening", "index of opening by a stop", _index(model, found.opened_at[0], "none")),
-        ("lost", "index at which clamping is lost", _index(model, found.lost_at[0], "not lost")),
-        ("repeats", "the turn repeats", again),
-        ("turn_engine", "engine of the turn", f"{found.engine}, {wall_ms:.1f} ms"),
+        *(Number(key, term.label, term.text(value), value) for key, term, value in parts),
+        _index(model, "closing", "index of the first touch", found.closed_at[0], "none"),
+        _index(model, "rest", "index of rest", found.rests_at[0], "no rest before it opens"),
+        _index(model, "opening", "index of opening by a stop", found.opened_at[0], "none"),
+        _index(model, "lost", "index at which clamping is lost", found.lost_at[0], "not lost"),
+        Number("repeats", "the turn repeats", again),
+        Number("turn_engine", "engine of the turn", f"{found.engine}, {wall_ms:.1f} ms"),
     )
 
 
-def _index(model: TurnModel, travel: float, otherwise: str) -> str:
+def _index(model: TurnModel, key: str, label: str, travel: float, otherwise: str) -> Number:
     """Index at a travel from the start of the turn [rad]."""
     if not np.isfinite(travel):
-        return otherwise
-    return f"{(model.start_index + INDEX_PER_TURN * travel / math.tau) % INDEX_PER_TURN:.3f}"
+        return Number(key, label, otherwise)
+    index = (model.start_index + INDEX_PER_TURN * travel / math.tau) % INDEX_PER_TURN
+    return Number(key, label, f"{index:.3f}", float(index), on_scale=True)

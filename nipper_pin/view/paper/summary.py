@@ -38,7 +38,7 @@ def print_paper(study: PaperStudy, console: Console, found: Designer | None = No
 
 
 def _ratios(items: Sequence[Ratio], console: Console) -> None:
-    headline(console, "Published ratios beside ours")
+    say(console, "Published ratios beside ours", style="bold")
     show_table(
         console,
         ("ratio", "published", "ours", "deviation"),
@@ -51,7 +51,7 @@ def _ratios(items: Sequence[Ratio], console: Console) -> None:
 
 
 def _changes(studies: Studies, console: Console) -> None:
-    headline(console, "Changes over the three studies, and shares")
+    say(console, "Changes over the three studies, and shares", style="bold")
     rows = [(name_words(name), digits(value)) for name, value in ratio_values(studies).items()]
     show_table(console, ("ratio", "value"), rows)
 

@@ -13,8 +13,9 @@ from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Transition
 from ...units import MS_PER_S
-from ..reading import gap_noun, shown_collisions, units_of
+from ..reading import shown_collisions, units_of
 from ..style import SMALL, TEXT, line_colour, marker, new_figure, tidy
+from .rebounds import draw_rebounds, series
 from .sampling import sample_coordinates
 
 # A gap on a log axis is cut below this part of its rebound's height, where it falls to zero.
@@ -29,30 +30,15 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     mechanism = solution.mechanism
     stop = mechanism.stop(mechanism.transition_stop)
     units = units_of(mechanism, stop.index)
-    colour = line_colour(mechanism, stop.name)
-    collisions = [
-        item
-        for item in solution.collisions
-        if item.stop == stop.name
-        and transition.t_start <= item.t <= transition.t_start + transition.duration
-    ]
-    # After the last collision the stop is at rest, the limit of the series.
-    t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
-    gap = units.coordinate_factor * stop.gaps(q)
-    figure = new_figure(solution, f"Transition: bounces of stop {stop.name}", 5.6)
+    collisions = series(solution, transition)
+    figure = new_figure(solution, f"Transition: rebounds of the {stop.name}", 5.6)
     linear, log = figure.subplots(2, 1)
-    label = f"{stop.name} {gap_noun(mechanism, stop)} [{units.coordinate}]"
-
-    linear.axhline(0.0, color="0.6", linewidth=0.8)
-    linear.plot(MS_PER_S * (t - transition.t_start), gap, color=colour, linewidth=1.4)
-    at = MS_PER_S * np.array([item.t - transition.t_start for item in collisions])
-    linear.plot(at, np.zeros_like(at), "|", color="black", markersize=10.0, label="collision")
-    linear.plot(
-        MS_PER_S * transition.duration, 0.0, "s", color="black", markersize=4.0, label="rest"
-    )
+    draw_rebounds(linear, solution, transition)
     linear.legend(fontsize=SMALL, frameon=False, loc="upper right")
-    tidy(linear, "time from the first collision [ms]", label)
 
+    t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
+    gap = units.amplitude_factor * stop.gaps(q)
+    colour = line_colour(mechanism, stop.name)
     left = MS_PER_S * (transition.t_start + transition.duration - t)
     log.loglog(left, _visible(t, gap, [item.t for item in collisions]), color=colour, linewidth=1.4)
     for item in collisions:
@@ -62,15 +48,17 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
                      xycoords=log.get_xaxis_transform(), textcoords="offset points",
                      color="0.25")  # fmt: skip
     log.margins(y=0.12)
+    log.set_title("the same on logarithmic scales, on which all rebounds look alike", fontsize=TEXT)
     log.invert_xaxis()
-    tidy(log, "time left until rest [ms], with the numbers of the collisions", label)
+    tidy(log, "time left until rest [ms], with the numbers of the collisions",
+         linear.get_ylabel())  # fmt: skip
     return figure
 
 
 def impulse_figure(solution: Solution) -> Figure:
     """Impulse of every collision shown, by stop, on a logarithmic axis."""
     mechanism = solution.mechanism
-    figure = new_figure(solution, "Normal impulses of the collisions", 3.8)
+    figure = new_figure(solution, "Impulses of the collisions", 3.8)
     axes = figure.add_subplot()
     shown = [item for item in shown_collisions(solution) if item.impulse > 0.0]
     base = 10.0 ** np.floor(np.log10(min(item.impulse for item in shown)) - 0.5)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ...hybrid.case import Window
 from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Stop
@@ -21,6 +22,7 @@ from ..reading import (
     index_at,
     shown_events,
     shown_phases,
+    shown_transitions,
     shown_until,
     units_of,
 )
@@ -36,6 +38,7 @@ from ..style import (
     tidy,
     tint,
 )
+from .rebounds import TIME, draw_rebounds
 from .sampling import sample_coordinates, sample_forces
 
 _PANEL_IN = 2.2
@@ -55,22 +58,38 @@ _PART_OF_TURN = 1e-9
 
 
 def motion_figure(solution: Solution) -> Figure:
-    """Gaps of all stops against time and index."""
+    """Gaps of all stops against time and index; below, the rebounds of a cycle's transition.
+
+    Beside the wide open jaw of a cycle its rebounds are too small to be seen. A run of the
+    transition alone shows them as it is, in the unit of rebounds.
+    """
     mechanism = solution.mechanism
+    bounced = [item for item in shown_transitions(solution) if item.collisions > 1]
+    enlarged = bounced[:1] if solution.case.window is Window.CYCLE else []
+    count = len(mechanism.stops)
+    rows = count + len(enlarged)
     t, q = sample_coordinates(solution, 0.0, shown_until(solution))
-    figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * len(mechanism.stops))
-    for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
+    figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * rows)
+    panels = _panels(figure, count, rows)
+    for axes, stop in zip(panels, mechanism.stops, strict=True):
         units = units_of(mechanism, stop.index)
-        y = units.coordinate_factor * stop.gaps(q)
+        unit, factor = units.coordinate, units.coordinate_factor
+        if stop.name == mechanism.transition_stop and solution.case.window is Window.TRANSITION:
+            unit, factor = units.amplitude, units.amplitude_factor
+        y = factor * stop.gaps(q)
         axes.plot(MS_PER_S * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
         noun = gap_noun(mechanism, stop)
-        tidy(axes, "", f"{stop.name} {noun} [{units.coordinate}]")
+        tidy(axes, "", f"{stop.name} {noun} [{unit}]")
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
         axes.set_ylim(low - 0.08 * height, high + 0.24 * height)
         _mark_events(solution, axes, stop)
         shade_phases(solution, axes, numbered=True)
-    _time_axes(solution, figure)
+    _time_axes(solution, panels)
+    for transition in enlarged:
+        axes = figure.add_subplot(rows, 1, rows)
+        draw_rebounds(axes, solution, transition)
+        axes.set_title(f"rebounds of the {mechanism.transition_stop}, enlarged", fontsize=TEXT)
     legend_below(figure, phase_patches(solution), _event_handles(solution))
     return figure
 
@@ -82,13 +101,14 @@ def force_figure(solution: Solution) -> Figure:
         solution, "Forces of closed stops (normal, between collisions)",
         1.3 + _PANEL_IN * len(mechanism.stops),
     )  # fmt: skip
-    for axes, stop in zip(_panels(figure, len(mechanism.stops)), mechanism.stops, strict=True):
+    panels = _panels(figure, len(mechanism.stops))
+    for axes, stop in zip(panels, mechanism.stops, strict=True):
         t, force = sample_forces(solution, stop.name, 0.0, shown_until(solution))
         axes.plot(MS_PER_S * t, force, color=line_colour(mechanism, stop.name), linewidth=1.4)
         tidy(axes, "", f"{stop.name}:\n{force_name(mechanism, stop.name)}")
         axes.set_ylim(0.0, 1.2 * float(np.nanmax(force, initial=0.0)) or 1.0)
         shade_phases(solution, axes, numbered=True)
-    _time_axes(solution, figure)
+    _time_axes(solution, panels)
     legend_below(figure, phase_patches(solution))
     return figure
 
@@ -121,20 +141,20 @@ def phase_figure(solution: Solution) -> Figure:
     return figure
 
 
-def _panels(figure: Figure, count: int) -> list[Axes]:
+def _panels(figure: Figure, count: int, rows: int | None = None) -> list[Axes]:
+    """Panels below one another with one time, in the first of ``rows`` places."""
     panels: list[Axes] = []
     for row in range(count):
         shared = panels[0] if panels else None
-        panels.append(figure.add_subplot(count, 1, row + 1, sharex=shared))
+        panels.append(figure.add_subplot(rows or count, 1, row + 1, sharex=shared))
     return panels
 
 
-def _time_axes(solution: Solution, figure: Figure) -> None:
+def _time_axes(solution: Solution, panels: list[Axes]) -> None:
     """Time below the last panel, the index above the first."""
-    panels = figure.axes
     for axes in panels[:-1]:
         axes.tick_params(labelbottom=False)
-    panels[-1].set_xlabel("time from the start of the run [ms]", fontsize=TEXT)
+    panels[-1].set_xlabel(TIME, fontsize=TEXT)
     index_scale(solution, panels[0])
 
 

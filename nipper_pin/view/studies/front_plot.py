@@ -1,4 +1,4 @@
-"""A Pareto front as a figure: the two aims, and the numbers along it."""
+"""A Pareto front as a figure: both aims, what holds each design back, and its numbers."""
 
 from __future__ import annotations
 
@@ -10,13 +10,19 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ...arrays import FloatArray
 from ...outputs import complete_file
 from ...study.optimise.result import Optimum
-from ...terms import named
 from ..plain_texts import plain
-from ..style import LINES, MARKERS, SMALL, TEXT, WIDTH_IN, tidy
+from ..style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
+from .problem_words import holding_words, parameter_shown, quantity_shown, ranges
 
-_COLUMNS = 92
+_TITLE_COLUMNS = 72
+_NOTE_COLUMNS = 104
+_LABEL_COLUMNS = 30
+# Heights [inch] of the front, of a row of limits and of a number, and of all texts.
+_FRONT_IN, _ROW_IN, _NUMBER_IN, _TEXTS_IN = 2.4, 0.4, 0.75, 1.3
+_NOTHING = "no limit"
 
 
 def plot_front(optimum: Optimum, path: str | Path) -> Path:
@@ -39,55 +45,101 @@ def plot_front(optimum: Optimum, path: str | Path) -> Path:
 
 
 def front_figure(optimum: Optimum) -> Figure:
-    """Draw the second aim across, the first one upwards, and below the numbers in their bounds.
+    """Draw the second aim across, the first one upwards, and below what belongs to each design.
 
     Args:
         optimum: An optimum with a front.
     """
     problem = optimum.problem
-    figure = Figure(figsize=(WIDTH_IN, 5.6), dpi=200, layout="constrained")
+    rows = _rows(optimum)
+    heights = [_FRONT_IN, 0.15 + _ROW_IN * len(rows)]
+    heights += [_NUMBER_IN] * len(problem.parameters)
+    figure = Figure(figsize=(WIDTH_IN, _TEXTS_IN + sum(heights)), dpi=200, layout="constrained")
     FigureCanvasAgg(figure)
-    # Lines break between limits, not inside them.
-    limits = "; ".join(str(item).replace(" ", "\u00a0") for item in problem.limits) or "none"
-    texts = [problem.title, f"limits: {limits}"]
-    figure.suptitle("\n".join(textwrap.fill(text, _COLUMNS) for text in texts), fontsize=TEXT)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    one, two = (item.quantity for item in problem.aims)
-    across = np.array([item.values[two] for item in optimum.front])
-    above.plot(
-        across,
-        [item.values[one] for item in optimum.front],
-        color=LINES[0],
-        marker=MARKERS[0],
-        markersize=4,
-        label="front",
-    )
-    if optimum.before is not None:
-        word = "the model" if optimum.before.inside else "the model (breaks a limit)"
-        before = optimum.before.values
-        above.plot(
-            [before[two]], [before[one]], color=LINES[1], marker=MARKERS[1], linestyle="none",
-            label=word,
-        )  # fmt: skip
-    above.legend(fontsize=SMALL, frameon=False)
-    tidy(above, "", named(one, problem.units[one]).label)
-    _numbers_along(optimum, below)
-    tidy(below, named(two, problem.units[two]).label, "place in its bounds")
+    one, two = (quantity_shown(problem, item.quantity) for item in problem.aims)
+    subject = f"The best designs: {one.words} against {two.words}"
+    figure.suptitle(textwrap.fill(subject, _TITLE_COLUMNS), fontsize=TITLE, fontweight="bold")
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    across = two.value(np.array([item.values[problem.aims[1].quantity] for item in optimum.front]))
+    _aims(optimum, panels[0], across)
+    _limits(panels[1], across, rows)
+    for place, axes in enumerate(panels[2:]):
+        _number(optimum, axes, across, place)
+    panels[-1].set_xlabel(two.label)
+    figure.supxlabel(_below(optimum), fontsize=SMALL, color="0.35")
     return figure
 
 
-def _numbers_along(optimum: Optimum, axes: Axes) -> None:
-    """Places of the numbers between their bounds, 0 to 1, along the front."""
-    two = optimum.problem.aims[1].quantity
-    across = [item.values[two] for item in optimum.front]
-    for place, item in enumerate(optimum.problem.parameters):
+def _aims(optimum: Optimum, axes: Axes, across: FloatArray) -> None:
+    """Both aims of every design of the front, and those of the model."""
+    first, second = (item.quantity for item in optimum.problem.aims)
+    one, two = (quantity_shown(optimum.problem, name) for name in (first, second))
+    upwards = one.value(np.array([item.values[first] for item in optimum.front]))
+    axes.plot(
+        across, upwards, color=LINES[0], marker=MARKERS[0], markersize=4, label="best designs"
+    )
+    if optimum.before is not None:
+        word = "the model as it is" + ("" if optimum.before.inside else " (breaks a limit)")
+        before = optimum.before.values
         axes.plot(
-            across,
-            [design.z[place] for design in optimum.front],
-            color=LINES[place % len(LINES)],
-            marker=MARKERS[place % len(MARKERS)],
-            markersize=3,
-            label=f"{item.name}, {item.low:g} to {item.high:g}",
-        )
-    axes.set_ylim(-0.05, 1.05)
+            [two.value(before[second])], [one.value(before[first])], color=LINES[1],
+            marker=MARKERS[1], linestyle="none", label=word,
+        )  # fmt: skip
     axes.legend(fontsize=SMALL, frameon=False)
+    tidy(axes, "", textwrap.fill(one.label, _LABEL_COLUMNS))
+
+
+def _rows(optimum: Optimum) -> dict[str, list[bool]]:
+    """Words of what holds any design of the front back, and which designs it holds."""
+    rows = {
+        words: [name in item.holding for item in optimum.front]
+        for name, words in holding_words(optimum.problem).items()
+    }
+    rows = {words: held for words, held in rows.items() if any(held)}
+    free = [not item.holding for item in optimum.front]
+    return {**rows, _NOTHING: free} if any(free) else rows
+
+
+def _limits(axes: Axes, across: FloatArray, rows: dict[str, list[bool]]) -> None:
+    """A row for each limit, with a mark below every design that has no room left by it."""
+    for row, (words, held) in enumerate(rows.items()):
+        at = across[held]
+        axes.plot(
+            at, np.full(len(at), -float(row)), color=LINES[row % len(LINES)],
+            marker=MARKERS[row % len(MARKERS)], markersize=5, linestyle="none", label=words,
+        )  # fmt: skip
+        axes.annotate(
+            words, (0.0, 0.5 - float(row)), (4.0, 0.0), xycoords=axes.get_yaxis_transform(),
+            textcoords="offset points", va="center", fontsize=SMALL, annotation_clip=False,
+        )  # fmt: skip
+    axes.set_ylim(0.6 - len(rows), 0.85)
+    axes.set_yticks([])
+    tidy(axes, "", "held\nback by")
+
+
+def _number(optimum: Optimum, axes: Axes, across: FloatArray, place: int) -> None:
+    """A free number along the front, in its unit, over the whole of its range."""
+    item = optimum.problem.parameters[place]
+    shown = parameter_shown(item)
+    values = shown.value(np.array([design.numbers[item.name] for design in optimum.front]))
+    axes.plot(across, values, color="0.25", marker=MARKERS[0], markersize=3)
+    low, high = shown.value(item.low), shown.value(item.high)
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
+    for end in (0, -1):
+        # Into the middle, where there is room.
+        side = 5.0 if values[end] < 0.5 * (low + high) else -5.0
+        axes.annotate(
+            f"{values[end]:.4g}", (across[end], values[end]), (0.0, side), fontsize=SMALL,
+            textcoords="offset points", ha="center", va="bottom" if side > 0.0 else "top",
+        )  # fmt: skip
+    axes.set_yticks([low, high], [f"{low:g}", f"{high:g}"])
+    tidy(axes, "", "")
+    axes.set_title(shown.label, fontsize=SMALL, loc="left", pad=3.0)
+
+
+def _below(optimum: Optimum) -> str:
+    """What the figure is of, and what all of its designs keep to."""
+    # Lines break between limits, not inside them.
+    limits = "; ".join(text.replace(" ", "\u00a0") for text in ranges(optimum.problem)) or "none"
+    texts = (optimum.problem.title, f"Limits: {limits}")
+    return "\n".join(textwrap.fill(text, _NOTE_COLUMNS) for text in texts)

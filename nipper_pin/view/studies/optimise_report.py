@@ -5,11 +5,12 @@ from __future__ import annotations
 from rich.console import Console
 
 from ...study.optimise.design import Design
-from ...study.optimise.problem.problem import Aim, Limit, Problem
+from ...study.optimise.problem.problem import Aim, Problem
 from ...study.optimise.result import CAUTION, Optimum
 from ...study.optimise.search.binding import Binding
-from ...terms import Shown, named
+from ...terms import Shown
 from ..console import headline, paste, say, show_table
+from .problem_words import binding_words, limit_words, quantity_shown
 
 _SAME = 1e-6
 _ENGINES = {
@@ -33,7 +34,7 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
     _numbers(optimum, console)
     _quantities(optimum, console)
     headline(console, "What holds it back")
-    aim = _term(problem, problem.aims[0].quantity)
+    aim = quantity_shown(problem, problem.aims[0].quantity)
     for item in optimum.account.bindings:
         if item.active:
             say(console, _price(item, problem, aim))
@@ -53,45 +54,16 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
     paste(console, f"Next: {optimum.command}")
 
 
-def limit_words(limit: Limit, problem: Problem) -> str:
-    """A limit in words and in the unit that people read.
-
-    Args:
-        limit: The limit.
-        problem: Its problem.
-    """
-    term = _term(problem, limit.quantity)
-    side = "at least" if limit.side == "low" else "at most"
-    return f"{term.words} {side} {term.phrase(limit.value)}"
-
-
-def binding_words(item: Binding, problem: Problem) -> str:
-    """The limit that binds, or the bound of a parameter, in words.
-
-    Args:
-        item: It.
-        problem: Its problem.
-    """
-    for limit in problem.limits:
-        if item.kind == "limit" and str(limit) == item.name:
-            return limit_words(limit, problem)
-    return item.name
-
-
-def _term(problem: Problem, name: str) -> Shown:
-    return named(name, problem.units[name])
-
-
 def _aim(aim: Aim, problem: Problem) -> str:
     verb = "smallest" if aim.sense > 0.0 else "largest"
-    return f"{verb} {_term(problem, aim.quantity).words}"
+    return f"{verb} {quantity_shown(problem, aim.quantity).words}"
 
 
 def _found(optimum: Optimum) -> str:
     problem = optimum.problem
     aim = problem.aims[0]
     change = "" if optimum.gain is None else f" ({100.0 * optimum.gain:+.3g} %)"
-    value = _term(problem, aim.quantity).phrase(optimum.best.values[aim.quantity])
+    value = quantity_shown(problem, aim.quantity).phrase(optimum.best.values[aim.quantity])
     return f"{_aim(aim, problem)}: {value}{change}"
 
 
@@ -114,7 +86,7 @@ def _quantities(optimum: Optimum, console: Console) -> None:
     problem, seen = optimum.problem, optimum.control.values
     rows = []
     for name in problem.quantities:
-        term = _term(problem, name)
+        term = quantity_shown(problem, name)
         before = None if optimum.before is None else optimum.before.values[name]
         values = (before, optimum.best.values[name], seen.get(name))
         rows.append((term.label, *(_six(term, value) for value in values)))
@@ -136,11 +108,17 @@ def _six(term: Shown, value: float | None) -> str:
 
 
 def _price(item: Binding, problem: Problem, aim: Shown) -> str:
-    price = f"{aim.value(item.price):.4g} {aim.unit}".rstrip()
-    unit = next(
-        (problem.units[limit.quantity] for limit in problem.limits if str(limit) == item.name), ""
+    room = next(
+        (
+            quantity_shown(problem, limit.quantity)
+            for limit in problem.limits
+            if str(limit) == item.name
+        ),
+        Shown(words=item.name),
     )
-    more = f"one {unit} more of room" if unit else "one unit more of room"
+    # A price is one of the unit in files: people read both the aim and the room in others.
+    price = f"{aim.value(item.price) / room.factor:.4g} {aim.unit}".rstrip()
+    more = f"one {room.unit or 'unit'} more of room"
     return f"{binding_words(item, problem)}: {more} is worth {price}"
 
 
@@ -170,7 +148,7 @@ def _search(optimum: Optimum, console: Console) -> None:
 
 def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> None:
     problem = optimum.problem
-    one, two = (_term(problem, item.quantity) for item in problem.aims)
+    one, two = (quantity_shown(problem, item.quantity) for item in problem.aims)
     if len(front) == 1:
         say(console, f"No conflict: one design is the best by {one.words} and by {two.words}")
         return

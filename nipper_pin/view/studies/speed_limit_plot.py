@@ -8,12 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ...mechanism import INDEX_PER_TURN
 from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit
+from ...terms import TERMS
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_INDEX_TICKS = 2.0
+_DOTS = "A dot is a turn that goes on; several at one speed are turns that differ."
 _FORMATS = ("png", "svg", "pdf")
 
 
@@ -60,29 +65,63 @@ def speed_limit_figure(result: SpeedLimit) -> Figure:
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.patheffects import withStroke
 
-    from ..style import LINES, SMALL, TEXT, WIDTH_IN, tidy
+    from ..style import LINES, SMALL, TITLE, WIDTH_IN, tidy
 
-    figure = Figure(figsize=(WIDTH_IN, 5.6), dpi=200, layout="constrained")
+    figure = Figure(figsize=(WIDTH_IN, 5.8), dpi=200, layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(f"{result.title}: how fast it can run", fontsize=TEXT)
+    figure.suptitle(_answer(result), fontsize=TITLE, fontweight="bold")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    speed = np.repeat(result.speed_rpm, result.rests.shape[1])
-    for values, colour, text in (
-        (result.rests, LINES[0], "at rest"), (result.touches, LINES[1], "touches first"),
-    ):  # fmt: skip
-        above.plot(speed, values.ravel(), ".", color=colour, markersize=1.5,
-                   label=f"{result.stop} {text}")  # fmt: skip
-    above.plot(result.speed_rpm, result.opening, color=LINES[2], linewidth=1.0,
-               label=f"{result.stop} opens")  # fmt: skip
-    below.plot(result.speed_rpm, result.clamped_share, color=LINES[0], linewidth=1.0)
-    for limit, text in ((result.settles_rpm, "no rest"), (result.repeats_rpm, "turns differ")):
+    _indices(result, above)
+    share = TERMS["clamped_share"].shown()
+    below.plot(result.speed_rpm, share.value(result.clamped_share), color=LINES[0], linewidth=1.2)
+    below.set_ylim(bottom=0.0)
+    for limit, text in (
+        (result.settles_rpm, "not at rest before it opens"),
+        (result.repeats_rpm, "turns differ from one another"),
+    ):
         if limit is not None:
             for axes in (above, below):
                 axes.axvline(limit, color="0.4", linewidth=0.8, linestyle="--")
-            above.annotate(f" {text}: {limit:.4g} r/min", (limit, 1.0), va="top", fontsize=SMALL,
-                           xycoords=("data", "axes fraction"), rotation=90)  # fmt: skip
-    above.legend(fontsize=SMALL, loc="center left", markerscale=4.0)
-    tidy(above, "", "index, counted from 24")
-    tidy(below, "cylinder speed [r/min]", "clamped share")
+            above.annotate(
+                f"from {limit:,.0f} r/min: {text}", (limit, 0.98), (3.0, 0.0), va="top",
+                ha="left", xycoords=("data", "axes fraction"), textcoords="offset points",
+                rotation=90, fontsize=SMALL,
+                path_effects=[withStroke(linewidth=2.0, foreground="white")],
+            )  # fmt: skip
+    tidy(above, "", "index of the comb cycle (40 to a turn)")
+    tidy(below, TERMS["speed_rpm"].shown().label, f"clamped\n[{share.unit} of a turn]")
+    below_all = f"{result.title}\n{_DOTS}"
+    figure.supxlabel(below_all, fontsize=SMALL, color="0.35")
     return figure
+
+
+def _indices(result: SpeedLimit, axes: Axes) -> None:
+    """First touch, rest and opening, and between the last two the time that clamps."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    from ..style import LINES, SMALL
+
+    speed = np.repeat(result.speed_rpm, result.rests.shape[1])
+    axes.fill_between(
+        result.speed_rpm, result.rest, result.opening, color=LINES[0], alpha=0.12, linewidth=0,
+        label=f"{result.stop} closed and at rest",
+    )  # fmt: skip
+    axes.plot(result.speed_rpm, result.opening, color=LINES[2], linewidth=1.4,
+              label=f"{result.stop} opens")  # fmt: skip
+    for values, colour, text in (
+        (result.rests, LINES[0], "comes to rest"), (result.touches, LINES[1], "touches first"),
+    ):  # fmt: skip
+        axes.plot(speed, values.ravel(), ".", color=colour, markersize=1.5,
+                  label=f"{result.stop} {text}")  # fmt: skip
+    axes.yaxis.set_major_locator(MultipleLocator(_INDEX_TICKS))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % INDEX_PER_TURN:g}"))
+    axes.legend(fontsize=SMALL, loc="center left", markerscale=5.0)
+
+
+def _answer(result: SpeedLimit) -> str:
+    """The answer as the title of the figure."""
+    if result.settles_rpm is None:
+        return f"The {result.stop} is at rest before it opens at every speed that was followed"
+    return f"The {result.stop} is at rest before it opens up to {result.settles_rpm:,.0f} r/min"

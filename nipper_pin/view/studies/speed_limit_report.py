@@ -21,8 +21,6 @@ def print_speed_limit(result: SpeedLimit, console: Console) -> None:
     """
     low, high = result.speed_rpm[0], result.speed_rpm[-1]
     say(console, f"{result.title}: {low:g} to {high:g} r/min", style="bold")
-    say(console, _sentence(result))
-    console.print()
     chosen = np.unique(np.linspace(0, len(result.speed_rpm) - 1, _ROWS).astype(int))
     show_table(console, _HEADINGS, [_row(result, int(place)) for place in chosen], text=())
     say(

@@ -21,7 +21,8 @@ from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.page import write_page
 
 SPEED, EXAGGERATE = 650.0, 10.0
-VIEW, LIVE = (1120, 860), (1100, 760)  # pixels
+VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
+LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -80,7 +81,7 @@ def view_pictures(browser: Browser, folder: Path) -> None:
 
 
 def live_picture(browser: Browser, path: Path) -> None:
-    """The live page, a moment after the first collision."""
+    """The live page, a moment after the first collision, beside a pinned setting."""
     with live("--speed", f"{SPEED:g}") as address:
         page = browser.new_page(viewport={"width": LIVE[0], "height": LIVE[1]})
         page.set_default_timeout(120_000)
@@ -91,6 +92,16 @@ def live_picture(browser: Browser, path: Path) -> None:
         page.wait_for_timeout(2000)
         if notice.count():
             notice.first.click()
+        # The whole turn comes when its tables are made.
+        page.wait_for_selector("[data-key=rest]")
+        page.get_by_role("button", name="pin this curve").click()
+        page.wait_for_selector("[data-curve=pinned]")
+        field = page.locator("div:has(> div > #layout) input:not([type])").first
+        for speed in LIVE_SPEEDS:
+            # Moves that follow each other at once are one change.
+            page.wait_for_timeout(1000)
+            field.fill(f"{speed:g}")
+            page.wait_for_selector(f"#setting:has-text('speed {speed:g}')")
         page.wait_for_function(STOP_EARLY, polling=20)
         page.wait_for_timeout(1500)
         save(page, path)

@@ -27,7 +27,8 @@ from browser import chromium, live
 from playwright.sync_api import Browser, Page
 
 import nipper_pin as nip
-from nipper_pin.view.live.answer import answer, as_html
+from nipper_pin.view.live.answer import answer
+from nipper_pin.view.live.panel.text import as_html
 from nipper_pin.view.live.settings import SPEED, knobs
 
 STEP = 10  # r/min, of the slider

@@ -6,8 +6,8 @@ Two floors, measured in turns with the transition and with SciPy's DOP853 (rtol 
 events). "Calls": what no rearrangement of the Python around it removes is recorded once, with its
 arguments, and done again with nothing else. "Small dense work": time within the functions that a
 compiler could take over (sweeps, roots, closing, impacts, limits of bounces), without what they
-call of Pinocchio; the clock that is read around each call is in it, so it is less. Times are wall
-time, the least and the median of all rounds.
+call of Pinocchio; the clock that is read around each call is in it, so it is less. It is wall time,
+since that clock is read faster, all else time of the processor: least and median of all rounds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import statistics
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -75,7 +75,7 @@ def replaced(owned: Sequence[Owned], other: Callable[[Any], Any]) -> Iterator[No
             setattr(owner, name, function)
 
 
-def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
+def recorded(work: Work, *owned: Owned) -> tuple[Work, int]:
     """Do some work once; what makes its calls of these functions again, and their number."""
     calls: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
 
@@ -88,7 +88,7 @@ def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
 
         return call
 
-    with replaced([owned], noted):
+    with replaced(owned, noted):
         work()
 
     def again() -> None:
@@ -98,8 +98,8 @@ def recorded(work: Work, owned: Owned) -> tuple[Work, int]:
     return again, len(calls)
 
 
-def within(work: Work) -> float:
-    """Seconds of some work within the functions of ``DENSE`` alone."""
+def within(work: Work, dense: Sequence[Owned], others: Sequence[Owned]) -> float:
+    """Seconds of some work within the functions ``dense``, without ``others`` that they call."""
     inner, total = [0.0], 0.0
 
     def timed(counts: bool) -> Callable[[Any], Any]:
@@ -118,16 +118,16 @@ def within(work: Work) -> float:
 
         return clocked
 
-    with replaced(DENSE, timed(True)), replaced(OTHERS, timed(False)):
+    with replaced(dense, timed(True)), replaced(others, timed(False)):
         work()
     return total
 
 
 def seconds(work: Work) -> float:
-    """Seconds of some work."""
-    began = perf_counter()
+    """Seconds of the processor that some work takes."""
+    began = process_time()
     work()
-    return perf_counter() - began
+    return process_time() - began
 
 
 def main() -> int:
@@ -152,7 +152,7 @@ def main() -> int:
     for title, owned in CALLS.items():
         again, count = recorded(transition, owned)
         rows[f"{title} ({count} calls)"] = lambda again=again: seconds(again)  # type: ignore[misc]
-    rows["small dense work"] = lambda: within(transition)
+    rows["small dense work"] = lambda: within(transition, DENSE, OTHERS)
     taken: dict[str, list[float]] = {title: [] for title in rows}
     gc.disable()
     for _ in range(options.rounds):

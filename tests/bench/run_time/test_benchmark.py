@@ -45,11 +45,13 @@ from nipper_pin.bench.run_time.work_precision import (
 )
 from nipper_pin.bench.views.benchmark_files import work_precision_figure, write_benchmark
 from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark, sheets
+from nipper_pin.bench.views.work_precision_plot import draw_rows
 from nipper_pin.cli import main
 from nipper_pin.errors import SimulationError, UnknownNameError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
 
+from draw_recorded_benchmark import rows as recorded_rows
 from write_benchmark_pages import least_times, pages
 
 TIMING = Timing(2.0, 1.0, 0.5, 0.1, 3)
@@ -578,3 +580,22 @@ def test_quick_benchmark_prints_one_document(capsys: pytest.CaptureFixture[str])
         # Its bound is one: what it states covers what is true.
         assert document["reduced"]["error"] <= document["reduced"]["stated_error"] <= 1e-8
         assert document["reduced"]["transitions_per_s"] > 0.0
+
+
+def test_recorded_tables_are_drawn_as_they_stand() -> None:
+    """Every row of the page is a point, read here by its places in the line; no two of one name."""
+    text = (Path(__file__).resolve().parents[3] / "docs/benchmark_peers.md").read_text()
+    found = recorded_rows(text, "Peers: the same transition")
+    lines = [line.split(" | ") for line in text.splitlines() if line.count(" | ") == 9][2:]
+    assert len(found) == len(lines) > 40
+    for row, cells in zip(found, lines, strict=True):
+        assert f"| {row.engine}" == cells[0]
+        assert (row.setting, row.fastest_ms) == (cells[2], float(cells[4]))
+        assert row.error_worst == (None if cells[7] == "-" else float(cells[7]))
+    figure = draw_rows(found, "today", "a processor")
+    (axes,), (legend,) = figure.axes, figure.legends
+    names = [item.get_text() for item in legend.get_texts()]
+    drawn = {row.engine for row in found if row.error_worst is not None}
+    assert len(names) == len(set(names)) == len(axes.lines) == len(drawn)
+    points = sum(len(line.get_xdata()) for line in axes.lines)
+    assert points == sum(row.error_worst is not None for row in found)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from polynomial_problem import Quantities, Source, problem
+from polynomial_problem import HIGH, LOW, Quantities, Source, problem
 
 from nipper_pin.errors import InfeasibleError
 from nipper_pin.study.optimise import design as design_module
@@ -220,7 +220,8 @@ def test_designs_as_they_are_reported() -> None:
         "numbers": {"one": pytest.approx(12.0), "two": pytest.approx(0.0)},
         "values": {AIM: pytest.approx(4.5), TIME: pytest.approx(2.0)},
         "errors": {AIM: pytest.approx(4.5e-3), TIME: pytest.approx(2e-3)},
-        "slacks": pytest.approx([1.0, 1.0]), "inside": True, "engine": "direct",
+        "slacks": pytest.approx([1.0, 1.0]), "inside": True, "holding": [],
+        "engine": "direct",
     }  # fmt: skip
     assert found.z == (0.5, 0.5)
     assert design_module.design(source, SCALES, (1.0, 0.5)) is None
@@ -228,6 +229,29 @@ def test_designs_as_they_are_reported() -> None:
     assert outside is not None
     assert not outside.inside
     assert design_module._finite(math.nan) is None
+
+
+def test_what_holds_a_design() -> None:
+    """Limits with less room than 1e-4 of their scale, 4 and 0.5, and bounds nearer than 1e-4."""
+    source: Any = Source(problem(*LIMITS), VALUES)
+    high, low = map(str, LIMITS)
+    for z, wanted in (
+        ((0.5, 0.5), ()),
+        # The time is 1.5 + 2 z0 - z1, at most 3 and at least 1.
+        ((0.7500 + 0.5 * 0.5 - 0.5 * 3.9e-4, 0.5), (high,)),
+        ((0.7500 + 0.5 * 0.5 - 0.5 * 4.1e-4, 0.5), ()),
+        ((0.1, 0.7 - 4.9e-5), (low,)),
+        ((0.1, 0.7 - 5.1e-5), ()),
+        ((0.9e-4, 0.2), (f"one >= {LOW[0]:.6g}",)),
+        ((1.1e-4, 0.2), ()),
+        ((0.6, 1.0 - 0.9e-4), (f"two <= {HIGH[1]:.6g}",)),
+        ((0.6, 1.0 - 1.1e-4), ()),
+        # Broken limits, too, and several at once.
+        ((1.0, 0.0), (high, f"one <= {HIGH[0]:.6g}", f"two >= {LOW[1]:.6g}")),
+    ):
+        found = design_module.design(source, SCALES, z)
+        assert found is not None
+        assert found.holding == wanted
 
 
 def test_what_cannot_be_simulated_is_far_outside_its_limits(

@@ -25,7 +25,7 @@ AIM, TIME = "rebound_amplitude_1", "duration_s"
 def design(value: float, engine: str = "direct") -> Design:
     return Design(z=(0.25, 0.75), numbers={"one": 11.0, "two": 0.5}, values={AIM: value, TIME: 2.0},
                   errors={AIM: 1e-3, TIME: float("nan")}, slacks=(0.5,), inside=True,
-                  engine=engine)  # fmt: skip
+                  holding=("a limit",), engine=engine)  # fmt: skip
 
 
 def control(turn: float = 1.0, turns: int = 3) -> Control:

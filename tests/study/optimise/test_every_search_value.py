@@ -17,6 +17,7 @@ from nipper_pin.study.identify.problem.working_cycle import Phase, WorkingCycle
 from nipper_pin.study.optimise.points.turn import differs, turn_values
 from nipper_pin.study.optimise.problem import quantities
 from nipper_pin.study.true_transition import TrueTransition
+from nipper_pin.terms import named
 
 
 def true(**changes: Any) -> TrueTransition:
@@ -137,6 +138,6 @@ def test_names_units_and_what_fits(e62: Mechanism) -> None:
     assert [sources[name] for name in names] == (
         ["transition"] * 3 + ["cycle"] * 6 + ["setting"] + ["turn"] * 8
     )
-    assert quantities.label("stroke_mm", "mm") == "largest stroke with the jaw closed [mm]"
-    assert quantities.label("closing_index", "") == "closing index"
+    assert named("stroke_mm", "mm").label == "largest stroke with the jaw closed [mm]"
+    assert named("closing_index", "").label == "index of closing"
     quantities.check_fit(names, e62, "here")

@@ -74,6 +74,7 @@ def design(found: Problem, numbers: tuple[float, ...], **changes: Any) -> Design
         errors=source.errors(z),
         slacks=point.slacks,
         inside=True,
+        holding=(),
         engine=point.engine,
     )
     return replace(made, **changes)

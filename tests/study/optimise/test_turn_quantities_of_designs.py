@@ -45,7 +45,8 @@ def design(found: Problem, z: list[float]) -> Design:
     assert point.usable, point.why
     return Design(
         z=tuple(z), numbers=found.numbers(place), values=dict(point.values),
-        errors=source.errors(place), slacks=point.slacks, inside=True, engine=point.engine,
+        errors=source.errors(place), slacks=point.slacks, inside=True, holding=(),
+        engine=point.engine,
     )  # fmt: skip
 
 

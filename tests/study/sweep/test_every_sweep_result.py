@@ -48,12 +48,17 @@ def test_turns_of_the_reduced_engine_are_named_and_counted(tmp_path: Path) -> No
     tally.add(read(columns.parquet()))
     assert dict(tally.engines) == {"turn": 1, "reduced_turn": 2}
     assert sum(tally.direct.values()) == 1
-    told = SweepReport(folder=tmp_path, scenarios=3, found=0, computed=3, chunks=1, damaged=(),
-                       workers=1, wall_s=1.0, tally=tally).sentences()  # fmt: skip
+    report = SweepReport(folder=tmp_path, scenarios=3, found=0, computed=3, chunks=1, damaged=(),
+                         workers=1, wall_s=1.0, tally=tally, extremes=NOTHING)  # fmt: skip
+    told = report.sentences()
     assert told[-1] == (
         "3 do not arrive in the initial phase (premise_holds is false); 3 of them were computed by "
         "whole turns"
     )
+
+
+# Stands in for the smallest and the largest row.
+NOTHING: Any = SimpleNamespace(record=lambda: "those of the rows")
 
 
 def test_rows_of_a_chunk_as_a_file(tmp_path: Path) -> None:
@@ -133,10 +138,11 @@ def test_the_summary_of_rows() -> None:
 def test_the_report() -> None:
     tally = tallied()
     report = SweepReport(folder=Path("here"), scenarios=6, found=1, computed=5, chunks=2,
-                         damaged=("a", "b"), workers=3, wall_s=2.5, tally=tally)  # fmt: skip
+                         damaged=("a", "b"), workers=3, wall_s=2.5, tally=tally,
+                         extremes=NOTHING)  # fmt: skip
     assert report.record() == {
         "folder": "here", "scenarios": 6, "found": 1, "computed": 5, "chunks": 2, "wall_s": 2.5,
-        "damaged": ["a", "b"], "workers": 3, **tally.record(),
+        "damaged": ["a", "b"], "workers": 3, **tally.record(), "extremes": "those of the rows",
     }  # fmt: skip
     assert report.sentences() == [
         "damaged, and computed anew: a, b",

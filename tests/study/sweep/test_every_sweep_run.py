@@ -17,6 +17,8 @@ from nipper_pin.study.sweep import cluster, estimate, run
 from nipper_pin.study.sweep.chunks import DefectError
 from nipper_pin.study.sweep.results.chunk_file import DamageError
 
+# What is read of a chunk: what a summary needs, the first quantity and all parameters.
+COLUMNS = ("scenario", "engine", "outcome", "message", "premise_holds", "duration_s", "preload")
 CHUNKS = [SimpleNamespace(number=n, start=10 * n, stop=10 * n + 4 + n) for n in range(4)]
 
 
@@ -27,11 +29,13 @@ class Store:
         self.stored, self.taken, self.damaged = stored, taken, damaged
         self.said: list[tuple[str, int]] = []
         self.plan = SimpleNamespace(
-            job=SimpleNamespace(text=lambda: b"job"),
+            job=SimpleNamespace(text=lambda: b"job", quantities=("duration_s",),
+                                axes=(SimpleNamespace(name="preload"),)),
             rows=lambda chunks: ((chunk, f"rows {chunk.number}") for chunk in chunks),
-        )
+        )  # fmt: skip
 
-    def rows(self, chunk: Any) -> Any:
+    def rows(self, chunk: Any, columns: Any) -> Any:
+        assert columns == COLUMNS
         if chunk.number in self.damaged:
             message = "it is damaged"
             raise DamageError(message, file=f"/somewhere/{chunk.number}.parquet")
@@ -67,6 +71,8 @@ class Run:
             self.store, others.get("workers", 2), others.get("scheduler"), list(CHUNKS), progress
         )
         self.run.tally = SimpleNamespace(add=self.added.append)
+        self.seen: list[Any] = []
+        self.run.extremes = SimpleNamespace(add=self.seen.append, columns=COLUMNS)
 
     def compute(self, text: bytes, tasks: Any, *words: Any) -> Any:
         self.asked.append((text, *words))
@@ -82,7 +88,8 @@ def test_a_run_from_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert made.asked == [(b"job", 2)]
     wanted = [(what, n) for n in range(4) for what in ("take", "write", "release")]
     assert made.store.said == wanted
-    assert made.added == [(f"computed {n}", run.SUMMARY) for n in range(4)]
+    assert made.added == [(f"computed {n}", COLUMNS) for n in range(4)]
+    assert made.seen == made.added
     assert made.told == [(0, 0, 22), (4, 0, 22), (9, 0, 22), (15, 0, 22), (22, 0, 22)]
     assert (made.run.computed, made.run.total, made.run.chunks, made.run.count) == (22, 22, 4, 2)
     assert (made.run.damaged, made.run.defects) == ({}, [])
@@ -94,6 +101,7 @@ def test_a_run_that_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     made.run.complete()
     assert made.run.damaged == {3: "3.parquet"}
     assert made.added[:2] == ["stored 0", "stored 2"]
+    assert made.seen == made.added
     assert made.told == [(10, 10, 22), (15, 10, 22), (22, 10, 22)]
     assert made.run.computed == 12
     # No more processes than chunks.
@@ -168,8 +176,8 @@ def test_chunks_of_other_processes_are_waited_for(monkeypatch: pytest.MonkeyPatc
     assert clock.now - 1000.0 == pytest.approx(5 * run._LOOK_S)
     assert made.run.computed == 22 - 5
     assert made.added == [
-        ("computed 0", run.SUMMARY), ("computed 3", run.SUMMARY), "stored 1",
-        ("computed 2", run.SUMMARY),
+        ("computed 0", COLUMNS), ("computed 3", COLUMNS), "stored 1",
+        ("computed 2", COLUMNS),
     ]  # fmt: skip
     assert [done for done, *_ in made.told] == [0, 4, 11, 11, 11, 11, 16, 16, 22]
     assert made.store.said.count(("release", 1)) == 1

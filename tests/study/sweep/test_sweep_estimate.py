@@ -81,11 +81,13 @@ def test_dry_run_says_how_long(
     fixed = Estimate(seconds=7200.0, workers=2, mechanism_s=0.04, scenario_s=2.5e-5,
                      engines={"reduced": 92, "direct": 8})  # fmt: skip
     monkeypatch.setattr(module, "estimate", lambda *_: fixed)
+    monkeypatch.setenv("COLUMNS", "200")
     assert main(arguments) == 0
     assert capsys.readouterr().out == (
         "30 scenarios of 15 mechanisms in 8 chunks\n"
         "about 120 min on 2 processors here: 40 ms a mechanism, 0.025 ms a scenario "
         "(timed: 92 by the engine reduced, 8 by the engine direct)\n"
+        f"Next: nipper-pin sweep {path}\n"
     )
 
 

@@ -141,7 +141,9 @@ def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
     with Store(tmp_path / "out", found) as store:
         (chunk,) = found.chunks()
         store.write(chunk, content)
-        assert store.rows(chunk) is not None
+        kept = store.rows(chunk, ("scenario", "outcome"))
+        assert kept is not None
+        assert kept.column_names == ["scenario", "outcome"]
     table = read_sweep(tmp_path / "out")
     assert table.quantities == tuple(every(e62))
     assert (table.stored, table.scenarios) == (len(rows), len(rows))

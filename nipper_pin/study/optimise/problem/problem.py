@@ -33,6 +33,16 @@ class Parameter:
     high: float
     start: float
 
+    def bound(self, side: Literal["low", "high"]) -> str:
+        """One of its bounds in words.
+
+        Args:
+            side: "low" or "high".
+        """
+        if side == "low":
+            return f"{self.name} >= {self.low:.6g}"
+        return f"{self.name} <= {self.high:.6g}"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limit:

@@ -105,8 +105,7 @@ def _bounds(
         item, width = problem.parameters[k], problem.width[k]
         found.append(
             Binding(
-                name=f"{item.name} {'>=' if sense > 0.0 else '<='} "
-                f"{item.low if sense > 0.0 else item.high:.6g}",
+                name=item.bound("low" if sense > 0.0 else "high"),
                 kind="bound",
                 value=problem.numbers(z)[item.name],
                 slack=float(width * (z[k] if sense > 0.0 else 1.0 - z[k])),

@@ -1,0 +1,1 @@
+"""Curves of the live page, and the motion behind the rest that they need."""

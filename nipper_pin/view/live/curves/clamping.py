@@ -1,0 +1,81 @@
+"""What follows the rest of a transition: the jaw is pressed shut, and its force can be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ....arrays import FloatArray
+from ....errors import NipperError
+from ....hybrid.result.solution import Solution
+from ....hybrid.run.outcome import Outcome
+from ....hybrid.run.phase_manager import PhaseManager
+from ....hybrid.state import State
+from ....mechanism import INDEX_PER_TURN
+from ...run.sampling import sample_coordinates
+
+# The force of a closed stop is as smooth as the drives: straight lines between so many of its
+# values are off by less than a line of a plot is wide.
+_POINTS = 9
+
+
+def followed_on(solution: Solution) -> Solution:
+    """The transition and one index more, in which the stop stays closed unless it opens before.
+
+    Events stay those of the transition. Where the machine cannot be followed further, so does all
+    else: the transition itself is not in doubt.
+
+    Args:
+        solution: A transition.
+    """
+    if solution.outcome is not Outcome.AT_REST:
+        return solution
+    rest = solution.events[-1]
+    system = solution.system
+    try:
+        motion = solution.motion_at(rest)
+        q, v = motion.q[0], motion.v[0]
+        jacobian = system.body.closures(q[None])[1][0]
+        state = State(rest.t, q, v, jacobian, system.shaft.driven_at(rest.t), rest.closed_after)
+        manager = PhaseManager(system, solution.case, state)
+        manager.step(rest.t + solution.shaft.period / INDEX_PER_TURN)
+    except NipperError:
+        return solution
+    before = [item for item in solution.segments if item.t_start < rest.t]
+    return replace(solution, segments=(*before, *manager.segments))
+
+
+def gap_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and gaps of the transition stop [rad or m], each shape (K,).
+
+    Args:
+        solution: A transition, and what follows it.
+    """
+    stop = solution.mechanism.stop(solution.mechanism.transition_stop)
+    if not solution.segments:
+        return np.zeros(1), np.zeros(1)
+    t, q = sample_coordinates(solution, 0.0, solution.segments[-1].t_end)
+    # Both limits at a collision have one abscissa, and a line needs only one of them.
+    t, places = np.unique(t, return_index=True)
+    return t, stop.gaps(q[places])
+
+
+def force_line(solution: Solution) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and clamping forces [N; N m along a hinge without contact], each shape (K,).
+
+    The force is zero while the jaw flies, and jumps where it comes to rest.
+
+    Args:
+        solution: A transition, and what follows it.
+    """
+    name, rest = solution.mechanism.transition_stop, solution.events[-1].t
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    if end <= rest:
+        return np.array([0.0, rest]), np.zeros(2)
+    t = np.linspace(rest, end, _POINTS)
+    inner = solution.trajectory.reactions(t[:-1]).contacts[name]
+    last = solution.trajectory.reactions(t[-1:], left=True).contacts[name]
+    # The foot of the jump stands a hair before it, because times of a line have to increase.
+    foot = rest * (1.0 - 1e-9)
+    return np.array([0.0, foot, *t]), np.concatenate([[0.0, 0.0], inner, last])

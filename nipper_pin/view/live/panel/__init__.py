@@ -1,0 +1,1 @@
+"""What stands beside the picture: sliders, fields, buttons, numbers, and their layout."""

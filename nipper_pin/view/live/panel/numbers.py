@@ -1,0 +1,81 @@
+"""Numbers of the page with their words, and how far they are from those of another setting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from typing import NamedTuple
+
+from ....mechanism import INDEX_PER_TURN
+
+
+class Number(NamedTuple):
+    """One row of the page.
+
+    Attributes:
+        key: Its name in the page.
+        label: What it is, with its unit.
+        text: What is shown.
+        value: The value itself, from which differences are computed; None without one.
+        on_scale: Whether it is a place on the comber's scale, whose difference is in indices.
+    """
+
+    key: str
+    label: str
+    text: str
+    value: float | None = None
+    on_scale: bool = False
+
+
+Rows = tuple[Number, ...]
+"""Rows of a table."""
+
+
+def difference(now: Number, other: Number | None) -> str:
+    """The difference of a number to that of another setting: per cent, or indices.
+
+    Args:
+        now: The number.
+        other: The same of the other setting; None if that has none.
+
+    Returns:
+        With its sign; empty where there is nothing to compare, or no number of which it is a part.
+    """
+    if other is None or now.value is None or other.value is None:
+        return ""
+    if not (math.isfinite(now.value) and math.isfinite(other.value)):
+        return ""
+    if now.on_scale:
+        half = 0.5 * INDEX_PER_TURN
+        return _signed((now.value - other.value + half) % INDEX_PER_TURN - half, 3)
+    if now.value == other.value:
+        return "0.0 %"
+    if other.value == 0.0:
+        return ""
+    return f"{_signed(100.0 * (now.value / other.value - 1.0), 1)} %"
+
+
+def _signed(value: float, decimals: int) -> str:
+    """A number with its sign, which zero has not."""
+    rounded = round(value, decimals)
+    return f"{rounded:+.{decimals}f}" if rounded else f"{0.0:.{decimals}f}"
+
+
+def table(name: str, rows: Sequence[Number], others: Sequence[Number] = ()) -> str:
+    """Rows as HTML, each with its difference.
+
+    Args:
+        name: Identity of the table.
+        rows: The rows.
+        others: Those of the setting that they are compared with.
+    """
+    known = {item.key: item for item in others}
+    lines = "".join(
+        f'<tr><td>{escape(item.label)}</td><td data-key="{item.key}" style="text-align:right">'
+        f'<b>{escape(item.text)}</b></td><td data-difference="{item.key}" style="'
+        f'text-align:right;white-space:nowrap;padding-left:0.6em">'
+        f"{difference(item, known.get(item.key))}</td></tr>"
+        for item in rows
+    )
+    return f'<table id="{name}" style="width:100%;border-spacing:0">{lines}</table>'

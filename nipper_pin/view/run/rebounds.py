@@ -1,0 +1,94 @@
+"""The rebounds of a transition, drawn large enough to be seen."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ...hybrid.result.solution import Solution
+from ...hybrid.result.tables import Collision, Transition
+from ...mechanism import Stop
+from ...terms import shown_in
+from ...units import MS_PER_S
+from ..naming import shown
+from ..reading import gap_noun, units_of
+from ..style import SMALL, TEXT, line_colour, tidy
+from .sampling import sample_coordinates
+
+TIME = "time from the start of the run [ms]"
+# Heights are written at as many rebounds as have room for it.
+_MOST_HEIGHTS = 3
+_NARROWEST = 0.03
+
+
+def series(solution: Solution, transition: Transition) -> list[Collision]:
+    """Collisions of a transition, in order of time.
+
+    Args:
+        solution: The solution.
+        transition: One of its transitions.
+    """
+    return [
+        item
+        for item in solution.collisions
+        if item.stop == solution.mechanism.transition_stop
+        and transition.t_start <= item.t <= transition.t_start + transition.duration
+    ]
+
+
+def draw_rebounds(axes: Axes, solution: Solution, transition: Transition) -> None:
+    """Gap of the transition stop from the first collision to rest, in the unit of rebounds.
+
+    Heights are written at the first ones; where the stop has a contact point, the scale at the
+    right is the gap there.
+
+    Args:
+        axes: Where to draw.
+        solution: The solution.
+        transition: One of its transitions.
+    """
+    mechanism = solution.mechanism
+    stop = mechanism.stop(mechanism.transition_stop)
+    units = units_of(mechanism, stop.index)
+    collisions = series(solution, transition)
+    # After the last collision the stop is at rest, the limit of the series.
+    t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
+    axes.axhline(0.0, color="0.6", linewidth=0.8)
+    axes.plot(
+        MS_PER_S * t, units.amplitude_factor * stop.gaps(q),
+        color=line_colour(mechanism, stop.name), linewidth=1.4,
+    )  # fmt: skip
+    at = MS_PER_S * np.array([item.t for item in collisions])
+    end = MS_PER_S * (transition.t_start + transition.duration)
+    axes.plot(at, np.zeros_like(at), "|", color="black", markersize=10.0, label="collision")
+    axes.plot(end, 0.0, "s", color="black", markersize=4.0, label="rest")
+    axes.margins(y=0.18)
+    tidy(axes, TIME, f"{stop.name} {gap_noun(mechanism, stop)} [{units.amplitude}]")
+    _heights(axes, solution, collisions, transition.duration)
+    _contact_scale(axes, stop, units.amplitude_factor)
+
+
+def _heights(axes: Axes, solution: Solution, collisions: list[Collision], duration: float) -> None:
+    """Height of the first rebounds, above their tops."""
+    term = shown(solution.mechanism, "rebound_amplitude")
+    for item in collisions[:_MOST_HEIGHTS]:
+        height, lasts = item.rebound_amplitude, item.rebound_time
+        if height is None or lasts is None or lasts < _NARROWEST * duration:
+            continue
+        axes.annotate(
+            term.phrase(height), (MS_PER_S * (item.t + 0.5 * lasts), term.value(height)),
+            (0.0, 3.0), textcoords="offset points", ha="center", va="bottom", fontsize=SMALL,
+        )  # fmt: skip
+
+
+def _contact_scale(axes: Axes, stop: Stop, factor: float) -> None:
+    """Gap at the contact point at the right; none for a stop along its joint."""
+    if stop.contact is None:
+        return
+    unit, small = shown_in("m", small=True)
+    lever = small * stop.lever / factor
+    beside = axes.secondary_yaxis(
+        "right", functions=(lambda y: lever * np.asarray(y), lambda y: np.asarray(y) / lever)
+    )
+    beside.set_ylabel(f"gap at the contact [{unit}]", fontsize=TEXT)
+    beside.tick_params(labelsize=SMALL)

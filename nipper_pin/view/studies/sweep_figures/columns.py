@@ -1,0 +1,144 @@
+"""Columns of a sweep in the words and units that people read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....arrays import FloatArray
+from ....study.sweep import SweepTable
+from ....terms import NONE, Shown, named
+
+# Cells of a sampled parameter: enough scenarios in each, and not more than can be seen.
+_FEWEST = 4
+_MOST_CELLS = 24
+_IN_CELL = 12
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Quantity:
+    """A quantity of all scenarios.
+
+    Attributes:
+        name: Its name in the table.
+        shown: Its words and its unit for people.
+        values: Its values in that unit, NaN where a scenario has none, shape (rows,).
+    """
+
+    name: str
+    shown: Shown
+    values: FloatArray
+
+    @classmethod
+    def of(cls, sweep: SweepTable, name: str) -> Quantity:
+        """Read it from a sweep.
+
+        Args:
+            sweep: The sweep.
+            name: Its name.
+        """
+        unit = (sweep.table.schema.field(name).metadata or {}).get(b"unit", NONE.encode()).decode()
+        shown = named(name, unit)
+        values = shown.value(np.asarray(sweep.table[name].to_numpy(), dtype=float))
+        return cls(name=name, shown=shown, values=values)
+
+    @property
+    def title(self) -> str:
+        """Its words at the beginning of a sentence."""
+        return self.shown.words[:1].upper() + self.shown.words[1:]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Parameter:
+    """A parameter, and the cells that its values fall into.
+
+    Attributes:
+        name: Its name in the study.
+        shown: Its words and its unit for people, in which all of the following are.
+        log: Whether its scale is logarithmic.
+        x: Value of every scenario, shape (rows,).
+        cell: Cell of every scenario, shape (rows,).
+        centres: Middles of the cells, shape (cells,); those of a grid are its values.
+        grid: Whether its values are those of a grid.
+        ends: Its least and its largest value.
+    """
+
+    name: str
+    shown: Shown
+    log: bool
+    x: FloatArray
+    cell: NDArray[np.int64]
+    centres: FloatArray
+    grid: bool
+    ends: tuple[float, float]
+
+    @classmethod
+    def of(cls, sweep: SweepTable, place: int) -> Parameter:
+        """Grid values are cells of their own; the range of samples is divided evenly.
+
+        Args:
+            sweep: The sweep.
+            place: Place among its parameters.
+        """
+        axis = sweep.axes[place]
+        name, log = str(axis["name"]), axis["scale"] == "log"
+        shown = named(str(axis["path"]))
+        x = np.asarray(sweep.table[name].to_numpy())
+        if axis["values"]:
+            centres = np.unique(np.array(axis["values"], dtype=float))
+            cell = np.searchsorted(centres, x)
+            ends = float(centres[0]), float(centres[-1])
+        else:
+            ends = low, high = float(axis["low"]), float(axis["high"])
+            # Grids that are crossed with the samples do not make them more.
+            different = len(np.unique(x))
+            count = min(max(_FEWEST, int(math.sqrt(different / _IN_CELL))), _MOST_CELLS)
+            parts = share(x, low, high, log=log)
+            cell = np.minimum((parts * count).astype(np.int64), count - 1)
+            middle = (np.arange(count) + 0.5) / count
+            centres = low * (high / low) ** middle if log else low + (high - low) * middle
+        return cls(
+            name=name,
+            shown=shown,
+            log=log,
+            x=shown.value(x),
+            cell=cell,
+            centres=shown.value(centres),
+            grid=bool(axis["values"]),
+            ends=(shown.value(ends[0]), shown.value(ends[1])),
+        )
+
+    def places(self, x: FloatArray) -> FloatArray:
+        """Places of values between both ends, 0 to 1.
+
+        Args:
+            x: Values, of any shape.
+        """
+        return share(x, *self.ends, log=self.log)
+
+    @property
+    def borders(self) -> FloatArray:
+        """Places of the borders of the cells, 0 to 1, shape (cells + 1,)."""
+        if not self.grid:
+            return np.linspace(0.0, 1.0, len(self.centres) + 1)
+        middle = self.places(self.centres)
+        return np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [1.0]])
+
+
+def share(x: FloatArray, low: float, high: float, *, log: bool) -> FloatArray:
+    """Places of values between two ends, 0 to 1; half-way if both ends are one.
+
+    Args:
+        x: Values, of any shape.
+        low: Lower end.
+        high: Upper end.
+        log: Whether the scale is logarithmic.
+    """
+    if not high > low:
+        return np.full(np.shape(x), 0.5)
+    if log:
+        return np.asarray(np.log(x / low) / math.log(high / low))
+    return np.asarray((x - low) / (high - low))

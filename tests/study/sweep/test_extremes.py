@@ -1,0 +1,103 @@
+"""The smallest and the largest row of a sweep, against a search through all of its rows."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from nipper_pin.study.sweep.results.extremes import Extremes
+
+AXES = ("speed_rpm", "preload")
+
+
+def extremes(quantity: str, **units: str) -> Extremes:
+    job: Any = SimpleNamespace(
+        quantities=(quantity, "another"), axes=[SimpleNamespace(name=name) for name in AXES],
+        units=units,
+    )  # fmt: skip
+    return Extremes(job)
+
+
+def table(scenarios: Any, values: Any, quantity: str = "duration_s") -> pa.Table:
+    """Rows whose parameters follow from their number."""
+    numbers = {name: [float(n * k) for n in scenarios] for k, name in enumerate(AXES, start=2)}
+    return pa.table({"scenario": list(scenarios), quantity: values, **numbers})
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_rows_are_those_of_a_search(seed: int) -> None:
+    """In any order of chunks; values that are missing or occur twice are among the rows."""
+    random = np.random.default_rng(seed)
+    values = random.integers(0, 20, 60) / 8.0
+    values[random.random(60) < 0.3] = math.nan
+    # A chunk without a value changes nothing.
+    values[10:20] = math.nan
+    found = extremes("duration_s")
+    for chunk in random.permutation(6):
+        rows = range(10 * chunk, 10 * chunk + 10)
+        found.add(table(rows, values[rows.start : rows.stop]))
+    known = [(value, n) for n, value in enumerate(values.tolist()) if not math.isnan(value)]
+    low, high = min(known), max(known, key=lambda pair: (pair[0], -pair[1]))
+    for item, (value, scenario) in ((found.smallest, low), (found.largest, high)):
+        assert item is not None
+        assert (item.value, item.scenario) == (value, scenario)
+        assert item.numbers == {"speed_rpm": 2.0 * scenario, "preload": 3.0 * scenario}
+    assert found.record() == {
+        "quantity": "duration_s",
+        **{
+            word: {"scenario": n, "value": value,
+                   "numbers": {"speed_rpm": 2.0 * n, "preload": 3.0 * n}}
+            for word, (value, n) in (("smallest", low), ("largest", high))
+        },
+    }  # fmt: skip
+
+
+def test_rows_without_any_value() -> None:
+    """Nothing is said where no row has a value."""
+    found = extremes("duration_s")
+    assert (found.sentences(), found.record()["smallest"]) == ([], None)
+    found.add(table(range(3), [math.nan, math.nan, None]))
+    assert (found.smallest, found.largest, found.sentences()) == (None, None, [])
+
+
+def test_quantities_that_are_no_floats() -> None:
+    """Counts, and whether the premise holds, which is not known of every row."""
+    counts = extremes("collisions")
+    counts.add(table((4, 5, 6), [7, 3, 9], "collisions"))
+    assert counts.sentences() == [
+        "Smallest collisions: 3 (scenario 5: speed_rpm 10, preload 15)",
+        "Largest collisions: 9 (scenario 6: speed_rpm 12, preload 18)",
+    ]
+    held = extremes("premise_holds")
+    held.add(table((4, 5, 6), [None, True, False], "premise_holds"))
+    assert held.smallest is not None
+    assert held.largest is not None
+    assert (held.smallest.scenario, held.largest.scenario) == (6, 5)
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"),
+    [("rad", f"{18e4 / math.pi * 2.5e-5:.4g} mdeg"), ("m", "25.00 um")],
+)
+def test_values_are_told_in_the_units_that_people_read(unit: str, told: str) -> None:
+    """Of a hinge in mdeg, of a slide in um; parameters in the units of the study."""
+    found = extremes("rebound_amplitude_1", rebound_amplitude_1=unit)
+    found.add(table((8,), [2.5e-5], "rebound_amplitude_1"))
+    (smallest, largest) = found.sentences()
+    assert smallest == (
+        f"Smallest first rebound amplitude: {told} (scenario 8: speed_rpm 16, preload 24)"
+    )
+    assert largest == smallest.replace("Smallest", "Largest")
+
+
+def test_columns_that_are_read() -> None:
+    """What a summary needs, the first quantity and the parameters, each once."""
+    names = extremes("premise_holds").columns
+    assert len(names) == len(set(names))
+    assert {"scenario", "outcome", "premise_holds", *AXES} <= set(names)
+    assert "another" not in names

@@ -1,0 +1,153 @@
+"""The table of terms: units by names, factors by hand, the page of notation, names in words."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin.terms import TERMS, Term, named, shown_in, term_of
+
+NOTATION = (Path(__file__).parents[1] / "docs/notation.md").read_text(encoding="utf-8")
+# What a name ends with where it says its unit, the longest first.
+ENDINGS = {
+    "_N_m_s": "N m s", "_N_s": "N s", "_N_m": "N m", "_rad": "rad", "_deg": "deg", "_rpm": "r/min",
+    "_mm": "mm", "_N": "N", "_J": "J", "_s": "s",
+}  # fmt: skip
+# Of these the unit follows the stop's coordinate, and names are without one.
+GAPS = ("rebound_amplitude", "amplitude_error", "largest_gap", "largest_gap_error")
+RATES = ("approach_rate", "separation_rate", "rate_error")
+SHARES = ("first_two_share", "clamped_share")
+# What people read of one unit of files, worked out by hand.
+READ = {
+    "s": ("ms", 1000.0), "J": ("mJ", 1000.0), "rad": ("deg", 57.29577951308232),
+    "m": ("mm", 1000.0), "m/s": ("mm/s", 1000.0), "rad/s": ("rad/s", 1.0), "": ("", 1.0),
+    "N": ("N", 1.0), "N m": ("N m", 1.0), "N s": ("N s", 1.0), "N m s": ("N m s", 1.0),
+    "mm": ("mm", 1.0), "deg": ("deg", 1.0), "r/min": ("r/min", 1.0),
+}  # fmt: skip
+SMALL = {"rad": ("mdeg", 57295.77951308232), "m": ("um", 1e6)}
+COUNTS = ("collisions", "turns", "repeats_after")
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
+def test_a_name_ends_with_its_unit(term: Term) -> None:
+    if term.name in GAPS:
+        assert term.unit == "{gap}"
+    elif term.name in RATES:
+        assert term.unit == "{gap}/s"
+    else:
+        ending = next((unit for end, unit in ENDINGS.items() if term.name.endswith(end)), "")
+        assert term.unit == ending
+
+
+@pytest.mark.parametrize("gap", ["rad", "m"])
+@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
+def test_what_people_read(term: Term, gap: str) -> None:
+    """The unit, its factor on numbers and arrays, and digits that say the number again."""
+    shown = term.shown(gap)
+    unit, factor = READ[term.unit.format(gap=gap)]
+    if term.name in GAPS:
+        unit, factor = SMALL[gap]
+    elif term.name in SHARES:
+        unit, factor = "%", 100.0
+    assert shown.unit == unit
+    assert shown.factor == pytest.approx(factor, rel=1e-14)
+    assert shown.label == (f"{term.words} [{unit}]" if unit else term.words)
+    value = 0.0123456
+    assert shown.value(value) == pytest.approx(factor * value, rel=1e-14)
+    np.testing.assert_allclose(shown.value(np.array([value, -1.0])), [factor * value, -factor])
+    text = shown.text(value)
+    least = 0.51 * 10.0**-term.decimals if term.decimals is not None else 0.0
+    assert float(text) == pytest.approx(factor * value, rel=0.0 if least else 5.1e-4, abs=least)
+    assert shown.phrase(value) == f"{text} {unit}".rstrip()
+    assert shown.text(None) == shown.text(math.nan) == "-"
+
+
+def test_decimals_stand_where_digits_would_say_less() -> None:
+    """Places in time and in the turn have three decimals, counts none."""
+    fixed = {name: term.decimals for name, term in TERMS.items() if term.decimals is not None}
+    places = {"t_s", "time_s", "cylinder_angle_rad", "rest_margin"}
+    places |= {name for name in TERMS if re.search(r"(^|_)index$", name)}
+    assert fixed == {**dict.fromkeys(places, 3), **dict.fromkeys(COUNTS, 0)}
+
+
+def test_units_that_are_not_in_the_table_stay_as_they_are() -> None:
+    assert shown_in("kg") == ("kg", 1.0)
+    assert shown_in("N/m") == ("N/mm", pytest.approx(1e-3))
+    assert shown_in("N", small=True) == ("N", 1.0)
+    assert shown_in("s", small=True) == ("ms", 1e3)
+
+
+def cells(row: str) -> list[str]:
+    return [cell.strip() for cell in row.strip().strip("|").split("|")]
+
+
+def parts(cell: str, count: int) -> list[str]:
+    """What a cell says of each name of its row: one of each, or one of all."""
+    found = cell.split(", ") if cell else [""]
+    return found * count if len(found) == 1 else found
+
+
+def test_the_page_of_notation_says_the_same() -> None:
+    """Symbol and unit of each name there; and each symbol of a term is explained on that page."""
+    seen = 0
+    for line in NOTATION.split("| name | what it is | symbol | unit |")[1].splitlines():
+        names = re.findall(r"`(\w+)`", cells(line)[0]) if line.startswith("| `") else []
+        if not names:
+            continue
+        _, _, symbols, units = cells(line)
+        for name, symbol, unit in zip(
+            names, parts(symbols, len(names)), parts(units, len(names)), strict=True
+        ):
+            term = TERMS[name]
+            both = " or ".join(dict.fromkeys(term.unit.format(gap=gap) for gap in ("rad", "m")))
+            assert unit == (both or "-"), name
+            assert term.symbol == (symbol.strip("`") if symbol.startswith("`") else ""), name
+            seen += 1
+    assert seen == 16
+    explained = set(re.findall(r"`(\w+)`", NOTATION))
+    assert {term.symbol for term in TERMS.values()} - {""} <= explained
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "label", "factor"),
+    [
+        ("duration_s", "rad", "time to rest [ms]", 1e3),
+        ("rebound_amplitude_1", "rad", "first rebound amplitude [mdeg]", 18e4 / math.pi),
+        ("rebound_amplitude_3", "m", "third rebound amplitude [um]", 1e6),
+        ("rebound_time_s_4", "rad", "rebound time of collision 4 [ms]", 1e3),
+        ("approach_rate_2", "m/s", "rate before of collision 2 [mm/s]", 1e3),
+        ("impulse_N_s_1", "rad", "impulse of collision 1 [N s]", 1.0),
+        ("collisions_jaw", "rad", "collisions of the jaw", 1.0),
+        ("impulse_sum_N_s_steeve", "m", "sum of the impulses of the steeve [N s]", 1.0),
+        ("impulse_sum_error_N_m_s_flap", "rad",
+         "error of the sum of the impulses of the flap [N m s]", 1.0),
+        ("largest_torque_N_m_nipper_shaft", "rad",
+         "largest torque between events of the nipper_shaft [N m]", 1.0),
+        ("clamped_share", "rad", "share of the turn clamped [%]", 100.0),
+        ("speed_rpm", "rad", "cylinder speed [r/min]", 1.0),
+        ("springs.steeve.stiffness_N_per_m", "rad", "stiffness of spring steeve [N/mm]", 1e-3),
+        ("springs.steeve.preload_length_mm", "rad", "preload length of spring steeve [mm]", 1.0),
+        ("points.eccentric_pin.radius_mm", "rad",
+         "distance of pin eccentric from its shaft [mm]", 1.0),
+        ("links.top_nipper.mass_kg", "rad", "mass of top nipper [kg]", 1.0),
+        ("stops.jaw.restitution", "rad", "restitution of stop jaw", 1.0),
+        ("urdf.link.arm.mass", "rad", "urdf.link.arm.mass", 1.0),
+    ],
+)  # fmt: skip
+def test_names_in_words(name: str, unit: str, label: str, factor: float) -> None:
+    """Quantities of a collision, a stop or a drive, and numbers of a model."""
+    shown = named(name, unit)
+    assert shown.label == label
+    assert shown.factor == pytest.approx(factor, rel=1e-14)
+
+
+def test_names_that_are_no_terms() -> None:
+    """Nothing is the zeroth collision, and a path is no quantity."""
+    assert term_of("rebound_time_s_12") == (TERMS["rebound_time_s"], 12)
+    for name in ("rebound_time_s_0", "rebound_time_s_01", "rebound", "jaw_1", "springs.a"):
+        with pytest.raises(KeyError):
+            term_of(name)
