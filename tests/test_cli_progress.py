@@ -20,7 +20,7 @@ from test_cli_options import DESIGN, FIT, STUDY
 
 from nipper_pin import Case, Window, load, simulate
 from nipper_pin.cli import main
-from nipper_pin.cli.study_progress import SENSITIVITIES, Work
+from nipper_pin.cli.study_progress import REPORT, SENSITIVITIES, STAGES, Work, shown
 
 Told = Callable[..., None]
 
@@ -329,6 +329,34 @@ def test_stages_of_a_study(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("columns", [60, 80, 200])
+def test_the_bar_of_a_study_fits_its_terminal(
+    columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the longest stage, a count and the time left on one line."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    now = [0.0]
+    work = Work({**STAGES, **REPORT}, beside=True, clock=lambda: now[0])
+    with shown(work) as show:
+        now[0] = 900.0
+        work.part(SENSITIVITIES, 20, 53)
+        for stage in work.stages:
+            work.begin(stage)
+            show()
+        work.part("groups of figures", 3, 4)
+        work.begin("held and inertial shafts")
+        work.begin("groups of figures")
+        show()
+    lines = [line.strip() for line in re.split(r"[\r\n]", seen(stream.getvalue()))]
+    assert any("groups of figures 3 of 4" in line and " s left" in line for line in lines)
+    assert any("sensitivities 20 of 53" in line for line in lines) == (columns == 200)
+    for line in lines:
+        assert line == "" or "gone" in line
+        assert len(line) <= columns
+
+
 def test_time_left_of_two_chains_of_work() -> None:
     """The later end of both, each by the part of it that is done; nothing while that is little."""
     now = [100.0]
@@ -340,12 +368,13 @@ def test_time_left_of_two_chains_of_work() -> None:
     now[0] = 110.0
     work.part(SENSITIVITIES, 10, 50)
     assert work.left() is None
-    assert work.text == "two, sensitivities 10 of 50"
+    assert work.text(both=True) == "two, sensitivities 10 of 50"
     now[0] = 116.0
     work.part("two", 3, 6)
     # Stages: 4 of 8 in 16 s, the end at 132; sensitivities: a fifth in 10 s, the end at 150.
     assert work.left() == pytest.approx(34.0)
-    assert work.text == "two 3 of 6, sensitivities 10 of 50"
+    assert work.text(both=True) == "two 3 of 6, sensitivities 10 of 50"
+    assert work.text(both=False) == "two 3 of 6"
     now[0] = 120.0
     work.part(SENSITIVITIES, 50, 50)
     assert work.left() == pytest.approx(12.0)

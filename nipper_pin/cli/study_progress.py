@@ -22,6 +22,8 @@ SENSITIVITIES = "sensitivities"
 _SENSITIVITIES_S = 30.0
 # Less than this part of a chain is no measure of the whole.
 _ENOUGH = 0.15
+# Columns of a terminal on which both chains are told of.
+_WIDE = 110
 
 
 @dataclass
@@ -81,13 +83,16 @@ class Work:
         total = sum(self.stages.values())
         return (here * total + there * _SENSITIVITIES_S) / (total + _SENSITIVITIES_S)
 
-    @property
-    def text(self) -> str:
-        """What is being done, and how much of what is counted."""
+    def text(self, *, both: bool) -> str:
+        """What is being done, and how much of what is counted.
+
+        Args:
+            both: Whether there is room for the sensitivities beside the stage.
+        """
         parts = [self.stage]
         if self.stage in self.counts:
             parts[0] += " {} of {}".format(*self.counts[self.stage])
-        if self.beside and SENSITIVITIES in self.counts:
+        if both and self.beside and SENSITIVITIES in self.counts:
             parts.append("{} {} of {}".format(SENSITIVITIES, *self.counts[SENSITIVITIES]))
         return ", ".join(part for part in parts if part)
 
@@ -138,15 +143,19 @@ def shown(work: Work) -> Iterator[Callable[[], None]]:
             left = None if task.finished else work.left()
             return Text("" if left is None else f"about {left:.0f} s left")
 
+    console = Console(stderr=True)
+    # The longest line on a terminal of 60 columns, and room for the second chain on wide ones.
     bar = Progress(
         TextColumn("{task.description}", markup=False),
-        BarColumn(bar_width=20),
+        BarColumn(bar_width=min(20, max(4, console.width - 56))),
         Gone(),
         TextColumn("gone"),
         Left(),
-        console=Console(stderr=True),
+        console=console,
         transient=True,
     )
     with bar:
         task = bar.add_task("", total=1.0)
-        yield lambda: bar.update(task, completed=work.share, description=work.text)
+        yield lambda: bar.update(
+            task, completed=work.share, description=work.text(both=console.width >= _WIDE)
+        )
