@@ -167,7 +167,7 @@ def _fast(study: PaperStudy, found: Designer) -> Iterator[str]:
         )
         speed, margin = found.fast.margin(found.speed_rpm) or (math.nan, math.nan)
         if math.isfinite(margin):
-            yield f"At {speed:g} r/min it holds for {margin:.1f} index units between the two."
+            yield f"At {speed:.4g} r/min it holds for {margin:.1f} index units between the two."
         yield (
             f"Each turn is like the one before at all {len(limit.speed_rpm)} speeds from {low} to "
             f"{high} r/min."
