@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .hybrid.run.outcome import Outcome
     from .hybrid.simulate import simulate
     from .mechanism import Mechanism, load
+    from .study.compare import Comparison, compare
     from .study.entry_points import check, identify, optimise, sweep
     from .study.sweep import read_sweep
     from .study.transitions import TransitionTable, transition_table
@@ -57,6 +58,7 @@ else:
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
         "hybrid.result.trajectory": ("Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),
+        "study.compare": ("Comparison", "compare"),
         "study.entry_points": ("check", "identify", "optimise", "sweep"),
         "study.sweep": ("read_sweep",),
         "study.transitions": ("TransitionTable", "transition_table"),
@@ -86,6 +88,7 @@ __all__ = [
     "AssemblyError",
     "Case",
     "Collision",
+    "Comparison",
     "ConvergenceError",
     "DamagedError",
     "DriveMode",
@@ -113,6 +116,7 @@ __all__ = [
     "UnknownNameError",
     "Window",
     "check",
+    "compare",
     "identify",
     "load",
     "load_case",

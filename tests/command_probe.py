@@ -165,6 +165,7 @@ def stand_ins(probe: Probe) -> None:
     note("nipper_pin.view.studies.check_report.print_report", lambda *_, **__: None)
     note("nipper_pin.view.sketch.write_sketch", lambda _machine, path: Path(path).touch())
     _views(note)
+    _comparisons(note, report)
     _studies(note, done, report)
 
 
@@ -182,6 +183,19 @@ def _views(note: Callable[..., None]) -> None:
     note("nipper_pin.view.scene.gif.write_gif", lambda _run, file, _look: Path(file).touch())
     note("nipper_pin.view.live.serve.serve_live", lambda *_, **__: None)
     note("nipper_pin.view.studies.sweep_plots.plot_sweep", lambda *_, **__: [Path("drawn.svg")])
+
+
+def _comparisons(note: Callable[..., None], report: SimpleNamespace) -> None:
+    compared = SimpleNamespace(
+        b=SimpleNamespace(case=SimpleNamespace(speed_rpm=450.0)), **vars(report)
+    )
+    note("nipper_pin.cli.compare.compare", lambda *_: compared)
+    note("nipper_pin.view.compare.table.print_comparison", lambda *_, **__: None)
+    note("nipper_pin.view.compare.page.write_comparison",
+         lambda _comparison, file, _look: Path(file).touch())  # fmt: skip
+    note("nipper_pin.view.compare.page.comparison_page", lambda *_: "page")
+    note("nipper_pin.view.compare.files.write_files",
+         lambda _comparison, folder: _write(Path(folder) / "table.json", {}))  # fmt: skip
 
 
 def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleNamespace) -> None:

@@ -147,6 +147,44 @@ LIVE = {
     "--port": Entry("--port 7123", {"serve_live.port": 7123}),
     "--no-browser": Entry("--no-browser", {"serve_live.browser": False}),
 }  # fmt: skip
+_BRIEF = "--window transition"
+_SIDES = ("compare.a", "compare.b", "simulate")
+_FOLLOWS = ("print_comparison.",)
+
+
+def sides(key: str, value: object, *places: str) -> dict[str, object]:
+    """One fact of both sides of a comparison, or of some; the last run is that of B."""
+    return {f"{place}.{key}": value for place in places or _SIDES}
+
+
+COMPARE = {
+    "A": Entry("hanging_pendulum", sides("mechanism.name", "hanging_pendulum"), _BRIEF,
+               (*(f"{place}." for place in _SIDES), *_FOLLOWS)),
+    "B": Entry("hanging_pendulum", sides("mechanism.name", "hanging_pendulum", *_SIDES[1:]),
+               f"{_BRIEF} e62", (*(f"{place}." for place in _SIDES[1:]), *_FOLLOWS)),
+    **{name: replace(item, moves=_FOLLOWS)
+       for name, item in of_a_model(*_SIDES, base=_BRIEF).items()},
+    "--set-a": Entry("--set-a preload=9.25", sides(f"mechanism.{_PRELOAD}", 9.25, "compare.a"),
+                     _BRIEF, _FOLLOWS),
+    "--set-b": Entry("--set-b speed=500", sides("case.speed_rpm", 500.0, *_SIDES[1:]), _BRIEF,
+                     _FOLLOWS),
+    "--speed": Entry("--speed 450 500", sides("case.speed_rpm", 500.0, *_SIDES[1:]), _BRIEF,
+                     _FOLLOWS),
+    "--window": Entry("--window transition", sides("case.window", "transition"), moves=_FOLLOWS),
+    "--start-index": Entry("--start-index 20", sides("case.start_index", 20.0), moves=_FOLLOWS),
+    "--html": Entry("--html b.html", {**files("b.html"), "write_comparison called": True,
+                                      "write_comparison.path": "b.html"}, _BRIEF,
+                    ("write_comparison.", *_FOLLOWS)),
+    "--browser": Entry("--browser", {"serve called": True, "serve.browser": True,
+                                     "comparison_page called": True}, _BRIEF,
+                       ("serve.", "comparison_page.")),
+    "--slow": Entry("--slow 50", {"write_comparison.look.slow": 50.0}, f"{_BRIEF} --html a.html"),
+    "--exaggerate": Entry("--exaggerate 7", {"write_comparison.look.exaggerate": 7.0},
+                          f"{_BRIEF} --html a.html"),
+    "--out": Entry("--out here", {**files("here/table.json"), "write_files called": True,
+                                  "write_files.folder": "here"}, _BRIEF, _FOLLOWS),
+    "--json": Entry("--json -", DOCUMENT | {"print_comparison called": GONE}, _BRIEF, _FOLLOWS),
+}  # fmt: skip
 CHECK = {
     "MODEL": Entry("hanging_pendulum", {"check_model.mechanism.name": "hanging_pendulum",
                                         "check_model.speed_rpm": 220.0,
@@ -308,7 +346,8 @@ BENCHMARK = {
 TABLE = {
     f"{command} {option}": entry
     for command, entries in {
-        "simulate": SIMULATE, "view": VIEW, "live": LIVE, "new": NEW, "check": CHECK,
+        "simulate": SIMULATE, "view": VIEW, "compare": COMPARE, "live": LIVE,
+        "new": NEW, "check": CHECK,
         "study paper": PAPER, "study speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
         "optimise": OPTIMISE, "sweep": SWEEP,
         "plot": PLOT, "verify": VERIFY, "stress": STRESS, "benchmark": BENCHMARK,

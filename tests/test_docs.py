@@ -168,3 +168,16 @@ def test_the_reference_is_written_for_its_readers():
             texts += [inspect.getdoc(each) for key, each in vars(value).items() if key[0] != "_"]
         assert len((texts[0] or "").split()) > 1, name
         assert not [text for text in texts if text and re.search(r":[a-z]+:`", text)], name
+
+
+def test_comments_beside_code_are_not_cut_off():
+    """A page shows 80 columns of a block of code, in the site and on a code host alike."""
+    wide = []
+    for page in [*PAGES, ROOT / "README.md"]:
+        fenced = False
+        for line in page.read_text(encoding="utf-8").splitlines():
+            if line.startswith("```"):
+                fenced = not fenced
+            elif (fenced or line.startswith("    ")) and "# " in line and len(line) > 80:
+                wide.append((page.name, line))
+    assert wide == []

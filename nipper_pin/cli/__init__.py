@@ -28,6 +28,7 @@ _INTERRUPTED = 130
 _COMMANDS = {
     "simulate": (".simulate", "simulate a transition or whole cycles"),
     "view": (".view", "show a run in the browser, or write it as one page"),
+    "compare": (".compare", "two machines, settings or saved runs side by side"),
     "live": (".live", "a page with sliders whose numbers and picture follow them"),
     "new": (".new", "write a commented model to start from"),
     "check": (".check", "report what a model is, and what is wrong with it"),

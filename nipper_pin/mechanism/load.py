@@ -20,7 +20,7 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
 
     Args:
         model: Name of a model that comes with the package, or a folder ``<name>`` that holds
-            ``<name>.urdf`` and ``<name>.toml``.
+            ``<name>.urdf`` and ``<name>.toml``, or the path of that TOML file.
         overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
             ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
             or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
@@ -188,17 +188,19 @@ def find_model(model: str | Path) -> Path:
     """Folder of a model.
 
     Args:
-        model: Name of a known model or path of a folder.
+        model: Name of a known model, or path of a folder or of the TOML file in it.
 
     Raises:
         UnknownNameError: There is no such model or folder.
-        ModelError: The folder lacks one of the two files.
+        ModelError: The folder lacks one of the two files, or is not called like its TOML file.
     """
     known = known_models()
     if isinstance(model, str) and model in known:
         return known[model]
     try:
         folder = Path(model).resolve()
+        if folder.suffix == ".toml" and folder.is_file():
+            folder = _folder_of(folder)
         found = folder.is_dir()
     except (OSError, RuntimeError, ValueError) as error:
         # Links in a circle, or a name that no file can have.
@@ -218,6 +220,22 @@ def find_model(model: str | Path) -> Path:
                 f"of the folder; found {inside}",
             )
     return folder
+
+
+def _folder_of(file: Path) -> Path:
+    """The model folder that a TOML file lies in, which has its name.
+
+    Raises:
+        ModelError: It has another one, so that the file would not be the one that is read.
+    """
+    if file.stem != file.parent.name:
+        raise ModelError(
+            file=str(file),
+            key="folder",
+            value=file.parent.name,
+            allowed=f"a folder called {file.stem}, with {file.stem}.urdf beside the TOML file",
+        )
+    return file.parent
 
 
 def _read(path: Path) -> str:

@@ -100,3 +100,6 @@ quantity that is zero from division by zero."""
 COARSEST_TURN = 1e-4
 """[1] Largest tolerance of the second run of a turn whose difference from the first states an
 error. A choice: coarser turns may take another order of collisions."""
+SAME_DIMENSION = 1e-9
+"""[mm, deg, kg or kg m2; relative above 1] Difference of a dimension or a mass of two models that
+is round-off. A choice: a point that is moved turns others by eps times lengths of 1e3 mm."""

@@ -10,13 +10,15 @@ from ..extras import require
 
 if TYPE_CHECKING:
     from ..hybrid.result.solution import Solution
+    from ..study.compare import Comparison
+    from .scene import Look
 
 PORT = 7000
 """Port that a scene is served at."""
 
 
 def view(
-    solution: Solution,
+    solution: Solution | Comparison,
     file: str | Path | None = None,
     *,
     slow: float = 1000.0,
@@ -24,12 +26,12 @@ def view(
     port: int = PORT,
     browser: bool = True,
 ) -> Path | None:
-    """Show a solution.
+    """Show a solution, or a comparison of two in one film.
 
     Args:
-        solution: The solution.
+        solution: The solution, or the comparison.
         file: ``NAME.html`` for one page that holds everything, ``NAME.gif`` for the film in side
-            view; None to serve it until Ctrl-C.
+            view (of one solution); None to serve it until Ctrl-C.
         slow: Time is stretched 1 : slow around events.
         exaggerate: The gap of the transition stop is drawn so many times as large, 1 to 50.
         port: Port to serve at; 0 for any that is free.
@@ -43,35 +45,60 @@ def view(
             extra ``view`` is not installed.
     """
     from ..hybrid.result.solution import Solution as Simulated
+    from ..study.compare import Comparison as Compared
 
-    if not isinstance(solution, Simulated):
+    if not isinstance(solution, Simulated | Compared):
         message = f"view shows a solution, and this is {solution!r}: nip.view(nip.simulate(...))"
         raise InputError(message, solution=solution)
-    from .scene import Look, film
+    from .scene import Look
 
     look = Look(slow=slow, exaggerate=exaggerate)
     if file is None:
         need_page()
-        from .scene.page import scene_page
         from .scene.server import serve
 
-        serve(scene_page(film(solution, look)), port, browser=browser)
+        serve(_page(solution, look), port, browser=browser)
         return None
     target = Path(file)
     if target.suffix == ".html":
         need_page()
-        from .scene.page import write_page
-
-        write_page(solution, target, look)
-    elif target.suffix == ".gif":
+        _write_page(solution, target, look)
+    elif target.suffix == ".gif" and isinstance(solution, Simulated):
         need_film()
         from .scene.gif import write_gif
 
         write_gif(solution, target, look)
     else:
-        message = f"{target}: a scene is written as NAME.html or NAME.gif"
+        kinds = "NAME.html or NAME.gif" if isinstance(solution, Simulated) else "NAME.html"
+        message = f"{target}: a scene is written as {kinds}"
         raise InputError(message, file=str(target))
     return target
+
+
+def _page(shown: Solution | Comparison, look: Look) -> str:
+    from ..study.compare import Comparison
+
+    if isinstance(shown, Comparison):
+        from .compare.page import comparison_page
+
+        return comparison_page(shown, look)
+    from .scene import film
+    from .scene.page import scene_page
+
+    return scene_page(film(shown, look))
+
+
+def _write_page(shown: Solution | Comparison, target: Path, look: Look) -> None:
+    from ..study.compare import Comparison
+
+    if isinstance(shown, Comparison):
+        from .compare.page import write_comparison
+
+        write_comparison(shown, target, look)
+    else:
+        from .scene.page import write_page
+
+        write_page(shown, target, look)
 
 
 def need_page() -> None:

@@ -79,12 +79,14 @@ class Film:
     force: dict[str, FloatArray]
 
 
-def film(solution: Solution, look: Look) -> Film:
+def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     """Sample a solution.
 
     Args:
         solution: The solution.
         look: How it is shown.
+        frames: Times of the frames, by default those that suit the solution. Outside of its run the
+            machine stands still.
 
     Returns:
         The frames.
@@ -98,9 +100,12 @@ def film(solution: Solution, look: Look) -> Film:
             "use --window cycle or a higher restitution"
         )
         raise InputError(message, outcome=solution.outcome.name)
-    mechanism, frames = solution.mechanism, pace(solution, look.slow)
-    motion = solution.trajectory.evaluate(frames.machine)
-    drawn = exaggerated(solution, frames.machine, motion.q, look.exaggerate)
+    mechanism = solution.mechanism
+    if frames is None:
+        frames = pace(solution, look.slow)
+    t = np.clip(frames.machine, 0.0, shown_until(solution))
+    motion = solution.trajectory.evaluate(t)
+    drawn = exaggerated(solution, t, motion.q, look.exaggerate)
     position, angle = _poses(solution, drawn)
     cylinder = mechanism.cylinder
     starts = [item.t_start for item in solution.phases]
@@ -114,9 +119,9 @@ def film(solution: Solution, look: Look) -> Film:
         position=position,
         angle=angle,
         turned=motion.cylinder_angle - cylinder.angle_at_touch_rad,
-        phase=np.maximum(np.searchsorted(starts, frames.machine, side="right") - 1, 0),
+        phase=np.maximum(np.searchsorted(starts, t, side="right") - 1, 0),
         index=(cylinder.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN,
-        force=solution.trajectory.reactions(frames.machine).contacts,
+        force=solution.trajectory.reactions(t).contacts,
     )
 
 

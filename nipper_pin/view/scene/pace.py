@@ -49,7 +49,19 @@ def pace(solution: Solution, slow: float) -> Pace:
     """
     end = shown_until(solution)
     events = np.array([event.t for event in solution.events if event.t <= end])
-    knots, stretch = _profile(events, end, solution.shaft.period, slow)
+    return paced(events, end, solution.shaft.period, slow)
+
+
+def paced(events: FloatArray, end: float, period: float, slow: float) -> Pace:
+    """Choose frames by the times of events.
+
+    Args:
+        events: Their times, ascending, shape (E,) [s].
+        end: End of the film on the same clock, which begins at 0 [s].
+        period: Time of a turn [s].
+        slow: Stretch of time around events [-].
+    """
+    knots, stretch = _profile(events, end, period, slow)
     slopes = 0.5 * (stretch[1:] + stretch[:-1])
     playback = np.concatenate([[0.0], np.cumsum(slopes * np.diff(knots))])
     count = min(int(FRAMES_PER_SECOND * playback[-1]) + 2, _MOST_FRAMES)

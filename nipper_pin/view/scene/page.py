@@ -5,13 +5,16 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 
 import meshcat
 import umsgpack
 
+from ...arrays import FloatArray
 from ...hybrid.result.solution import Solution
+from ...mechanism import Mechanism
 from ...outputs import complete_file
 from .arrows import arrow_stops
 from .film import Film, Look, film
@@ -54,18 +57,36 @@ def scene_page(shown: Film) -> str:
     Returns:
         HTML with script, scene and animation inside.
     """
+    mechanism = shown.solution.mechanism
+    found = {**readings(shown), "cameras": cameras(mechanism, shown.position)}
+    return assembled([*background(), *machine_messages(shown)], found)
+
+
+def assembled(
+    messages: Sequence[Mapping[str, object]], found: Mapping[str, object], more: Sequence[Path] = ()
+) -> str:
+    """The page of messages to meshcat's viewer and of what is written beside it.
+
+    Args:
+        messages: Commands that draw the scene and play its animation.
+        found: What the page's script reads (:func:`~.readings.readings`, and cameras).
+        more: Further scripts and style sheets, after those of every page.
+    """
     here = resources.files(__package__) / "page_files"
+    files = [*((here / name) for name in (*_SCRIPTS, "style.css")), *more]
+    texts = {file.name: file.read_text(encoding="utf-8") for file in files}
     viewer = (_VIEWER / "dist" / "main.min.js").read_text(encoding="utf-8")
-    script = "".join((here / name).read_text(encoding="utf-8") for name in _SCRIPTS)
+    script = "".join(text for name, text in texts.items() if name.endswith(".js"))
     parts = {
         "policy": _policy(viewer, script),
         "licence": _licences(),
-        "style": (here / "style.css").read_text(encoding="utf-8"),
+        "style": "".join(text for name, text in texts.items() if name.endswith(".css")),
         "viewer": viewer,
-        "scene": json.dumps(_messages(shown)),
-        "film": _in_script(json.dumps({**readings(shown), "cameras": _cameras(shown)})),
+        "scene": json.dumps([base64.b64encode(umsgpack.packb(item)).decode("ascii")
+                             for item in messages]),
+        "film": _in_script(json.dumps(found, allow_nan=False)),
         "script": script,
-    }
+    }  # fmt: skip
     pieces = []
     # Split first: what is put in may hold anything, also what looks like a place to put something.
     for place, piece in enumerate((here / "page.html").read_text(encoding="utf-8").split("@@")):
@@ -73,36 +94,50 @@ def scene_page(shown: Film) -> str:
     return "".join(pieces)
 
 
-def _messages(shown: Film) -> list[str]:
-    """The messages that meshcat's server would send, in base64."""
-    mechanism = shown.solution.mechanism
-    drawn = solids(mechanism)
-    sent: list[dict[str, object]] = [
+def background() -> list[dict[str, object]]:
+    """Messages that make the viewer's scene an empty page."""
+    return [
         _property("Background", "top_color", [1.0, 1.0, 1.0]),
         _property("Background", "bottom_color", [0.80, 0.84, 0.88]),
         _property("Grid", "visible", False),
         _property("Axes", "visible", False),
     ]
+
+
+def machine_messages(shown: Film) -> list[dict[str, object]]:
+    """Messages that draw the machine of a film; the last one is its animation.
+
+    Args:
+        shown: The film.
+    """
+    mechanism = shown.solution.mechanism
+    drawn = solids(mechanism)
+    sent: list[dict[str, object]] = []
     for solid in drawn:
         sent += solid_commands(mechanism, solid)
     for stop in arrow_stops(mechanism):
         sent += arrow_commands(mechanism, stop)
     sent += (strut_command(mechanism, strut) for strut in mechanism.struts)
     sent.append(animation(shown, drawn))
-    return [base64.b64encode(umsgpack.packb(item)).decode("ascii") for item in sent]
+    return sent
 
 
 def _property(path: str, name: str, value: object) -> dict[str, object]:
     return {"type": "set_property", "path": f"/{path}", "property": name, "value": value}
 
 
-def _cameras(shown: Film) -> dict[str, object]:
-    """Positions and targets of the cameras (x, y, z) [m], for views of all moving parts."""
-    points = shown.position.reshape(-1, 2)
+def cameras(mechanism: Mechanism, position: FloatArray) -> dict[str, object]:
+    """Positions and targets of the cameras (x, y, z) [m], for views of all moving parts.
+
+    Args:
+        mechanism: The mechanism.
+        position: Places (x, z) that are to be seen, shape (..., 2) [m].
+    """
+    points = position.reshape(-1, 2)
     found: dict[str, object] = {}
     for name, direction in (("whole", OBLIQUE), ("side", ALONG)):
-        target, position = camera(shown.solution.mechanism, points, _NEAR, direction, _LOWER)
-        found[name] = {"target": target.tolist(), "position": position.tolist()}
+        target, place = camera(mechanism, points, _NEAR, direction, _LOWER)
+        found[name] = {"target": target.tolist(), "position": place.tolist()}
     return found
 
 

@@ -16,7 +16,7 @@ from ...units import MM_PER_M, MS_PER_S
 from ..reading import case_text, force_name, gap_noun, units_of
 from .arrows import arrow_stops
 from .closeup import close_up
-from .curves import curves
+from .curves import Curve, curves
 from .film import Film, drawn_limit
 from .intervals import intervals
 from .names import names
@@ -48,10 +48,10 @@ def readings(film: Film) -> dict[str, object]:
         "case": case_text(solution),
         "note": note(film),
         "exaggerate": film.look.exaggerate,
-        "playback": _numbers(pace.playback),
+        "playback": rounded(pace.playback),
         "duration": float(pace.playback[-1]),
         "columns": [
-            {"label": label, "unit": unit, "values": _numbers(values)}
+            {"label": label, "unit": unit, "values": rounded(values)}
             for label, unit, values in columns(film)
         ],
         "phase_of_frame": film.phase.tolist(),
@@ -63,21 +63,33 @@ def readings(film: Film) -> dict[str, object]:
         "collisions": [
             {"at": float(pace.playback_at(item.t)), "stop": item.stop,
              "text": collision_text(mechanism, item)}
-            for item in solution.collisions if item.t <= last
+            for item in solution.collisions if pace.machine[0] <= item.t <= last
         ],
         "ticks": [
-            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}"}
-            for t in _ticks(last)
+            {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}", "number": number}
+            for number, t in enumerate(_ticks(last).tolist()) if t >= pace.machine[0]
         ],
-        "curves": [
-            {"label": curve.label, "stop": curve.stop, "text": digits(curve.most),
-             "most": curve.most, "colour": curve.colour, "values": _numbers(curve.values)}
-            for curve in curves(film)
-        ],
+        "curves": [curve_record(curve) for curve in curves(film)],
         "names": names(mechanism),
         "arrows": [arrow_path(mechanism, stop).split("/") for stop in arrow_stops(mechanism)],
         "lips": None if lips is None else lips.record(),
     }  # fmt: skip
+
+
+def curve_record(curve: Curve) -> dict[str, object]:
+    """A curve as plain data.
+
+    Args:
+        curve: The curve.
+    """
+    return {
+        "label": curve.label,
+        "stop": curve.stop,
+        "text": digits(curve.most),
+        "most": curve.most,
+        "colour": curve.colour,
+        "values": rounded(curve.values),
+    }
 
 
 def _ticks(end: float) -> FloatArray:
@@ -140,7 +152,11 @@ def _limit(film: Film) -> str:
     return f"{limit:.3g} {units.coordinate}"
 
 
-def _numbers(values: FloatArray) -> list[float]:
-    """Rounded numbers; round-off beside the largest of them is zero."""
+def rounded(values: FloatArray) -> list[float]:
+    """Rounded numbers; round-off beside the largest of them is zero.
+
+    Args:
+        values: The numbers, shape (K,).
+    """
     least = _ROUND_OFF * float(np.abs(values).max(initial=0.0))
     return [float(f"{value:.{_DIGITS}g}") if abs(value) > least else 0.0 for value in values]

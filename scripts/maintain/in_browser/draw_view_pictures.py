@@ -1,4 +1,4 @@
-"""Pictures of the viewer and of the live page for the documents.
+"""Pictures of the viewer, of a comparison and of the live page for the documents.
 
 Run: python scripts/maintain/in_browser/draw_view_pictures.py [FOLDER]      (default docs/images)
      Needs the `dev` extra and Chromium.
@@ -17,12 +17,15 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 import nipper_pin as nip
+from nipper_pin.view.compare.page import write_comparison
+from nipper_pin.view.compare.pair import pair
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.page import write_page
 
 SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
+COMPARED = (450.0, 520.0)  # r/min
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -64,20 +67,44 @@ def view_pictures(browser: Browser, folder: Path) -> None:
     solution = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=SPEED, window=nip.Window.CYCLE))
     look = Look(exaggerate=EXAGGERATE)
     with tempfile.TemporaryDirectory() as place:
-        file = write_page(solution, Path(place) / "view.html", look)
-        page = browser.new_page(viewport={"width": VIEW[0], "height": VIEW[1]})
-        page.goto(file.as_uri())
-        # The page runs no text but its own, which the browser's own waiting would need.
-        while not page.evaluate("animator.time > 0.1"):
-            page.wait_for_timeout(50)
+        page = opened(browser, write_page(solution, Path(place) / "view.html", look))
         for name, time in moments(film(solution, look)).items():
-            page.evaluate(
-                "time => { animator.pause(); animator.seek(time);"
-                " animator.display_progress(time); }", time
-            )  # fmt: skip
-            page.wait_for_timeout(1000)
+            stop_at(page, time)
             save(page, folder / f"view_{name}.png")
         page.close()
+
+
+def comparison_picture(browser: Browser, path: Path) -> None:
+    """Two speeds, in the middle of the first rebound at the slower one."""
+    model = nip.load("e62")
+    cases = (nip.Case(speed_rpm=rpm, window=nip.Window.CYCLE) for rpm in COMPARED)
+    comparison = nip.compare(*(nip.simulate(model, case) for case in cases))
+    look = Look(exaggerate=EXAGGERATE)
+    first = moments(pair(comparison, look).a)["phase3"]
+    with tempfile.TemporaryDirectory() as place:
+        page = opened(browser, write_comparison(comparison, Path(place) / "both.html", look))
+        page.locator("#names").uncheck()
+        stop_at(page, first)
+        save(page, path)
+        page.close()
+
+
+def opened(browser: Browser, file: Path) -> Page:
+    """A page of the viewer, once it plays."""
+    page = browser.new_page(viewport={"width": VIEW[0], "height": VIEW[1]})
+    page.goto(file.as_uri())
+    # The page runs no text but its own, which the browser's own waiting would need.
+    while not page.evaluate("animator.time > 0.1"):
+        page.wait_for_timeout(50)
+    return page
+
+
+def stop_at(page: Page, time: float) -> None:
+    """Stop the film at a time [s] and wait until it is drawn."""
+    page.evaluate(
+        "time => { animator.pause(); animator.seek(time); animator.display_progress(time); }", time
+    )
+    page.wait_for_timeout(1000)
 
 
 def live_picture(browser: Browser, path: Path) -> None:
@@ -113,6 +140,7 @@ def main(folder: str | None = None) -> None:
     target = Path(folder) if folder else Path(__file__).resolve().parents[3] / "docs" / "images"
     with chromium() as browser:
         view_pictures(browser, target)
+        comparison_picture(browser, target / "compare.png")
         live_picture(browser, target / "live.png")
 
 

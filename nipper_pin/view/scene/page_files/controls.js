@@ -5,9 +5,11 @@ byId("note").textContent = film.note;
 const cells = film.columns.map((column) => {
   const row = byId("numbers").insertRow();
   row.insertCell().textContent = column.label;
-  const value = row.insertCell();
+  // Of two machines there are two numbers in a row.
+  const values = [column.values, ...(film.compare ? [column.other] : [])];
+  const places = values.map((list) => [row.insertCell(), list]);
   row.insertCell().textContent = column.unit;
-  return value;
+  return places;
 });
 for (const [name, colour] of film.legend) {
   const item = document.createElement("span"), box = document.createElement("i");
@@ -50,11 +52,11 @@ document.addEventListener("keydown", (event) => {
 const hitTimes = hits.map((hit) => hit.at);
 function write(time) {
   const frame = Math.max(last(film.playback, time + 1e-6), 0);
-  film.columns.forEach((column, place) => {
-    const value = column.values[frame];
-    cells[place].textContent = value === 0 ? "0" : Math.abs(value) < 1e-3
+  for (const [cell, values] of cells.flat()) {
+    const value = values ? values[frame] : null;
+    cell.textContent = value === null ? "-" : value === 0 ? "0" : Math.abs(value) < 1e-3
       ? value.toExponential(2) : String(Number(value.toPrecision(4)));
-  });
+  }
   const phase = film.phases[film.phase_of_frame[frame]];
   byId("phase").textContent = phase.name;
   byId("phase").style.borderColor = phase.colour;

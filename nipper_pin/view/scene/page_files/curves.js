@@ -7,19 +7,35 @@ function go(time) {
   animator.seek(to);
   animator.display_progress(to);
 }
+// Between two multiples of ten steps all labels of one spacing stand, the closest that has room.
+function labelled(placed) {
+  const free = (one, next) => next.x - one.x >= one.half + next.half + 6;
+  const chosen = [];
+  for (const tick of placed.filter((item) => item.number % 10 === 0))
+    if (chosen.length === 0 || free(chosen[chosen.length - 1], tick)) chosen.push(tick);
+  const ends = [placed[0], ...chosen, placed[placed.length - 1]];
+  for (let i = 0; i + 1 < ends.length; i += 1) {
+    const [from, to] = [ends[i].number, ends[i + 1].number];
+    for (const step of [1, 2, 5]) {
+      const part = placed.filter(({ number }) => number >= from && number <= to && number % step === 0);
+      if (part.length < 2 || !part.slice(1).every((tick, place) => free(part[place], tick))) continue;
+      chosen.push(...part);
+      break;
+    }
+  }
+  return new Set(chosen);
+}
 function ticks(canvas, pen, top, bottom) {
-  let free = -1;
   pen.font = "11px system-ui, sans-serif";
   pen.textAlign = "center";
-  for (const tick of film.ticks) {
-    const x = across(canvas, tick.at), half = pen.measureText(tick.text).width / 2;
-    pen.fillStyle = "#8a93a0";
-    pen.fillRect(x, top, 1, 4);
-    if (x - half <= free || x + half > canvas.clientWidth) continue;
-    pen.fillStyle = "#1c2430";
-    pen.fillText(tick.text, x, bottom);
-    free = x + half + 6;
-  }
+  const placed = film.ticks.map((tick) => ({
+    ...tick, x: across(canvas, tick.at), half: pen.measureText(tick.text).width / 2,
+  }));
+  pen.fillStyle = "#8a93a0";
+  for (const tick of placed) pen.fillRect(tick.x, top, 1, 4);
+  pen.fillStyle = "#1c2430";
+  for (const tick of labelled(placed))
+    if (tick.x + tick.half <= canvas.clientWidth) pen.fillText(tick.text, tick.x, bottom);
 }
 function drawStrip() {
   const canvas = document.querySelector("#line canvas"), pen = sized(canvas);
@@ -52,21 +68,24 @@ function drawCurves() {
     pen.textAlign = "right";
     pen.fillText(curve.text, LEFT - 3, top + 6);
     pen.fillText("0", LEFT - 3, bottom + 1);
-    pen.strokeStyle = curve.colour;
-    pen.lineWidth = 1.5;
-    pen.beginPath();
-    // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
-    let drawing = false;
-    curve.values.forEach((value, frame) => {
-      const inside = value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
-      if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
-      drawing = inside;
-    });
-    pen.stroke();
+    // Of two machines there are two lines in one lane.
+    for (const line of [curve, ...(curve.more || [])]) {
+      pen.strokeStyle = line.colour;
+      pen.lineWidth = 1.5;
+      pen.beginPath();
+      // A value beyond the lane is not drawn: an open jaw would hide its rebounds.
+      let drawing = false;
+      line.values.forEach((value, frame) => {
+        const inside = value !== null && value <= 1.001 * curve.most, x = across(canvas, film.playback[frame]);
+        if (inside && drawing) pen.lineTo(x, y(value)); else pen.moveTo(x, y(value));
+        drawing = inside;
+      });
+      pen.stroke();
+    }
     pen.lineWidth = 1;
-    pen.fillStyle = "#d55e00";
     for (const hit of hits) {
       if (hit.stop !== curve.stop) continue;
+      pen.fillStyle = hit.colour || "#d55e00";
       const x = across(canvas, hit.at);
       pen.beginPath();
       pen.moveTo(x, bottom - 7);

@@ -1,52 +1,58 @@
 // The lips close up: the same scene through a second camera, which follows the lower lip.
 // From far away with a long lens: what lies behind the cut is to have the same scale.
-const lips = film.lips, FIELD = 0.05;
+const lips = film.lips, FIELD = 0.05, closeUps = [];
+const arrowNodes = film.arrows.map((path) => viewer.scene_tree.find(path).object);
+// Of two machines each close-up hides the other one.
+function addCloseUp(lips, figure, hidden = []) {
+  const distance = lips.height / 2 / Math.tan(FIELD / 2 * Math.PI / 180);
+  // What is nearer than the cut is not drawn, nor the arrows of impulses, which are larger than lips.
+  const camera = new viewer.camera.constructor(FIELD, 4 / 3, distance, distance + 10);
+  const times = film.exaggerate === 1 ? "true size" : `rebounds x ${film.exaggerate}`;
+  const name = lips.name ? `${lips.name}: ` : "";
+  figure.querySelector("figcaption").textContent =
+    `${name}${lips.stop} along its hinge, near half cut away; ${times}`;
+  const canvas = figure.querySelector("canvas");
+  closeUps.push({ lips, camera, distance, canvas, hidden, around: (draw) => draw() });
+}
+function drawLips({ lips, camera, distance, canvas, hidden, around }) {
+  const pen = sized(canvas), renderer = viewer.renderer, time = animator.time;
+  const pane = renderer.domElement, ratio = renderer.getPixelRatio();
+  const x = between(lips.x, time), z = between(lips.z, time), angle = between(lips.angle, time);
+  const wide = canvas.clientWidth, high = canvas.clientHeight;
+  const shrink = Math.min(1, pane.clientWidth / wide, pane.clientHeight / high);
+  const w = Math.floor(wide * shrink), h = Math.floor(high * shrink);
+  if (w < 1 || h < 1) return;
+  camera.aspect = w / h;
+  camera.up.set(...upright([Math.cos(angle), 0, Math.sin(angle)]));
+  camera.position.set(...upright([x, lips.across - distance, z]));
+  camera.lookAt(...upright([x, lips.across, z]));
+  camera.updateProjectionMatrix();
+  renderer.setScissorTest(true);
+  renderer.setScissor(0, 0, w, h);
+  renderer.setViewport(0, 0, w, h);
+  const shown = [...arrowNodes, ...hidden].filter((item) => item.visible);
+  for (const item of shown) item.visible = false;
+  around(() => renderer.render(viewer.scene, camera));
+  for (const item of shown) item.visible = true;
+  pen.clearRect(0, 0, wide, high);
+  pen.drawImage(pane, 0, pane.height - h * ratio, w * ratio, h * ratio, 0, 0, wide, high);
+  renderer.setScissorTest(false);
+  renderer.setViewport(0, 0, pane.clientWidth, pane.clientHeight);
+  const long = lips.scale_mm / 1000 / lips.height * high;
+  pen.fillStyle = "#1c2430";
+  pen.fillRect(12, high - 14, long, 3);
+  pen.fillRect(12, high - 18, 1, 11);
+  pen.fillRect(12 + long, high - 18, 1, 11);
+  pen.font = "12px system-ui, sans-serif";
+  pen.fillText(`${lips.scale_mm} mm`, 16, high - 20);
+}
 if (!lips) {
   byId("lips").remove();
   byId("near").remove();
 } else {
-  const canvas = document.querySelector("#lips canvas"), unit = Math.PI / 180;
-  const distance = lips.height / 2 / Math.tan(FIELD / 2 * unit);
-  // What is nearer than the cut is not drawn, nor the arrows of impulses, which are larger than lips.
-  const arrows = film.arrows.map((path) => viewer.scene_tree.find(path).object);
-  const camera = new viewer.camera.constructor(FIELD, 4 / 3, distance, distance + 10);
-  const times = film.exaggerate === 1 ? "true size" : `rebounds x ${film.exaggerate}`;
-  document.querySelector("#lips figcaption").textContent =
-    `${lips.stop} along its hinge, near half cut away; ${times}`;
-
-  function drawLips() {
-    const pen = sized(canvas), renderer = viewer.renderer, time = animator.time;
-    const pane = renderer.domElement, ratio = renderer.getPixelRatio();
-    const x = between(lips.x, time), z = between(lips.z, time), angle = between(lips.angle, time);
-    const wide = canvas.clientWidth, high = canvas.clientHeight;
-    const shrink = Math.min(1, pane.clientWidth / wide, pane.clientHeight / high);
-    const w = Math.floor(wide * shrink), h = Math.floor(high * shrink);
-    if (w < 1 || h < 1) return;
-    camera.aspect = w / h;
-    camera.up.set(...upright([Math.cos(angle), 0, Math.sin(angle)]));
-    camera.position.set(...upright([x, lips.across - distance, z]));
-    camera.lookAt(...upright([x, lips.across, z]));
-    camera.updateProjectionMatrix();
-    renderer.setScissorTest(true);
-    renderer.setScissor(0, 0, w, h);
-    renderer.setViewport(0, 0, w, h);
-    for (const arrow of arrows) arrow.visible = false;
-    renderer.render(viewer.scene, camera);
-    for (const arrow of arrows) arrow.visible = true;
-    pen.clearRect(0, 0, wide, high);
-    pen.drawImage(pane, 0, pane.height - h * ratio, w * ratio, h * ratio, 0, 0, wide, high);
-    renderer.setScissorTest(false);
-    renderer.setViewport(0, 0, pane.clientWidth, pane.clientHeight);
-    const long = lips.scale_mm / 1000 / lips.height * high;
-    pen.fillStyle = "#1c2430";
-    pen.fillRect(12, high - 14, long, 3);
-    pen.fillRect(12, high - 18, 1, 11);
-    pen.fillRect(12 + long, high - 18, 1, 11);
-    pen.font = "12px system-ui, sans-serif";
-    pen.fillText(`${lips.scale_mm} mm`, 16, high - 20);
-  }
+  addCloseUp(lips, byId("lips"));
   const drawWhole = viewer.render.bind(viewer);
-  viewer.render = () => { drawLips(); drawWhole(); };
+  viewer.render = () => { closeUps.forEach(drawLips); drawWhole(); };
   byId("near").addEventListener("click", () => {
     const time = animator.time, target = [between(lips.x, time), lips.across, between(lips.z, time)];
     look([target[0] + 0.01, target[1] - 25 * lips.height, target[2] + 0.02], target);

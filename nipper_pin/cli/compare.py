@@ -1,0 +1,160 @@
+"""``nipper-pin compare``."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from typing import Any
+
+from ..errors import InputError
+from ..extras import require
+from ..hybrid.case import Window
+from ..study.compare import Comparison, compare
+from .arguments import MODEL, check_outputs, refuse_beside, write_json
+from .case_options import add_window
+from .compare_sides import simulated, sources, told_machine, told_settings, told_window
+
+# Settings that take one value for both, or one for A and one for B.
+_PAIRED = {
+    "speed": ("RPM", "cylinder speed (default: the model's rated speed)"),
+    "restitution": ("E", "restitution of the jaw"),
+    "stiffness": ("N_PER_M", "spring rate; the preload length is kept"),
+}
+# What is proposed where nothing differs: the speed of B by that of A.
+_QUICKER = 1.1
+
+
+class _OneOrTwo(argparse.Action):
+    """Takes one number for both, or two; words behind them are A and B again."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        numbers: list[float] = []
+        for word in values[:2]:
+            try:
+                numbers.append(float(word))
+            except ValueError:
+                break
+        if not numbers:
+            parser.error(f"argument {option_string}: invalid float value: {values[0]!r}")
+        setattr(namespace, self.dest, numbers)
+        namespace.behind = [*getattr(namespace, "behind", []), *values[len(numbers) :]]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.epilog = (
+        "for example: compare e62 my_e62   compare e62 --speed 450 520   "
+        "compare e62 --set-b preload=9.25   compare before.npz after.npz --html compare.html"
+    )
+    parser.add_argument(
+        "a", nargs="?", metavar="A",
+        help="a model (name, folder or TOML file), a saved run (solution.npz) or a folder of "
+        f"simulate --out (default {MODEL})",
+    )  # fmt: skip
+    parser.add_argument("b", nargs="?", metavar="B", help="another one (default: the same as A)")
+    for name, (metavar, text) in _PAIRED.items():
+        parser.add_argument(
+            f"--{name}", nargs="+", action=_OneOrTwo, metavar=metavar,
+            help=f"{text}: of both, or of A and of B",
+        )  # fmt: skip
+    for name, whose in (("--set", "both"), ("--set-a", "A alone"), ("--set-b", "B alone")):
+        parser.add_argument(
+            name, action="append", default=[], metavar="PATH=VALUE",
+            help=f"change a number of {whose} by its path or shortcut, or speed; may be repeated",
+        )  # fmt: skip
+    add_window(parser, Window.CYCLE)
+    parser.add_argument("--html", metavar="FILE", help="write both in one film, as one page")
+    parser.add_argument(
+        "--browser", action="store_true", help="show that page in the browser, until Ctrl-C"
+    )
+    parser.add_argument(
+        "--slow", type=float, default=1000.0, metavar="N",
+        help="stretch time of the film 1:N around events (default 1000)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--exaggerate", type=float, default=1.0, metavar="N",
+        help="draw rebounds of the film N times as large, 1 to 50 (default 1)",
+    )  # fmt: skip
+    parser.add_argument("--out", metavar="DIR", help="write the table (CSV) and the curves")
+    parser.add_argument("--json", metavar="FILE", help="write the table as JSON; - for stdout")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    pictured = options.html is not None or options.browser
+    _check(options, pictured=pictured)
+    one, other = sources(options)
+    comparison = compare(simulated(one, options), simulated(other, options))
+    if options.html is not None or options.browser:
+        from ..view.compare.page import comparison_page, write_comparison
+        from ..view.scene import Look
+
+        look = Look(slow=options.slow, exaggerate=options.exaggerate)
+    if options.out is not None:
+        from ..view.compare.files import write_files
+
+        write_files(comparison, options.out)
+    if options.json is not None:
+        write_json(comparison.record(), options.json)
+    if options.html is not None:
+        write_comparison(comparison, options.html, look)
+    if options.json != "-":
+        _print(comparison, options)
+    if options.browser:
+        from ..view.scene.server import serve
+
+        serve(comparison_page(comparison, look), 0, browser=True)
+
+
+def _check(options: argparse.Namespace, *, pictured: bool) -> None:
+    """Refuse what cannot be done before anything is computed."""
+    if options.json == "-" and options.browser:
+        message = "--json - needs stdout to itself, and so does the server of --browser"
+        raise InputError(message, argument="--json -")
+    if pictured:
+        require("view", "meshcat", "umsgpack", what="a page of the viewer")
+    else:
+        look = {"slow": options.slow != 1000.0, "exaggerate": options.exaggerate != 1.0}
+        refuse_beside(
+            argparse.Namespace(**look),
+            "a table; add --html FILE or --browser",
+            {"slow": "--slow", "exaggerate": "--exaggerate"},
+        )
+    if options.out is not None:
+        require("view", "matplotlib", what="compare --out, which draws curves,")
+    check_outputs(options.out, options.json)
+    check_outputs(None, options.html)
+
+
+def _print(comparison: Comparison, options: argparse.Namespace) -> None:
+    from rich.console import Console
+
+    from ..view.compare.table import print_comparison
+
+    written = {"table and curves": options.out, "film": options.html, "document": options.json}
+    print_comparison(
+        comparison,
+        Console(),
+        written=[f"{what}: {place}" for what, place in written.items() if place is not None],
+        following=_next(options, comparison),
+    )
+
+
+def _next(options: argparse.Namespace, comparison: Comparison) -> str:
+    """The command to run next: one with a difference, the film, or the second machine alone."""
+    one, other = sources(options)
+    if one == other:
+        rpm = comparison.b.case.speed_rpm
+        return shlex.join([
+            "nipper-pin", "compare", *told_machine(one), *told_window(options),
+            "--speed", f"{rpm:g}", f"{_QUICKER * rpm:g}",
+        ])  # fmt: skip
+    if options.html is None and not options.browser:
+        return shlex.join(["nipper-pin", *options.words, "--html", "compare.html"])
+    return shlex.join(["nipper-pin", *told_settings(other)])

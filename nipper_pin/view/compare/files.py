@@ -1,0 +1,121 @@
+"""A comparison as files: its table, and its curves as a figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...errors import InputError
+from ...outputs import complete_folder
+from ...study.compare import Comparison
+from ...units import MS_PER_S
+from ..scene import Look
+from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
+from .table import comparison_csv
+from .words import changes_text, label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FILES = ("comparison.csv", "curves.png", "curves.svg")
+"""Names of the files."""
+_LANE_IN, _HEAD_IN, _COLUMNS = 1.5, 1.5, 100
+# Room beside the transition, by its length; of two panels the transition takes the wider one.
+_ROOM, _WIDTHS = 0.1, (1.0, 1.3)
+
+
+def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
+    """Write the table as CSV and the curves of both as PNG and SVG.
+
+    Args:
+        comparison: The comparison.
+        folder: Folder, made if it does not exist; its files of an earlier comparison are replaced.
+
+    Raises:
+        InputError: The folder cannot be written, or one of the runs has no motion.
+    """
+    from ..plain_texts import plain
+
+    figure = plain(curves_figure(comparison))
+    with complete_folder(folder, FILES) as target:
+        table, *pictures = (target / name for name in FILES)
+        table.write_text(comparison_csv(comparison), encoding="utf-8")
+        for path in pictures:
+            figure.savefig(path, format=path.suffix.removeprefix("."))
+    return [Path(folder) / name for name in FILES]
+
+
+def curves_figure(comparison: Comparison) -> Figure:
+    """Gaps, clamping force and strokes of both against time: the window, and the transition.
+
+    Args:
+        comparison: The comparison.
+
+    Raises:
+        InputError: There is nothing to draw.
+    """
+    import textwrap
+
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    from ..style import SMALL, TEXT, WIDTH_IN
+
+    both = pair(comparison, Look())
+    found, spans = lanes(both), _spans(both)
+    if not found:
+        message = "neither A nor B has a stop, so there are no curves to draw; --json needs none"
+        raise InputError(message)
+    height = _HEAD_IN + _LANE_IN * len(found)
+    figure = Figure(figsize=(WIDTH_IN, height), dpi=200, layout="constrained")
+    FigureCanvasAgg(figure)
+    said = f"{changes_text(comparison)} {clock_text(both)}"
+    figure.suptitle(textwrap.fill(said, _COLUMNS), fontsize=SMALL)
+    grid = figure.subplots(len(found), len(spans), sharex="col", squeeze=False,
+                           width_ratios=_WIDTHS[: len(spans)])  # fmt: skip
+    for row, lane in zip(grid, found, strict=True):
+        for axes, span in zip(row, spans, strict=True):
+            _draw(axes, lane, MS_PER_S * both.a.pace.machine, span)
+        row[0].set_ylabel("\n".join(lane.first.label), fontsize=TEXT)
+    for axes in grid[-1]:
+        axes.set_xlabel("time [ms]", fontsize=TEXT)
+    lines = [
+        Line2D([], [], color=COLOUR_A, linestyle="-", label=f"A: {label(comparison.a)}"),
+        Line2D([], [], color=COLOUR_B, linestyle="--", label=f"B: {label(comparison.b)}"),
+    ]
+    figure.legend(handles=lines, loc="outside lower center", ncols=2, fontsize=SMALL, frameon=False)
+    return figure
+
+
+def _draw(axes: Axes, lane: Lane, t: FloatArray, span: tuple[float, float]) -> None:
+    from ..style import SMALL
+
+    for colour, values in lane.lines:
+        style = "--" if colour == COLOUR_B else "-"
+        # Beyond the axes a curve ends, as in the film: an open jaw would hide its rebounds.
+        axes.plot(t, values, color=colour, linestyle=style, linewidth=1.2)
+    axes.set_xlim(*span)
+    axes.set_ylim(0.0, lane.most)
+    axes.tick_params(labelsize=SMALL)
+
+
+def _spans(both: Pair) -> list[tuple[float, float]]:
+    """Stretches of time that are drawn [ms]: the film, and the transitions of both."""
+    t = both.a.pace.machine
+    spans = [(float(t[0]), float(t[-1]))]
+    found = [
+        (item.t_start - by, item.t_start + item.duration - by)
+        for film, by in ((both.a, 0.0), (both.b, both.later))
+        for item in film.solution.transitions[:1]
+    ]
+    if found:
+        begin, end = min(item[0] for item in found), max(item[1] for item in found)
+        room = _ROOM * (end - begin)
+        if end - begin + 2.0 * room < 0.5 * (spans[0][1] - spans[0][0]):
+            spans.append((begin - room, end + room))
+    return [(MS_PER_S * low, MS_PER_S * high) for low, high in np.array(spans).tolist()]

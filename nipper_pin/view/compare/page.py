@@ -1,0 +1,169 @@
+"""One page with two machines in the same film: the viewer's page with a second machine in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...outputs import complete_file
+from ...study.compare import Comparison
+from ...terms import digits
+from ..scene import Look
+from ..scene.colours import channels
+from ..scene.objects import ROOT
+from ..scene.page import assembled, background, cameras, machine_messages
+from ..scene.readings import curve_record, readings, rounded
+from .pair import COLOUR_A, COLOUR_B, Lane, Pair, clock_text, lanes, pair
+from .table import cells, shown_rows
+from .words import changes_text, finding, label
+
+_OTHER = "other"
+_OPACITY = 0.45
+_FILES = ("compare.js", "compare.css")
+_Message = dict[str, Any]
+
+
+def write_comparison(comparison: Comparison, path: str | Path, look: Look | None = None) -> Path:
+    """Write a comparison as one HTML file that needs nothing else, not even a network.
+
+    Args:
+        comparison: The comparison.
+        path: File to write; it appears only when it is complete.
+        look: How both are shown.
+
+    Raises:
+        InputError: There is nothing to show, or the file cannot be written.
+    """
+    page = comparison_page(comparison, look or Look())
+    with complete_file(Path(path)) as partial:
+        partial.write_text(page, encoding="utf-8")
+    return Path(path)
+
+
+def comparison_page(comparison: Comparison, look: Look) -> str:
+    """The page of a comparison, served or written alike.
+
+    Args:
+        comparison: The comparison.
+        look: How both are shown.
+    """
+    both = pair(comparison, look)
+    one, other = machine_messages(both.a), machine_messages(both.b)
+    film = one.pop()
+    second = [_renamed(message) for message in other]
+    clips = second.pop()["animations"]
+    film = {**film, "animations": [*_clips(film["animations"]), *clips]}
+    here = resources.files(__package__) / "page_files"
+    files = [Path(str(here / name)) for name in _FILES]
+    return assembled([*background(), *one, *second, film], _readings(comparison, both), files)
+
+
+def _clips(clips: Any) -> list[_Message]:
+    return list(clips)
+
+
+def _renamed(message: _Message) -> _Message:
+    """A message about the first machine as one about the second: elsewhere, tinted, transparent."""
+    changed = {**message, "path": _moved(message["path"])}
+    if "animations" in message:
+        # The colour of the first machine tells its phase; that of the second one that it is B.
+        changed["animations"] = [
+            {**item, "path": _moved(item["path"]),
+             "clip": {**item["clip"], "name": f"{_OTHER} {item['clip']['name']}"}}
+            for item in message["animations"]
+            if not item["path"].endswith("<object>")
+        ]  # fmt: skip
+    if message["type"] == "set_object":
+        colour = int.from_bytes(bytes(round(255.0 * part) for part in channels(COLOUR_B)))
+        # Where both stand in one place the first one is seen.
+        tint = {"color": colour, "transparent": True, "opacity": _OPACITY, "polygonOffset": True,
+                "polygonOffsetFactor": 2.0, "polygonOffsetUnits": 4.0}  # fmt: skip
+        drawn = message["object"]
+        materials = [{**item, **tint} for item in drawn["materials"]]
+        changed["object"] = {**drawn, "materials": materials}
+    return changed
+
+
+def _moved(path: str) -> str:
+    return f"/{_OTHER}{path.removeprefix(f'/{ROOT}')}" if path.startswith(f"/{ROOT}") else path
+
+
+def _readings(comparison: Comparison, both: Pair) -> dict[str, object]:
+    """What the page's script reads: that of A's film, with B's beside it."""
+    one, other = readings(both.a), readings(both.b)
+    places = np.concatenate([item.position.reshape(-1, 2) for item in (both.a, both.b)])
+    return {
+        **one,
+        "title": "A and B",
+        "case": "",
+        "note": f"{clock_text(both)} {one['note']}",
+        "columns": _columns(one["columns"], other["columns"]),
+        "collisions": _collisions(one["collisions"], other["collisions"]),
+        "curves": [_lane_record(lane) for lane in lanes(both)],
+        "arrows": [*_paths(one), *([_OTHER, *path[1:]] for path in _paths(other))],
+        "cameras": cameras(both.a.solution.mechanism, places),
+        **_lips(one["lips"], other["lips"]),
+        "compare": {
+            "a": {"name": label(comparison.a), "colour": COLOUR_A, "root": [ROOT]},
+            "b": {"name": label(comparison.b), "colour": COLOUR_B, "root": [_OTHER],
+                  "opacity": _OPACITY},
+            "finding": finding(comparison),
+            "changes": changes_text(comparison),
+            "notes": list(comparison.notes),
+            "rows": [cells(row) for row in shown_rows(comparison)],
+        },
+    }  # fmt: skip
+
+
+def _paths(found: Any) -> list[list[str]]:
+    return list(found["arrows"])
+
+
+def _columns(one: Any, other: Any) -> list[_Message]:
+    """Numbers of A with those of B of the same name and unit; then what B alone has."""
+    values = {(item["label"], item["unit"]): item["values"] for item in other}
+    own = {(item["label"], item["unit"]) for item in one}
+    kept = [{**item, "other": values.get((item["label"], item["unit"]))} for item in one]
+    alone = [item for item in other if (item["label"], item["unit"]) not in own]
+    return [*kept, *({**item, "values": None, "other": item["values"]} for item in alone)]
+
+
+def _collisions(one: Any, other: Any) -> list[_Message]:
+    """Collisions of both in order of time, in the colour of their run."""
+    marked: Iterator[_Message] = (
+        {**hit, "colour": colour, "text": f"{side} {hit['text']}"}
+        for side, colour, hits in (("A", COLOUR_A, one), ("B", COLOUR_B, other))
+        for hit in hits
+    )
+    return sorted(marked, key=lambda hit: float(hit["at"]))
+
+
+def _lane_record(lane: Lane) -> _Message:
+    record = curve_record(lane.first)
+    lines = [{"colour": colour, "values": _gaps(values)} for colour, values in lane.lines]
+    return {**record, **lines[0], "most": lane.most, "text": digits(lane.most), "more": lines[1:]}
+
+
+def _gaps(values: Any) -> list[float | None]:
+    """Numbers, None where there is no motion."""
+    there = np.isfinite(values)
+    told = rounded(np.where(there, values, 0.0))
+    return [value if known else None for value, known in zip(told, there, strict=True)]
+
+
+def _lips(one: Any, other: Any) -> dict[str, object]:
+    """Close-ups of both to one scale; none of a machine without a contact point."""
+    known = [item for item in (one, other) if item is not None]
+    largest = max(known, key=lambda item: float(item["height"]), default=None)
+    if largest is None:
+        return {"lips": None, "other_lips": None}
+    scale = {"height": largest["height"], "scale_mm": largest["scale_mm"]}
+    first, second = (
+        None if item is None else {**item, **scale, "name": side}
+        for item, side in ((one, "A"), (other, "B"))
+    )
+    return {"lips": first, "other_lips": second}

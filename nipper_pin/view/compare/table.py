@@ -1,0 +1,98 @@
+"""A comparison on the terminal and as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+from rich.console import Console
+
+from ...study.compare import Comparison, Row
+from ..console import headline, paste, say, show_table
+from .words import change_texts, difference_text, finding, label, row_shown
+
+_HEADINGS = ("quantity", "unit", "A", "B", "difference")
+# Rows of a whole turn begin here.
+_TURN = "repeats_after"
+
+
+def print_comparison(
+    comparison: Comparison, console: Console, *, written: Sequence[str] = (), following: str = ""
+) -> None:
+    """Print what differs, the table, and what was found.
+
+    Args:
+        comparison: The comparison.
+        console: Where to print, of any width.
+        written: Files that were written, each behind what it is.
+        following: The command to run next.
+    """
+    say(console, f"A: {label(comparison.a)}")
+    say(console, f"B: {label(comparison.b)}")
+    _changes(comparison, console)
+    for name, rows in _parts(comparison):
+        headline(console, name)
+        show_table(console, _HEADINGS, [cells(row) for row in rows])
+    if comparison.rows:
+        say(console, "difference: B less A, in per cent of A; of indices and counts as it is")
+    if comparison.notes:
+        headline(console, "Notes")
+        for note in comparison.notes:
+            say(console, note)
+    headline(console, finding(comparison))
+    for line in written:
+        paste(console, line)
+    if following:
+        paste(console, f"Next: {following}")
+
+
+def comparison_csv(comparison: Comparison) -> str:
+    """The table as CSV, by the names of files and in SI units.
+
+    Args:
+        comparison: The comparison.
+    """
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(("name", "unit", "a", "b", "difference", "difference_percent"))
+    for row in comparison.rows:
+        writer.writerow((row.name, row.unit, row.a, row.b, row.difference, row.percent))
+    return stream.getvalue()
+
+
+def shown_rows(comparison: Comparison) -> list[Row]:
+    """Rows of which at least one run has a value.
+
+    Args:
+        comparison: The comparison.
+    """
+    return [row for row in comparison.rows if row.a is not None or row.b is not None]
+
+
+def _parts(comparison: Comparison) -> list[tuple[str, list[Row]]]:
+    """Rows of the transition, then those of the turn; nothing without any."""
+    rows = shown_rows(comparison)
+    names = [row.name for row in rows]
+    place = names.index(_TURN) if _TURN in names else len(rows)
+    parts = [("Transition", rows[:place]), ("Whole turn", rows[place:])]
+    return [(name, part) for name, part in parts if part]
+
+
+def cells(row: Row) -> tuple[str, str, str, str, str]:
+    """Words, unit, both values and the difference, as people read them.
+
+    Args:
+        row: The row.
+    """
+    found = row_shown(row)
+    return found.words, found.unit, found.text(row.a), found.text(row.b), difference_text(row)
+
+
+def _changes(comparison: Comparison, console: Console) -> None:
+    if not comparison.changes:
+        say(console, "Machine and setting are the same.")
+        return
+    headline(console, "What differs")
+    for text in change_texts(comparison):
+        say(console, text)

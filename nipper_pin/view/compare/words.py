@@ -1,0 +1,173 @@
+"""Words and numbers of a comparison as people read them: rows, what differs, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...hybrid.case import Window
+from ...hybrid.result.solution import Solution
+from ...study.compare import Change, Comparison, Row
+from ...terms import Shown, digits, fixed, named
+from ..naming import shown
+
+# Counts and places on a scale: their difference is told, not its share.
+_COUNTED = ("collisions", "repeats_after")
+_INDEX, _LEAST_INDEX = "_index", 0.001
+_MOST_CHANGES = 12
+_LEAST_PERCENT, _ROUND_PERCENT, _WHOLE_PERCENT = 0.005, 10.0, 1000.0
+# What a designer asks first, and what is said if B has more or less of it.
+_ASKED = (
+    ("rebound_amplitude_1", "rebounds {} further", "rebounds {} less far"),
+    ("duration_s", "takes {} longer to rest", "comes to rest in {} less time"),
+    ("least_clamping_force_N", "clamps with {} more force", "clamps with {} less force"),
+)
+
+
+def label(run: Solution) -> str:
+    """Model, speed and window of a run.
+
+    Args:
+        run: The run.
+    """
+    case = run.case
+    what = "transition"
+    if case.window is Window.CYCLE:
+        turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
+        what = f"{turns} from index {case.start_index:g}"
+    return f"{run.mechanism.name}, {case.speed_rpm:g} r/min, {what}"
+
+
+def row_shown(row: Row) -> Shown:
+    """How people read a quantity.
+
+    Args:
+        row: Its row.
+    """
+    found = named(row.name, row.unit)
+    # Of the transition, where turns count the collisions of each stop as well.
+    return found.called("collisions until rest") if row.name == "collisions" else found
+
+
+def difference_text(row: Row) -> str:
+    """The difference in per cent, or in the quantity's own unit where that says more.
+
+    Args:
+        row: The row.
+    """
+    if row.difference is None:
+        return "-"
+    if row.difference == 0.0:
+        return "0"
+    if row.name.endswith(_INDEX) or row.name.startswith(_COUNTED):
+        text = row_shown(row).text(row.difference)
+        return _signed(text) if float(text) else f"< {_LEAST_INDEX}"
+    if row.percent is None:
+        return _signed(row_shown(row).phrase(row.difference))
+    return percent_text(row.percent)
+
+
+def percent_text(percent: float) -> str:
+    """A difference in per cent with its sign.
+
+    Args:
+        percent: The difference [%].
+    """
+    size = abs(percent)
+    if size < _LEAST_PERCENT:
+        return "< 0.01 %"
+    decimals = 2 if size < _ROUND_PERCENT else (1 if size < _WHOLE_PERCENT else 0)
+    return f"{'-' if percent < 0.0 else '+'}{fixed(size, decimals)} %"
+
+
+def change_text(comparison: Comparison, change: Change) -> str:
+    """What differs, in words.
+
+    Args:
+        comparison: The comparison.
+        change: One of its changes.
+    """
+    if change.path.startswith("shapes"):
+        return f"{change.path} differ"
+    found = shown(comparison.a.mechanism, change.path)
+    for value, side in ((change.a, "B"), (change.b, "A")):
+        if value is None:
+            return f"{change.path} is in {side} alone"
+    values = f"{_value(found, change.a)} -> {_value(found, change.b)}"
+    return f"{found.words} {values} {found.unit}".rstrip()
+
+
+def change_texts(comparison: Comparison) -> list[str]:
+    """What differs, one thing each, and how much more.
+
+    Args:
+        comparison: The comparison.
+    """
+    told = [change_text(comparison, item) for item in comparison.changes[:_MOST_CHANGES]]
+    more = len(comparison.changes) - len(told)
+    return [*told, *([f"{more} more (all of them: --json FILE)"] if more else [])]
+
+
+def changes_text(comparison: Comparison) -> str:
+    """What differs, as one sentence.
+
+    Args:
+        comparison: The comparison.
+    """
+    if not comparison.changes:
+        return "Machine and setting are the same."
+    return f"What differs: {'; '.join(change_texts(comparison))}."
+
+
+def finding(comparison: Comparison) -> str:
+    """What was found, in one sentence or two.
+
+    Args:
+        comparison: The comparison.
+    """
+    if not comparison.rows:
+        return "A and B have no quantity in common."
+    if comparison.same:
+        other = " although they are set differently" if comparison.changes else ""
+        return f"A and B are the same: all {len(comparison.rows)} quantities are equal{other}."
+    rows = {row.name: row for row in comparison.rows}
+    told = [
+        text
+        for name, more, less in _ASKED
+        if name in rows and (text := _told(rows[name], more, less))
+    ]
+    never = _never(rows)
+    if not told and never:
+        return never
+    if not told:
+        count = sum(row.a != row.b for row in comparison.rows)
+        return f"{count} of {len(comparison.rows)} quantities differ, none of the rebound."
+    ending = f" and {told.pop()}" if len(told) > 1 else ""
+    return f"B {', '.join(told)}{ending} than A. {never}".rstrip()
+
+
+def _never(rows: Mapping[str, Row]) -> str:
+    """Which run does not come to rest where the other one does; empty if both do or none."""
+    row = rows.get("duration_s")
+    if row is None or (row.a is None) is (row.b is None):
+        return ""
+    return f"{'A' if row.a is None else 'B'} does not come to rest, and the other one does."
+
+
+def _told(row: Row, more: str, less: str) -> str:
+    """A part of the finding; empty if nothing differs that could be told."""
+    if row.percent is None or abs(row.percent) < _LEAST_PERCENT:
+        return ""
+    text = percent_text(abs(row.percent)).removeprefix("+")
+    return (more if row.percent > 0.0 else less).format(text)
+
+
+def _signed(text: str) -> str:
+    return text if text.startswith("-") else f"+{text}"
+
+
+def _value(found: Shown, value: float | str | None) -> str:
+    if isinstance(value, str) or value is None:
+        return value or "none"
+    # As written in a file: 9 and 11000, not 9.000.
+    text = f"{found.value(value):.10g}"
+    return text if len(text) <= len("-123.4567") else digits(found.value(value))

@@ -1,0 +1,211 @@
+"""Two runs compared: every number by another way, signs, and what cannot be compared."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_machines import link, machine, slide
+
+import nipper_pin as nip
+from nipper_pin import Case, InputError, Mechanism, Solution
+from nipper_pin.hybrid.event import EventKind
+from nipper_pin.mechanism import number_of
+from nipper_pin.study.compare import Change, Row
+
+# At 650 r/min the steeve bounces before the jaw closes.
+A_RPM, B_RPM = 450.0, 650.0
+
+
+@pytest.fixture(scope="module")
+def runs(e62: Mechanism) -> tuple[Solution, Solution]:
+    """The estimate at two speeds, with another preload in the second."""
+    other = nip.load("e62", {"preload": 9.25})
+    cases = (Case(speed_rpm=rpm, window="cycle") for rpm in (A_RPM, B_RPM))
+    return tuple(nip.simulate(*pair) for pair in zip((e62, other), cases, strict=True))
+
+
+@pytest.fixture(scope="module")
+def compared(runs: tuple[Solution, Solution]) -> nip.Comparison:
+    return nip.compare(*runs)
+
+
+def struck(run: Solution, stop: str) -> list[nip.Event]:
+    return [item for item in run.events if item.kind is EventKind.COLLISION and stop in item.stops]
+
+
+def by_hand(run: Solution) -> dict[str, float]:
+    """The table from events and dense samples alone, without tables of collisions and turns."""
+    stop = run.mechanism.stop("jaw")
+    hits = struck(run, "jaw")
+    rest = next(item for item in run.events if item.kind is EventKind.REST and "jaw" in item.stops)
+    inner = np.linspace(hits[0].t, hits[1].t, 401)[1:-1]
+    heights = stop.gaps(run.trajectory.evaluate(inner).q)
+    opened = next(item for item in struck(run, "steeve") if item.t > rest.t)
+    held = np.linspace(rest.t + 1e-9, opened.t - 1e-9, 501)
+    force = run.trajectory.reactions(held).contacts["jaw"]
+    turn = 60.0 / run.case.speed_rpm
+    sums = {name: sum(item.P_N[name] for item in struck(run, name)) for name in ("jaw", "steeve")}
+    return {
+        "rebound_amplitude_1": heights.max(),
+        "rebound_time_s_1": hits[1].t - hits[0].t,
+        "rebound_time_s_2": hits[2].t - hits[1].t,
+        "duration_s": rest.t - hits[0].t,
+        "collisions": len(hits),
+        "impulse_N_s_1": hits[0].P_N["jaw"] / stop.lever,
+        "closing_index": 24.0 + 40.0 * hits[0].t / turn,
+        "rest_index": 24.0 + 40.0 * rest.t / turn,
+        "opening_index": 24.0 + 40.0 * opened.t / turn,
+        "clamped_time_s": opened.t - rest.t,
+        "clamped_share": (opened.t - rest.t) / turn,
+        "least_clamping_force_N": force.min(),
+        "largest_clamping_force_N": force.max(),
+        "collisions_steeve": len(struck(run, "steeve")),
+        "impulse_sum_N_s_steeve": sums["steeve"],
+        "largest_impulse_N_s_jaw": hits[0].P_N["jaw"] / stop.lever,
+    }
+
+
+# Between 400 samples a parabola is higher by at most 1/400**2 of its height, a force likewise. Of a
+# series at restitution 0.2 the bounces after the sixth have 0.2**6 / 0.8 of the first impulse.
+SAMPLED = {
+    "rebound_amplitude_1": 1.0 / 400.0**2,
+    "least_clamping_force_N": 1.0 / 400.0**2,
+    "largest_clamping_force_N": 1.0 / 400.0**2,
+    "impulse_sum_N_s_steeve": 0.2**6 / 0.8,
+}
+
+
+def test_the_numbers_are_those_of_the_runs(
+    compared: nip.Comparison, runs: tuple[Solution, Solution]
+) -> None:
+    one, other = by_hand(runs[0]), by_hand(runs[1])
+    for name, value in one.items():
+        row, within = compared.row(name), SAMPLED.get(name, 1e-9)
+        assert row.a == pytest.approx(value, rel=within), name
+        assert row.b == pytest.approx(other[name], rel=within), name
+        assert row.difference == row.b - row.a
+        assert row.percent == pytest.approx(100.0 * (row.b - row.a) / abs(row.a), abs=1e-12)
+    assert not compared.same
+
+
+def test_swapped_runs_have_the_negative_differences(
+    compared: nip.Comparison, runs: tuple[Solution, Solution]
+) -> None:
+    swapped = nip.compare(runs[1], runs[0])
+    assert [row.name for row in swapped.rows] == [row.name for row in compared.rows]
+    for row, back in zip(compared.rows, swapped.rows, strict=True):
+        assert (back.a, back.b) == (row.b, row.a)
+        assert back.difference == (None if row.difference is None else -row.difference)
+    assert [(item.path, item.b, item.a) for item in swapped.changes] == [
+        (item.path, item.a, item.b) for item in compared.changes
+    ]
+
+
+def test_a_run_against_itself_and_its_file(runs: tuple[Solution, Solution], tmp_path: Path) -> None:
+    """All differences are zero, to the last bit; also of the run that was saved."""
+    for other in (runs[0], nip.load_solution(nip.save(runs[0], tmp_path / "a.npz"))):
+        found = nip.compare(runs[0], other)
+        assert found.same
+        assert found.changes == ()
+        assert found.notes == ()
+        assert {row.difference for row in found.rows} == {0.0, None}
+        assert {row.percent for row in found.rows} == {0.0, None}
+
+
+def test_what_differs_is_named_in_the_units_of_the_files(compared: nip.Comparison) -> None:
+    assert compared.changes == (
+        Change("speed_rpm", A_RPM, B_RPM),
+        Change("springs.steeve.preload_length_mm", 11.0, 9.25),
+    )
+
+
+def test_moved_points_are_named_and_round_off_is_not(e62: Mechanism) -> None:
+    """A pin that is moved along its link: the other end of the rod stays, but for the last bit."""
+    other = nip.load("e62", {"points.rod_pin.radius_mm": 100.0, "links.top_nipper.mass_kg": 1.5})
+    case = Case(speed_rpm=A_RPM)
+    changes = nip.compare(nip.simulate(e62, case), nip.simulate(other, case)).changes
+    found = {item.path: (item.a, item.b) for item in changes}
+    points = {path for path in found if path.startswith("points.")}
+    assert points == {"points.rod_pin.x_mm", "points.rod_pin.z_mm"}
+    for place in points:
+        assert found[place][1] == pytest.approx(number_of(other, place), abs=1e-12)
+    assert found["links.top_nipper.mass_kg"][1] == 1.5
+    assert not any("inertia" in path or "rocker" in path for path in found)
+
+
+def test_a_document_holds_the_table(compared: nip.Comparison) -> None:
+    document = json.loads(json.dumps(compared.record(), allow_nan=False))
+    rows = {row["name"]: row for row in document["rows"]}
+    assert rows["duration_s"]["unit"] == "s"
+    assert rows["duration_s"]["a"] == compared.row("duration_s").a
+    assert rows["duration_s"]["difference_percent"] == compared.row("duration_s").percent
+    assert rows["loss_index"]["difference"] is None
+    assert document["a"]["speed_rpm"] == A_RPM
+    assert document["changes"][0] == {"path": "speed_rpm", "a": A_RPM, "b": B_RPM}
+    assert f"{len(compared.rows)} quantities, 2 changes" in repr(compared)
+    assert "rebound_amplitude_1" in compared._repr_html_()
+
+
+def test_different_windows_are_refused(runs: tuple[Solution, Solution], e62: Mechanism) -> None:
+    with pytest.raises(InputError, match=r"window cycle.*window transition.*same --window"):
+        nip.compare(runs[0], nip.simulate(e62, Case(speed_rpm=A_RPM)))
+    with pytest.raises(InputError, match="B is 'e62'"):
+        nip.compare(runs[0], "e62")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"height is none of the quantities.*duration_s"):
+        nip.compare(*runs).row("height")
+
+
+def test_machines_of_other_parts_are_compared_as_far_as_they_go(
+    runs: tuple[Solution, Solution],
+) -> None:
+    """Both have a jaw; the steeve of one and the rod of the other are named and left out."""
+    pendulum = nip.load("hanging_pendulum")
+    other = nip.simulate(pendulum, Case(speed_rpm=220.0, window="cycle"))
+    found = nip.compare(runs[0], other)
+    names = {row.name for row in found.rows}
+    assert {"duration_s", "least_clamping_force_N", "collisions_jaw"} <= names
+    assert not any("steeve" in name or "_rod" in name for name in names)
+    notes = " ".join(found.notes)
+    assert "Only A has the stop steeve, which is not compared." in notes
+    assert "Only B has the stop rod, which is not compared." in notes
+    assert "Only B has the links cylinder, connecting_rod" in notes
+    assert found.row("duration_s").b == pytest.approx(other.transitions[0].duration, rel=1e-12)
+
+
+def falling_block() -> Solution:
+    """A block on a slide that a spring pushes to its stop: its gap is a length."""
+    mechanism = machine(
+        [link("mass"), slide("block", "frame", "mass")],
+        1,
+        springs={
+            "block": {"joint": "block", "stiffness_N_per_m": 100.0, "preload_length_mm": 10.0}
+        },
+        stops={"block": {"joint": "block", "restitution": 0.5}},
+        transition_stop="block",
+        initial={"block": {"at_mm": 5.0}},
+    )
+    return nip.simulate(mechanism, Case(speed_rpm=60.0, window="cycle"))
+
+
+def test_gaps_in_other_units_are_left_out(runs: tuple[Solution, Solution]) -> None:
+    """The jaw turns and the block slides: times can be compared, amplitudes cannot."""
+    found = nip.compare(runs[0], falling_block())
+    names = {row.name for row in found.rows}
+    assert "duration_s" in names
+    assert not any("amplitude" in name or "gap" in name for name in names)
+    notes = " ".join(found.notes)
+    assert "The transition is that of the jaw in A and of the block in B." in notes
+    assert "because one turns and the other slides" in notes
+
+
+def test_percent_of_nothing() -> None:
+    """Without a value in A, or with zero there, no share can be told; equal zeros are equal."""
+    assert Row("x", "", 0.0, 1.0).percent is None
+    assert Row("x", "", 0.0, 0.0).percent == 0.0
+    assert Row("x", "", None, 1.0).percent is None
+    assert Row("x", "", None, 1.0).difference is None
+    assert math.isclose(Row("x", "", -2.0, -3.0).percent or 0.0, -50.0)

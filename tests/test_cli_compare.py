@@ -1,0 +1,216 @@
+"""``nipper-pin compare`` as it is typed: what A and B may be, what is printed, what is refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shlex
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nipper_pin import Case, load, save, simulate
+from nipper_pin.cli import main
+from nipper_pin.mechanism import known_models
+
+BRIEF = ["--window", "transition"]
+
+
+def told(line: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert main(["compare", *shlex.split(line)]) == 0, capsys.readouterr().err
+    return capsys.readouterr().out
+
+
+def document(line: str, capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    return json.loads(told(f"{line} --json -", capsys))
+
+
+def settings(found: dict[str, Any]) -> list[tuple[str, float]]:
+    return [(found[side]["model"], found[side]["speed_rpm"]) for side in ("a", "b")]
+
+
+def restitutions(found: dict[str, Any]) -> dict[str, tuple[float, float]]:
+    return {item["path"]: (item["a"], item["b"]) for item in found["changes"]}
+
+
+JAW, SPRING = "stops.jaw.restitution", "springs.steeve.stiffness_N_per_m"
+PRELOAD = "springs.steeve.preload_length_mm"
+
+
+@pytest.mark.parametrize(
+    ("line", "speeds", "changes"),
+    [
+        ("", (450.0, 450.0), {}),
+        ("e62 --speed 500", (500.0, 500.0), {}),
+        ("e62 --speed 450 520", (450.0, 520.0), {"speed_rpm": (450.0, 520.0)}),
+        ("--speed 450 520 e62", (450.0, 520.0), {"speed_rpm": (450.0, 520.0)}),
+        ("--speed 500 e62 e62", (500.0, 500.0), {}),
+        ("e62 --speed 500 e62", (500.0, 500.0), {}),
+        ("e62 --set-a speed=450 --set-b speed=520", (450.0, 520.0), {"speed_rpm": (450.0, 520.0)}),
+        ("e62 --set-b preload=9.25", (450.0, 450.0), {PRELOAD: (11.0, 9.25)}),
+        ("e62 --restitution 0.1 0.3 --set preload=9", (450.0, 450.0), {JAW: (0.1, 0.3)}),
+        ("e62 --stiffness 9000 11000", (450.0, 450.0), {SPRING: (9000.0, 11000.0)}),
+    ],
+)
+def test_settings_of_one_model(
+    line: str,
+    speeds: tuple[float, float],
+    changes: dict[str, tuple[float, float]],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One value is of both, two are of A and of B; words behind numbers are models again."""
+    found = document(f"{line} {shlex.join(BRIEF)}", capsys)
+    assert settings(found) == [("e62", speeds[0]), ("e62", speeds[1])]
+    assert restitutions(found) == changes
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the model, and a saved run of it as a file and in a folder."""
+    folder = tmp_path_factory.mktemp("compare")
+    shutil.copytree(known_models()["e62"], folder / "mine")
+    for suffix in ("toml", "urdf"):
+        (folder / "mine" / f"e62.{suffix}").rename(folder / "mine" / f"mine.{suffix}")
+    run = simulate(load("e62"), Case(speed_rpm=600.0))
+    save(run, folder / "before.npz")
+    (folder / "out").mkdir()
+    save(run, folder / "out" / "solution.npz")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("e62 mine/mine.toml --window transition", [("e62", 450.0), ("mine", 450.0)]),
+        ("mine e62 --window transition", [("mine", 450.0), ("e62", 450.0)]),
+        ("before.npz out", [("e62", 600.0), ("e62", 600.0)]),
+        # A model beside a saved run takes over its window and its speed.
+        ("before.npz mine", [("e62", 600.0), ("mine", 600.0)]),
+        ("mine before.npz", [("mine", 600.0), ("e62", 600.0)]),
+        ("before.npz --set-b speed=620", [("e62", 600.0), ("e62", 620.0)]),
+    ],
+)
+def test_models_files_and_saved_runs(
+    line: str,
+    found: list[tuple[str, float]],
+    home: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(home)
+    assert settings(document(line, capsys)) == found
+
+
+def test_a_change_beside_a_saved_run_is_that_of_its_model(
+    home: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The machine in the file, changed, gives what the model gives with the same change."""
+    monkeypatch.chdir(home)
+    saved = document("before.npz --set-b preload=9.25", capsys)
+    fresh = document("e62 --speed 600 --set-b preload=9.25 --window transition", capsys)
+    assert saved["rows"] == fresh["rows"]
+    assert restitutions(saved) == {PRELOAD: (11.0, 9.25)}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("e62 e62 --speed 450 500 e62", "compare takes two, A and B, and these are 3"),
+        ("before.npz e62 --set-b speed=fast", "speed=fast: write a number"),
+        ("e62 --speed 450 --set-b speed=500", "--speed 450 and speed=500: leave one out"),
+        ("e62 --set preload=9 --set-b preload=8", "--set preload is given twice"),
+        ("e62 --exaggerate 5", "--exaggerate changes nothing beside a table"),
+        ("e62 --browser --json -", "so does the server of --browser"),
+        ("e62 nowhere", "nowhere"),
+        ("missing.npz e62", "missing.npz"),
+        ("before.npz cycle.npz", "simulate both with the same --window"),
+        ("e62 other/mine.toml", "a folder called mine"),
+        ("e62 broken.npz", "not a saved solution, or a damaged one"),
+    ],
+)
+def test_what_cannot_be_compared(
+    line: str,
+    said: str,
+    home: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One sentence and status 2."""
+    monkeypatch.chdir(home)
+    (home / "other").mkdir(exist_ok=True)
+    (home / "other" / "mine.toml").write_text("", encoding="utf-8")
+    (home / "broken.npz").write_bytes(b"PK\x03\x04 not an archive")
+    if "cycle.npz" in line and not (home / "cycle.npz").exists():
+        save(simulate(load("e62"), Case(speed_rpm=600.0, window="cycle")), home / "cycle.npz")
+    assert main(["compare", *shlex.split(line)]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert said in err
+
+
+@pytest.mark.parametrize("line", ["e62 e62_identified --speed 450 520", "e62 hanging_pendulum"])
+def test_no_word_is_folded_at_any_width(
+    line: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Every word stands whole at every width, and no line but that to paste is wider."""
+    monkeypatch.setenv("COLUMNS", "1000")
+    words = set(told(line, capsys).replace("─", "").split())
+    for width in (60, 80, 200):
+        monkeypatch.setenv("COLUMNS", str(width))
+        text = told(line, capsys)
+        assert set(text.replace("─", "").split()) == words
+        lines = [item for item in text.splitlines() if not item.startswith("Next:")]
+        assert max(map(len, lines)) <= width
+
+
+def test_what_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """What differs, the numbers in people's units, what was found, and the next command."""
+    text = told("e62 --set-b stiffness=11000", capsys)
+    assert re.search("stiffness of .*steeve 9 -> 11 N/mm", text)
+    rows = [line.split() for line in text.splitlines()]
+    run = simulate(load("e62"), Case(speed_rpm=450.0))
+    assert ["time", "to", "rest", "ms", f"{1e3 * run.transitions[0].duration:.3f}"] in [
+        row[:5] for row in rows
+    ]
+    assert "collisions of the steeve" in text
+    assert "B rebounds" in text
+    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
+    assert following == "compare e62 --set-b stiffness=11000 --html compare.html"
+
+
+def test_a_machine_against_itself_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    text = told("e62 --set preload=9 --start-index 22", capsys)
+    assert "Machine and setting are the same." in text
+    assert "A and B are the same: all " in " ".join(text.split())
+    rows = [line.split() for line in text.splitlines() if "rebound amplitude" in line]
+    assert [row[-1] for row in rows] == ["0", "0", "0"]
+    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
+    assert following == "compare e62 --set preload=9 --start-index 22.0 --speed 450 495"
+    assert main(shlex.split(following)) == 0
+    assert "cylinder speed 450 -> 495 r/min" in capsys.readouterr().out
+
+
+def test_a_run_that_never_rests_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    """At 1,900 r/min the steeve opens the jaw while that one still bounces."""
+    text = " ".join(told("e62 --speed 450 1900", capsys).split())
+    assert "than A. B does not come to rest, and the other one does." in text
+
+
+@pytest.mark.slow
+def test_files_of_a_comparison(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The table by the names of files in SI units, and the curves as pictures."""
+    line = f"e62 --speed 450 520 --window transition --json {tmp_path / 'table.json'}"
+    text = told(f"{line} --out {tmp_path / 'out'}", capsys)
+    assert f"table and curves: {tmp_path / 'out'}\ndocument: {tmp_path / 'table.json'}\n" in text
+    found = json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))
+    with (tmp_path / "out" / "comparison.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["name"] for row in rows] == [row["name"] for row in found["rows"]]
+    for row, other in zip(rows, found["rows"], strict=True):
+        assert float(row["a"]) == other["a"]
+        assert float(row["difference_percent"]) == other["difference_percent"]
+    assert (tmp_path / "out" / "curves.png").read_bytes().startswith(b"\x89PNG")
+    assert "<svg" in (tmp_path / "out" / "curves.svg").read_text(encoding="utf-8")
