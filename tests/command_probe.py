@@ -204,8 +204,12 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.sensitivity.sensitivities", lambda *_, **__: "sensitivities")
     note(
         "nipper_pin.view.paper.files.write_paper",
-        lambda _study, folder, more: _write(Path(folder) / "report.json", facts(more(), "more")),
+        lambda _study, folder, more, *_: _write(
+            Path(folder) / "report.json", facts(more(), "more")
+        ),
     )
+    note("nipper_pin.study.paper.designer.how_fast", lambda *_: "fast")
+    note("nipper_pin.study.paper.designer.designer", lambda *_: None)
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
     limit = SimpleNamespace(record=lambda: done, settles_rpm=None, repeats_rpm=None,
                             speed_rpm=np.array([300.0, 500.0]))  # fmt: skip

@@ -19,9 +19,9 @@ _BAR = ("", "linear", "function", "")
 # By figure and panel: labels of x and y, their scales, title, and entries of the legend.
 PANELS: dict[str, list[tuple[Any, ...]]] = {
     "figure_11": [
-        ("", "jaw angle [deg]", "linear", "linear", "(a)  450 r/min"),
-        ("", "jaw angle [deg]", "linear", "linear", "(b)  550 r/min"),
-        ("time from the first collision [ms]", "jaw angle [deg]", "linear", "linear",
+        ("", "jaw angle [mdeg]", "linear", "linear", "(a)  450 r/min"),
+        ("", "jaw angle [mdeg]", "linear", "linear", "(b)  550 r/min"),
+        ("time from the first collision [ms]", "jaw angle [mdeg]", "linear", "linear",
          "(c)  650 r/min"),
     ],
     "figure_12": [
@@ -29,12 +29,12 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
         ("number of the collision", "impulse [N s]", "linear", "log", "(b)  logarithmic"),
     ],
     "figure_13": [
-        ("restitution e [-]", "transition time [ms]", "linear", "linear", "(a)", "ours",
+        ("restitution e [-]", "time to rest [ms]", "linear", "linear", "(a)", "ours",
          "published ratio"),
         ("restitution e [-]", "collisions", "linear", "linear", "(b)", *COUNTED),
     ],
     "figure_14": [
-        ("spring rate [N/mm]", "time [ms]", "linear", "linear", "(a)", "transition",
+        ("spring rate [N/mm]", "time [ms]", "linear", "linear", "(a)", "time to rest",
          "first rebound", "published ratio", "second rebound"),
         ("spring rate [N/mm]", "collisions", "linear", "linear", "(b)", *COUNTED),
     ],
@@ -59,12 +59,12 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
     "thresholds": [
         ("threshold [rad/s]", "collisions", "log", "linear", "(a)", "e = 0.05", "e = 0.15",
          "e = 0.25", "rebounds +300 %"),
-        ("threshold [rad/s]", "increase of the\ntransition time [-]", "log", "linear", "(b)",
+        ("threshold [rad/s]", "increase of the\ntime to rest [-]", "log", "linear", "(b)",
          "stop at the threshold", "limit of the series", "published"),
     ],
     "drives": [
         (_INERTIA, "change of the\nfirst rebound amplitude [%]", "log", "log", "(a)", *SPEEDS),
-        (_INERTIA, "change of the\ntransition time [%]", "log", "log", "(b)"),
+        (_INERTIA, "change of the\ntime to rest [%]", "log", "log", "(b)"),
     ],
     "stop_force": [
         (_INDEX, "stop force with the jaw open [N]", "linear", "linear", "(a)", *SPEEDS),
@@ -76,7 +76,7 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
         ("step [s]", "relative error", "log", "log", "(b)  semi-implicit"),
     ],
     "shares": [
-        ("restitution e [-]", "share of the first two rebounds [-]", "linear", "linear", "(a)",
+        ("restitution e [-]", "share of the first two rebounds [%]", "linear", "linear", "(a)",
          "1 - e²", *SPEEDS, "published"),
         ("restitution e [-]", "difference from 1 - e²\n[points of %]", "linear", "linear",
          "(b)"),
@@ -85,7 +85,7 @@ PANELS: dict[str, list[tuple[Any, ...]]] = {
         ("speed [r/min]", "restitution e [-]", "linear", "linear", "(a)  7 N/mm"),
         ("speed [r/min]", "", "linear", "linear", "(b)  9 N/mm"),
         ("speed [r/min]", "", "linear", "linear", "(c)  11 N/mm"),
-        (_BAR[0], "transition time [ms]", *_BAR[1:]),
+        (_BAR[0], "time to rest [ms]", *_BAR[1:]),
     ],
 }  # fmt: skip
 # Figures with the same series in every panel, in one order and in the same colours.

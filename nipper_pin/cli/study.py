@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,8 @@ from .arguments import check_outputs, load_mechanism, write_json
 if TYPE_CHECKING:
     from ..mechanism import Mechanism
     from ..study.paper import PaperStudy
+    from ..study.paper.designer import Designer
+    from .study_progress import Work
 
 _FOLDER = "out/paper"
 
@@ -83,12 +84,10 @@ def _run(options: argparse.Namespace) -> None:
         document = read_identification(options.identification)
     mechanism = load_mechanism(options)
 
-    from ..study.paper import paper_study
-
     if folder is None:
-        result = paper_study(mechanism, _say)
+        result, found, report = _study(mechanism), None, None
     else:
-        result, report = _with_report(mechanism, folder, document)
+        result, found, report = _with_report(mechanism, folder, document)
     if options.json is not None:
         write_json(result.record(), options.json)
     if options.json == "-":
@@ -99,36 +98,70 @@ def _run(options: argparse.Namespace) -> None:
     from ..view.paper.summary import print_paper
 
     console = Console()
-    print_paper(result, console)
-    if folder is not None:
+    print_paper(result, console, found)
+    if report is not None:
         paste(console, f"report: {report}")
 
 
-def _say(text: str) -> None:
-    if sys.stderr.isatty():
-        sys.stderr.write(f"{text} ...\n")
+def _study(mechanism: Mechanism) -> PaperStudy:
+    """Do the study alone."""
+    from ..study.paper import paper_study
+    from .study_progress import STAGES, Work, shown
+
+    work = Work(STAGES, beside=False)
+    with shown(work) as show:
+        return paper_study(mechanism, _teller(work, show))
+
+
+def _teller(work: Work, show: Callable[[], None]) -> Callable[[str], None]:
+    def tell(stage: str) -> None:
+        work.begin(stage)
+        show()
+
+    return tell
+
+
+def _counter(work: Work, show: Callable[[], None], name: str) -> Callable[[int, int], None]:
+    def count(done: int, total: int) -> None:
+        work.part(name, done, total)
+        show()
+
+    return count
 
 
 def _with_report(
     mechanism: Mechanism, folder: str, identification: Mapping[str, Any] | None
-) -> tuple[PaperStudy, Path]:
+) -> tuple[PaperStudy, Designer | None, Path]:
     """Do the study, and write the report with sensitivities and any identification."""
     from ..study.paper import paper_study
+    from ..study.paper.designer import designer, how_fast
     from ..study.paper.published import conditions
     from ..study.sensitivity import sensitivities
+    from .study_progress import REPORT, SENSITIVITIES, STAGES, Work, shown
 
+    work, first = Work({**STAGES, **REPORT}, beside=True), []
     # Sensitivities are half of the work and independent of the rest.
-    with ThreadPoolExecutor(1) as beside:
+    with shown(work) as show, ThreadPoolExecutor(1) as beside:
+        tell = _teller(work, show)
         found = beside.submit(
             sensitivities,
             mechanism,
             conditions(mechanism).common_speed_rpm,
+            progress=_counter(work, show, SENSITIVITIES),
             workers=os.cpu_count() or 1,
         )
-        result = paper_study(mechanism, _say)
+        result = paper_study(mechanism, tell)
+        tell("turns at many speeds")
+        fast = how_fast(mechanism)
         from ..view.paper.files import write_paper
         from ..view.paper.supplements import Supplements
 
-        _say("figures")
-        files = write_paper(result, folder, lambda: Supplements(found.result(), identification))
-    return result, files[0]
+        def added() -> Supplements:
+            changes = found.result()
+            tell("report")
+            first.append(designer(mechanism, changes, fast))
+            return Supplements(changes, identification, first[0])
+
+        tell("groups of figures")
+        files = write_paper(result, folder, added, _counter(work, show, "groups of figures"))
+    return result, first[0] if first else None, files[0]

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from printed import printed
 
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.paper import PaperStudy, paper_study
+from nipper_pin.study.paper.designer import designer, how_fast
 from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.view.paper.files import write_paper
 from nipper_pin.view.paper.supplements import Supplements
@@ -20,9 +22,9 @@ from nipper_pin.view.paper.supplements import Supplements
 pytestmark = pytest.mark.slow
 
 FIGURES = [
-    "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
-    "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",
-    "sensitivities", "identification",
+    "designs", "mechanism", "figure_11", "figure_12", "figure_13", "figure_14", "guide", "links",
+    "both_stops", "thresholds", "drives", "stop_force", "fixed_step", "shares", "sensitivities",
+    "identification",
 ]  # fmt: skip
 COLOUR_BARS = {"stop_force-axes_3", "designs-axes_4"}
 # Frames, ticks and their labels alone are fewer than these.
@@ -51,7 +53,9 @@ def files(study: PaperStudy, tmp_path_factory: pytest.TempPathFactory) -> list[P
         "profiles": [{"path": paths[2], "sigma": 0.5, "values": [7.75, 8.25, 8.75],
                       "cost": [0.6, 0.0, 0.45], "quadratic": [0.5, 0.0, 0.5]}],
     }  # fmt: skip
-    added = Supplements(sensitivities(study.mechanism, 650.0, paths), document)
+    found = sensitivities(study.mechanism, 650.0, paths)
+    known = designer(study.mechanism, found, how_fast(study.mechanism))
+    added = Supplements(found, document, known)
     return write_paper(study, tmp_path_factory.mktemp("paper") / "new" / "folder", lambda: added)
 
 
@@ -117,7 +121,7 @@ def test_every_panel_holds_a_curve_or_marks(report):
     # Insets are panels too. Two colour bars are panels of their own, filled with an image or cells;
     # bars are patches.
     curves = [item for item in panels if item[1] > 0 or item[2] >= 3]
-    assert len(panels) == 44
+    assert len(panels) == 45
     others = {item[0] for item in panels} - {item[0] for item in curves}
     assert {name for name in others if not name.startswith("sensitivities-")} <= COLOUR_BARS
 
@@ -182,3 +186,57 @@ def test_every_figure_says_whose_numbers_these_are(files):
     for name in FIGURES:
         svg = files[0].with_name(f"{name}.svg").read_text(encoding="utf-8")
         assert re.search(r"<!-- estimate of the E62 class .* not the maker's data -->", svg), name
+
+
+def test_it_prints_on_a4_without_orphans(report):
+    """The designer's page is the first sheet, and nothing stands apart from what it belongs to."""
+    sheet = printed(report.page)
+    assert sheet.size_mm == pytest.approx((210.0, 297.0), abs=0.3)
+    pages = sheet.pages
+    # The first sheet holds the designer's section and nothing else.
+    assert (pages["designer"], pages["end-designer"]) == (0, 0)
+    inside = [part.name for part in sheet.parts if pages[part.name] == 0]
+    after = [part for part in sheet.parts if pages[part.name] > 0]
+    assert after[0].kind == "nav"
+    assert pages[after[0].name] == 1
+    assert inside == [part.name for part in sheet.parts[: len(inside)]]
+    assert {"designs", "end-designs"} <= {name for name, place in pages.items() if place == 0}
+    # A heading is followed on its sheet by what it is the heading of.
+    headings = [part for part in sheet.parts if part.kind in ("h2", "h3")]
+    assert len(headings) > 15
+    for part in headings:
+        assert pages[part.following] == pages[part.name], part.name
+    # Figures, short tables and rows are on one sheet, captions with them.
+    for part in sheet.parts:
+        if part.kind == "tr" or (part.kind == "figure" and "long" not in part.classes):
+            assert pages[f"end-{part.name}"] == pages[part.name], part.name
+    assert sheet.count < 30
+
+
+def test_nothing_is_wider_than_a_printed_page(report):
+    """At the width that A4 leaves between its margins."""
+    report.page.emulate_media(media="print")
+    width = round((210.0 - 2.0 * 16.0) / 25.4 * 96.0)
+    report.page.set_viewport_size({"width": width, "height": 1000})
+    wide = report.page.evaluate(
+        "width => [...document.querySelectorAll('main *:not(svg *)')].filter(item =>"
+        " item.getBoundingClientRect().right > width + 0.5 ||"
+        " item.scrollWidth > item.clientWidth + 1 && item.clientWidth > 0)"
+        ".map(item => item.localName + '#' + item.id + ' ' + item.textContent.slice(0, 60))",
+        width,
+    )
+    assert wide == []
+
+
+def test_the_first_page_speaks_of_levers_and_speed(report):
+    """What a designer looks for is on it: sentences, the levers that were asked for and the map."""
+    first = report.page.locator("#designer")
+    assert first.locator("table.levers tbody tr").count() == 2
+    text = first.inner_text()
+    assert "What bounces." in text
+    assert "How fast it can run." in text
+    assert "never the maker's data" in text
+    for target in report.page.locator("nav a").all():
+        name = target.get_attribute("href")
+        assert name is not None
+        assert report.page.locator(name).count() == 1

@@ -28,6 +28,7 @@ from nipper_pin.study.sensitivity import (
     every_path,
     sensitivities,
 )
+from nipper_pin.terms import named
 from nipper_pin.view.paper.supplements import sensitivity_plate, sensitivity_table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "reference"))
@@ -296,7 +297,8 @@ def test_table_and_figure_hold_the_numbers(found: Sensitivities) -> None:
     for cells, shown, row in zip(table.rows, table.shown, rows, strict=True):
         largest = np.abs(row.per - row.control).max()
         assert cells == (row.path, row.value, row.unit, *row.per.tolist(), largest)
-        assert shown[0::2][:2] == [row.path, row.unit]
+        assert shown[0::2][:2] == [label(row.path), row.unit]
+        assert shown[1] == named(row.path).phrase(row.value)
         for text, value in zip(shown[3:6], row.per, strict=True):
             assert float(text) == pytest.approx(value, rel=0.06, abs=5e-5)
         assert float(shown[6]) == pytest.approx(largest, rel=0.5)

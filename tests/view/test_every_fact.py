@@ -66,6 +66,7 @@ def bounces(name: str, values: Any, cases: list[tuple[float, float]]) -> Any:
     count = len(cases)
     return SimpleNamespace(
         name=name, values=np.array(values), rates=fill[0], bounces=SimpleNamespace(time=fill[1]),
+        table=SimpleNamespace(duration_error=1e-15 * np.arange(2.0, 2.0 + count)),
         durations=1e-3 * (2.0 + np.arange(count) + len(name)), without_turn=(),
         shares=0.9 + 0.011 * np.arange(count),
     )  # fmt: skip
@@ -166,8 +167,9 @@ def study(e62: Mechanism) -> PaperStudy:
 @pytest.fixture(scope="module")
 def text(study: PaperStudy) -> str:
     """The page's text."""
-    names = ["figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
-             "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs"]  # fmt: skip
+    names = ["designs", "mechanism", "figure_11", "figure_12", "figure_13", "figure_14", "guide",
+             "links", "both_stops", "thresholds", "drives", "stop_force", "fixed_step",
+             "shares"]  # fmt: skip
     plates = tuple(Plate(n, n, "", cast("Any", None), "<svg></svg>", b"") for n in names)
     sheets = ["ratios", "table_3", "table_4", "table_5", "collision_counts", "rest_time", "drives",
               "ratios_inertial_shafts", "stop_in_phase_1", "fixed_step",
@@ -208,7 +210,9 @@ def test_agreement(text: str, study: PaperStudy) -> None:
     assert f"e62: {near} of {len(off)} within 4 %, {far} within 10 %" in printed
     assert f"e62_identified: {rest} of {len(off)} within 4 %, {len(off)} within 10 %" in printed
     for k, (name, value) in enumerate(GIVEN.ratios.items(), start=1):
-        cells = next(line.split() for line in printed.splitlines() if line.startswith(name))
+        words = tables.ratio_words(name)
+        line = next(line for line in printed.splitlines() if line.startswith(words))
+        cells = ["", *line.removeprefix(words).split()]
         change = 0.011 * k * (-1) ** k
         assert [float(cell) for cell in cells[1:4]] == [
             value, pytest.approx(value * (1.0 + change), rel=6e-4),
@@ -219,7 +223,7 @@ def test_agreement(text: str, study: PaperStudy) -> None:
 def test_shafts_and_steps(text: str) -> None:
     """Changes by inertial shafts with the model's inertias, and errors of fixed steps."""
     close(
-        said(text, r"changes the first amplitude by at most # % and the transition time by at "
+        said(text, r"changes the first amplitude by at most # % and the time to rest by at "
                    r"most # %"),
         100.0 * 3e-3, 100.0 * 5e-3, rel=0.06,
     )  # fmt: skip
@@ -227,9 +231,7 @@ def test_shafts_and_steps(text: str) -> None:
     most = 1e-4 * (len(GIVEN.ratios) - 1)
     close(said(text, r"moves by more than # % of itself"), 100.0 * most, rel=0.06)
     last = [1e-4 * 1e-2 * 7.0 * 1.3, 3e-5 * 1e-2 * 7.0 * 1.3]
-    close(
-        said(text, r"error of # \(forward\) or # \(semi-implicit\) in the trans"), *last, rel=0.06
-    )
+    close(said(text, r"error of # \(forward\) or # \(semi-implicit\) in the time"), *last, rel=0.06)
     close(said(text, r"after # steps; ours takes # evaluations and states an error of # s"),
           1_234_567, 89, 3.1e-15)  # fmt: skip
     close(said(text, r"forward rule follows the step to the power #"), 1.0, rel=1e-2)
@@ -302,12 +304,12 @@ def test_conditions_share_and_map(text: str, study: PaperStudy) -> None:
         said(text, r"differs by at most # points of % up to e = 0.25"), 4.0 * 0.24 * 1.5, rel=0.06
     )
     durations = study.designs.durations
-    close(said(text, r"# transitions, from # to # ms"),
+    close(said(text, r"# transitions, with times to rest from # to # ms"),
           11_163, 1e3 * durations.min(), 1e3 * durations.max())  # fmt: skip
 
 
 def test_sections_of_other_studies(study: PaperStudy) -> None:
-    """Sensitivities with their conclusions, then the identification; limits are the last."""
+    """Sensitivities with their conclusions, then the identification; accuracy is the last."""
     rows = tuple(
         Sensitivity(path=path, value=7.0, unit=unit, per=np.array(per), control=np.array(per))
         for path, unit, per in (
@@ -327,28 +329,33 @@ def test_sections_of_other_studies(study: PaperStudy) -> None:
         "goodness": {"sentence": "They agree."}, "within_4_percent": 3, "targets": [1, 2, 3, 4],
         "identifiable_directions": 2, "parameters": [1, 2, 3, 4, 5],
     }  # fmt: skip
-    names = ["figure_11", "figure_12", "figure_13", "figure_14", "guide", "links", "both_stops",
-             "thresholds", "drives", "stop_force", "fixed_step", "shares", "designs",
+    names = ["designs", "mechanism", "figure_11", "figure_12", "figure_13", "figure_14", "guide",
+             "links", "both_stops", "thresholds", "drives", "stop_force", "fixed_step", "shares",
              "sensitivities", "identification"]  # fmt: skip
     plates = tuple(Plate(n, n, "", cast("Any", None), "<svg></svg>", b"") for n in names)
     sheets = ["ratios", "table_3", "table_4", "table_5", "collision_counts", "rest_time", "drives",
               "ratios_inertial_shafts", "stop_in_phase_1", "fixed_step", "constant_force",
               "sensitivities", "identification_targets", "identified_numbers"]  # fmt: skip
     content = Material(plates, tuple(tables.Table(name, name, (), ()) for name in sheets))
+    last = ["Method", "Accuracy and limits"]
     for given, sections in (
-        (Supplements(found, document), ["6 Sensitivities", "7 Identification", "8 Limits"]),
-        (Supplements(found), ["6 Sensitivities", "7 Limits"]),
-        (Supplements(None, document), ["6 Identification", "7 Limits"]),
-        (Supplements(), ["6 Limits"]),
+        (Supplements(found, document), ["Sensitivities", "Identification", *last]),
+        (Supplements(found), ["Sensitivities", *last]),
+        (Supplements(None, document), ["Identification", *last]),
+        (Supplements(), last),
     ):
         page = report_html(study, given, content)
-        assert re.findall(r"<h2>([6-9] \w+)</h2>", page) == sections
+        heads = re.findall(r'<h2 id="section-(\w+)">(\d+) ([^<]*)</h2>', page)
+        assert [int(number) for _, number, _ in heads] == list(range(1, len(heads) + 1))
+        assert [title for _, _, title in heads[6:]] == sections
+        links = re.findall(r'<a href="#section-(\w+)">(\d+) ([^<]*)</a>', page)
+        assert links == heads
         told = [sentence in unescape(page) for sentence in conclusions(found)]
         assert told
         assert set(told) == {given.sensitivities is not None}
         words = (
             "some numbers; model e62, seed 7. They agree. 3 of 4 targets are met within 4 %.",
-            "they narrow 2 of 5 directions that far (figure A11)",
+            "they narrow 2 of 5 directions that far (figure A12)",
         )
         flat = re.sub(r"<[^>]*>", "", page)
         assert [text.lower() in flat.lower() for text in words] == [
@@ -390,9 +397,14 @@ def test_which_tables_and_figures_there_are(
     assert report.material(other, Supplements(), drawn).tables == (
         "3", "4", "5", "count", "rest", "drive", "stop",
     )  # fmt: skip
-    for name in ("published", "kinematic", "question"):
+    for name in ("published", "kinematic"):
         monkeypatch.setattr(report, f"{name}_plates", lambda _, name=name: [name])
-    assert report.study_plates(study) == ["published", "kinematic", "question"]
+    monkeypatch.setattr(report, "question_plates", lambda _: ["question", "map"])
+    monkeypatch.setattr(report, "machine_plate", lambda _: "machine")
+    told: list[tuple[int, int]] = []
+    drawn = report.study_plates(study, lambda *numbers: told.append(numbers))
+    assert drawn == ["map", "machine", "published", "kinematic", "question"]
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
 
 
 def test_ratios_in_words() -> None:
@@ -450,7 +462,7 @@ def test_table_of_steps(study: PaperStudy) -> None:
     assert shown["step_s"] == ("step [µs]", ["1.000", "0.3000", "0.01000"] * 2)
     names = ("first_time_error", "second_time_error", "rebound_amplitude_1_error", "duration_error")
     factors = (1.0, -3.0 * 1.1, 5.0 * 1.2, 7.0 * 1.3)
-    headings = ("T<sub>1</sub>", "T<sub>2</sub>", "A<sub>1</sub>", "transition")
+    headings = ("T<sub>1</sub>", "T<sub>2</sub>", "A<sub>1</sub>", "time to rest")
     for name, factor, heading in zip(names, factors, headings, strict=True):
         wanted = [size * step / 1e-6 * factor for size in (1e-4, 3e-5) for step in STEPS]
         assert [float(x) for x in stored[name]] == pytest.approx(wanted, rel=1e-12)
@@ -534,7 +546,7 @@ def test_frames_of_the_figures(study: PaperStudy) -> None:
     assert [axes.lines[-1].get_xdata() for axes in figures["drives"].axes] == [[1.0, 1.0]] * 2
     assert figures["stop_force"].axes[0].lines[-1].get_ydata() == [0.0, 0.0]
     steps = figures["fixed_step"]
-    words = ["first rebound time", "second rebound time", "first amplitude", "transition time"]
+    words = ["first rebound time", "second rebound time", "first amplitude", "time to rest"]
     entries = [text.get_text() for text in steps.legends[0].get_texts()]
     assert entries == [*words, "order 1"]
     for axes in steps.axes:
@@ -642,7 +654,7 @@ def test_figure_of_steps(study: PaperStudy) -> None:
     assert study.fixed_step is not None
     figure = question_figures._fixed_step(study.fixed_step, "").figure
     factors = {"first rebound time": 1.0, "second rebound time": 3.3, "first amplitude": 6.0,
-               "transition time": 9.1}  # fmt: skip
+               "time to rest": 9.1}  # fmt: skip
     for axes, size in zip(figure.axes, (1e-4, 3e-5), strict=True):
         lines = {line.get_label(): line for line in axes.lines}
         for label, factor in factors.items():
@@ -656,7 +668,7 @@ def test_map_of_designs(study: PaperStudy) -> None:
     panels = figure.axes[:3]
     titles = [axes.get_title(loc="left").split()[-2:] for axes in panels]
     assert titles == [["7", "N/mm"], ["9", "N/mm"], ["11", "N/mm"]]
-    assert figure.axes[-1].get_ylabel() == "transition time [ms]"
+    assert figure.axes[-1].get_ylabel() == "time to rest [ms]"
     for base, axes in zip((2.0, 3.0, 4.0), panels, strict=True):
         assert axes.get_xlabel() == "speed [r/min]"
         sets = [item for item in axes.collections if isinstance(item, ContourSet)]

@@ -70,7 +70,7 @@ def made_up_study(monkeypatch: pytest.MonkeyPatch) -> Any:
         given.append(words)
         return SimpleNamespace(plates=[plate], tables=[sheet])
 
-    monkeypatch.setattr(files, "study_plates", lambda study: f"plates of {study.name}")
+    monkeypatch.setattr(files, "study_plates", lambda study, _: f"plates of {study.name}")
     monkeypatch.setattr(files, "material", material)
     monkeypatch.setattr(files, "report_html", lambda *words: f"page of {len(words)}")
     return SimpleNamespace(name="study", record=lambda: {"a": 1}, given=given)
@@ -81,7 +81,10 @@ def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mor
     """The page first; sensitivities stand in the document where they were asked for."""
     study = made_up_study(monkeypatch)
     found = SimpleNamespace(record=lambda: {"b": 2})
-    added: Any = SimpleNamespace(sensitivities=found if more else None)
+    added: Any = SimpleNamespace(
+        sensitivities=found if more else None,
+        designer=SimpleNamespace(record=lambda: {"c": 3}) if more else None,
+    )
     target = tmp_path / "new" / "folder"
     written = files.write_paper(study, target, lambda: added)
     names = ["report.html", "study.json", "figure.svg", "figure.pdf", "table.csv"]
@@ -89,7 +92,10 @@ def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mor
     texts = {name: (target / name).read_bytes() for name in names}
     document = json.loads(texts.pop("study.json"))
     assert document.pop("files") == {name: sha256(text).hexdigest() for name, text in texts.items()}
-    assert document == {"a": 1, **({"sensitivities": {"b": 2}} if more else {})}
+    assert document == {
+        "a": 1,
+        **({"sensitivities": {"b": 2}, "designer": {"c": 3}} if more else {}),
+    }
     assert texts == {
         "report.html": b"page of 3", "figure.svg": b"<svg/>", "figure.pdf": b"pdf",
         "table.csv": b"a,b\n",
@@ -100,7 +106,7 @@ def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mor
 def test_files_of_an_earlier_study_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its document names them; of what it cannot have written nothing is touched."""
     study = made_up_study(monkeypatch)
-    added: Any = SimpleNamespace(sensitivities=None)
+    added: Any = SimpleNamespace(sensitivities=None, designer=None)
     target, outside = tmp_path / "folder", tmp_path / "outside.csv"
     files.write_paper(study, target, lambda: added)
     for name in ("earlier.svg", "edited.svg", "notes.txt", "../outside.csv"):
@@ -268,6 +274,8 @@ def test_terms_of_a_machine(spring: str, compared: bool) -> None:
     mechanism = SimpleNamespace(
         joints=[SimpleNamespace(index=0, kind=spring), SimpleNamespace(index=1, kind="revolute")],
         springs=[SimpleNamespace(index=0)],
+        stops=[],
+        shortcuts={},
         stop=lambda name: SimpleNamespace(name=name, index=1 if name == "flap" else 0),
     )
     for stop, kind in (("flap", "revolute"), ("own", spring)):
@@ -278,8 +286,8 @@ def test_terms_of_a_machine(spring: str, compared: bool) -> None:
         assert (found.compared, found.stop) == (compared, stop)
         assert found.stroke_si == ("rad" if kind == "revolute" else "m")
         assert found.stroke.coordinate == ("deg" if kind == "revolute" else "mm")
-        told = (found.rate_si, found.rate_factor, found.rate_unit, found.preload_kind,
-                found.preload_factor, found.preload_unit)  # fmt: skip
+        told = (found.rate_si, found.rate.factor, found.rate.unit, found.preload_kind,
+                found.preload.factor, found.preload.unit)  # fmt: skip
         assert told == (
             ("N_m_per_rad", 1.0, "N m/rad", "angle", pytest.approx(180.0 / math.pi), "deg")
             if spring == "revolute"

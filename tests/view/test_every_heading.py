@@ -290,14 +290,14 @@ def test_tables_3_to_5_by_heading(e62: Mechanism, compared: bool) -> None:
                 value, _, unit = text.partition(" ")
                 if heading.startswith("share"):
                     assert (float(value), unit) == (pytest.approx(10.0 * row + 6.0), "%")
-                elif heading.startswith("transition"):
+                elif heading.startswith("time to rest"):
                     assert float(value) == pytest.approx(row + 0.5)
                 else:
                     size = row + tenths[heading.split(" ")[0]]
-                    angle = math.degrees(1e-3 * size)
+                    angle = math.degrees(size)
                     right = size if "[ms]" in heading else angle
                     assert ("[ms]" in heading) == heading.startswith("T")
-                    assert ("[deg]" in heading) == heading.startswith("A")
+                    assert ("[mdeg]" in heading) == heading.startswith("A")
                     assert float(value) == pytest.approx(right, rel=1e-3)
         assert len(shown) == 6
 
@@ -427,8 +427,12 @@ def test_names_are_printed_as_they_are() -> None:
 def test_study_on_a_terminal(monkeypatch: pytest.MonkeyPatch, compared: bool) -> None:
     """Ratios beside the published ones and how many are near; or the changes of another machine."""
     monkeypatch.setattr(summary, "note", lambda _: f"a note {ODD}")
-    monkeypatch.setattr(summary, "ratio_values", lambda _: {"duration": 1.5, "none": None})
-    items = [Ratio("one", 4.0, 3.95), Ratio("two", -0.5, -0.46), Ratio("three", 0.2, 0.3)]
+    changes = {"speed.a_change": 1.5, "stiffness.none": None}
+    monkeypatch.setattr(summary, "ratio_values", lambda _: changes)
+    names = ("speed.first_rebound_amplitude_increase", "stiffness.first_rebound_time_change",
+             "speed.first_two_share_450")  # fmt: skip
+    items = [Ratio(name, *values) for name, values in zip(
+        names, ((4.0, 3.95), (-0.5, -0.46), (0.2, 0.3)), strict=True)]  # fmt: skip
     study: Any = SimpleNamespace(
         compared=compared, ratios=items, identified=items[:2] if compared else (), studies=None,
         mechanism=SimpleNamespace(name=ODD),
@@ -437,11 +441,14 @@ def test_study_on_a_terminal(monkeypatch: pytest.MonkeyPatch, compared: bool) ->
     assert text.endswith(f"a note {ODD}\n")
     if not compared:
         assert " ".join(text.split()).startswith("Changes over the three studies, and shares ratio")
-        assert columns(text, "ratio", 2) == {"ratio": ["duration", "none"], "value": ["1.500", "-"]}
+        assert columns(text, "ratio", 2) == {
+            "ratio": ["a change over the speed", "none over the spring rate"],
+            "value": ["1.500", "-"],
+        }  # fmt: skip
         return
     assert text.startswith("Published ratios beside ours")
     assert columns(text, "ratio", 3) == {
-        "ratio": ["one", "two", "three"], "published": ["4", "-0.5", "0.2"],
+        "ratio": [tables.ratio_words(name) for name in names], "published": ["4", "-0.5", "0.2"],
         "ours": ["3.950", "-0.4600", "0.3000"], "deviation": ["-1.2 %", "-8.0 %", "+50.0 %"],
     }  # fmt: skip
     assert f"\n{ODD}: 1 of 3 within 4 %, 2 within 10 %\n" in text

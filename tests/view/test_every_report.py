@@ -137,7 +137,7 @@ def read() -> dict[str, list[dict[str, float]]]:
     return {name: [numbers(solved(case)) for case in cases] for name, cases in CASES.items()}
 
 
-FACTORS = {"deg": 180.0 / math.pi, "ms": 1e3, "%": 100.0, "N/mm": 1e-3, "rad/s": 1.0, "µs": 1e6}
+FACTORS = {"mdeg": 180e3 / math.pi, "ms": 1e3, "%": 100.0, "N/mm": 1e-3, "rad/s": 1.0, "µs": 1e6}
 
 
 def shown(table: Table, column: str) -> list[float]:
@@ -278,7 +278,7 @@ def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, floa
     """Impulses, times and crosses of the study's figures in the units of their labels."""
     motion, impulses, restitution, stiffness = (item.figure for item in published_plates(study))
     for axes, run in zip(motion.axes, study.motions, strict=True):
-        assert "[deg]" in axes.get_ylabel()
+        assert axes.get_ylabel() == "jaw angle [mdeg]"
         judge = Judge(run)
         curve, marks, square = axes.lines
         start = hits(judge)[0].t
@@ -288,15 +288,15 @@ def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, floa
         t, angle = (np.asarray(values) for values in curve.get_data())
         for i in range(5, len(t) - 5, 31):
             q = judge.state(start + 1e-3 * t[i], left=True)[0]
-            wanted = math.degrees(judge.gap(STOP, q))
-            assert angle[i] == pytest.approx(wanted, rel=1e-5, abs=1e-9)
-        # The inset: from the second collision on, in thousandths of a degree.
+            wanted = 1e3 * math.degrees(judge.gap(STOP, q))
+            assert angle[i] == pytest.approx(wanted, rel=1e-5, abs=1e-6)
+        # The inset: from the second collision on.
         (inset,) = axes.child_axes
         small, strokes = inset.lines
         assert inset.get_ylabel() == "[mdeg]"
         later = t >= times[1] - 1e-12
         np.testing.assert_allclose(small.get_xdata(), t[later])
-        np.testing.assert_allclose(small.get_ydata(), 1e3 * angle[later], atol=1e-12)
+        np.testing.assert_allclose(small.get_ydata(), angle[later], atol=1e-9)
         np.testing.assert_allclose(strokes.get_xdata(), times[1:], atol=1e-9)
     for axes in impulses.axes:
         assert axes.get_ylabel() == "impulse [N s]"
@@ -308,7 +308,7 @@ def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, floa
             assert list(line.get_xdata()[:4]) == [1, 2, 3, 4]
     durations = [1e3 * item["duration_s"] for item in read["table_4"]]
     time = restitution.axes[0]
-    assert time.get_ylabel() == "transition time [ms]"
+    assert time.get_ylabel() == "time to rest [ms]"
     assert time.lines[0].get_ydata() == pytest.approx(durations, rel=NEAR)
     grown = durations[0] * (1.0 + GIVEN.ratios["restitution.transition_time_increase"])
     assert float(time.lines[1].get_ydata()[0]) == pytest.approx(grown, rel=NEAR)
@@ -316,7 +316,7 @@ def test_figures_12_to_14(study: PaperStudy, read: dict[str, list[dict[str, floa
     assert (time.get_xlabel(), time.get_ylabel()) == ("spring rate [N/mm]", "time [ms]")
     lines = {line.get_label(): line for line in time.lines if len(line.get_xdata()) > 1}
     for label, key in (
-        ("transition", "duration_s"), ("first rebound", "rebound_time_s_1"),
+        ("time to rest", "duration_s"), ("first rebound", "rebound_time_s_1"),
         ("second rebound", "rebound_time_s_2"),
     ):  # fmt: skip
         wanted = [1e3 * item[key] for item in read["table_5"]]
@@ -329,7 +329,9 @@ def test_figure_of_shares(study: PaperStudy) -> None:
     axes, difference = question_figures._shares(study).figure.axes
     ballistic = [1.0 - e * e for e in SHARES]
     lines = {line.get_label(): line for line in axes.lines}
-    np.testing.assert_allclose(lines["1 - e²"].get_ydata(), ballistic, rtol=1e-12)
+    np.testing.assert_allclose(
+        lines["1 - e²"].get_ydata(), [100.0 * x for x in ballistic], rtol=1e-12
+    )
     curves = [line for line in difference.lines if len(line.get_xdata()) > 1]
     marks = [line for line in difference.lines if len(line.get_xdata()) == 1]
     crosses = [line for line in axes.lines if line.get_marker() == "x" and len(line.get_xdata())]
@@ -337,11 +339,11 @@ def test_figure_of_shares(study: PaperStudy) -> None:
     for i, speed in enumerate(GIVEN.speeds_rpm):
         line = lines[f"{speed:g} r/min"]
         np.testing.assert_allclose(line.get_xdata(), SHARES)
-        np.testing.assert_allclose(line.get_ydata(), study.shares.shares[i])
+        np.testing.assert_allclose(line.get_ydata(), 100.0 * study.shares.shares[i])
         points = 100.0 * (study.shares.shares[i] - ballistic)
         np.testing.assert_allclose(curves[i].get_ydata(), points, atol=1e-12)
         given = GIVEN.ratios[f"speed.first_two_share_{speed:g}"]
-        assert crosses[i].get_xydata().tolist() == [[e, given]]
+        assert crosses[i].get_xydata().tolist() == [[e, pytest.approx(100.0 * given)]]
         wanted = 100.0 * (given - 1.0 + e * e)
         assert marks[i].get_xydata()[0].tolist() == pytest.approx([e, wanted])
 
@@ -590,7 +592,7 @@ def test_bars_and_table_of_sensitivities() -> None:
         clamping_force_N=80.0, premise_holds=True, rows=rows,
     )  # fmt: skip
     figure = sensitivity_plate(found, "").figure
-    words = ("first amplitude", "transition time", "clamping force")
+    words = ("first rebound amplitude", "time to rest", "clamping force")
     for place, (axes, word) in enumerate(zip(figure.axes, words, strict=True)):
         assert axes.get_xlabel() == f"change of the {word} [%]"
         order = sorted(rows, key=lambda row: (row.unit == "%", -abs(row.per[place])))[::-1]

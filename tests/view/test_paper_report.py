@@ -7,6 +7,7 @@ import io
 import json
 import re
 from dataclasses import replace
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -19,9 +20,11 @@ from nipper_pin.errors import InputError
 from nipper_pin.mechanism import Mechanism, load
 from nipper_pin.study.identify.record import read_identification
 from nipper_pin.study.paper import PaperStudy, paper_study
+from nipper_pin.study.paper.designer import HowFast, designer
 from nipper_pin.study.paper.designs import RESTITUTIONS
 from nipper_pin.study.sensitivity import sensitivities
 from nipper_pin.view.paper.files import write_paper
+from nipper_pin.view.paper.front_page import front_page
 from nipper_pin.view.paper.kinematic_figures import kinematic_plates
 from nipper_pin.view.paper.published_figures import published_plates
 from nipper_pin.view.paper.question_figures import question_plates
@@ -118,7 +121,7 @@ def test_the_page_of_another_comber(name):
     stop = study.phase_one.stop
     assert ("steeve" in text) == (stop == "steeve")
     assert f"The {stop}" in text
-    sections = [int(number) for number in re.findall(r"<h2>(\d+) ", text)]
+    sections = [int(number) for number in re.findall(r"<h2[^>]*>(\d+) ", text)]
     assert sections == list(range(1, len(sections) + 1))
     assert len(content.plates) >= 10
 
@@ -143,9 +146,9 @@ def test_no_two_figures_share_an_identifier(content):
 
 @pytest.mark.slow
 def test_figures_are_the_same_bytes_for_the_same_numbers(study, content):
-    again = published_plates(study)
-    for plate, other in zip(content.plates, again, strict=False):
-        assert plate.svg == other.svg
+    drawn = {plate.name: plate.svg for plate in content.plates}
+    for other in published_plates(study):
+        assert drawn[other.name] == other.svg
 
 
 def test_every_panel_holds_lines_and_units(content):
@@ -168,8 +171,8 @@ def test_figure_11_holds_the_motion(study):
     for axes, amplitude, time in zip(figure.axes, data.amplitudes, data.times, strict=True):
         t, angle = (np.asarray(item, dtype=float) for item in axes.lines[0].get_data())
         first = t <= 1e3 * time[0]
-        assert np.radians(angle[first].max()) == pytest.approx(amplitude[0], rel=1e-3)
-        assert np.radians(angle[~first].max()) == pytest.approx(amplitude[1], rel=1e-3)
+        assert np.radians(1e-3 * angle[first].max()) == pytest.approx(amplitude[0], rel=1e-3)
+        assert np.radians(1e-3 * angle[~first].max()) == pytest.approx(amplitude[1], rel=1e-3)
 
 
 @pytest.mark.slow
@@ -290,10 +293,16 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     found = sensitivities(e62, 650.0, chosen)
     (tmp_path / "identified.json").write_text(json.dumps(IDENTIFIED), encoding="utf-8")
     document = read_identification(tmp_path / "identified.json")
-    report, *others = write_paper(study, tmp_path / "out", lambda: Supplements(found, document))
+    known = designer(e62, found, HowFast(None, "it was not asked"))
+    assert [lever.path for lever in known.levers] == [chosen[2], chosen[1]]
+    added = Supplements(found, document, known)
+    report, *others = write_paper(study, tmp_path / "out", lambda: added)
     page = report.read_text(encoding="utf-8")
     assert re.search(
-        r"<h2>6 Sensitivities</h2>.*<h2>7 Identification</h2>.*<h2>8 Limits", page, re.S
+        r"<h2[^>]*>7 Sensitivities</h2>.*<h2[^>]*>8 Identification</h2>.*<h2[^>]*>9 Method</h2>.*"
+        r"<h2[^>]*>10 Accuracy",
+        page,
+        re.S,
     )
     assert "Fitted, not validated." in page
     assert "The data agree with the fit." in page
@@ -307,10 +316,22 @@ def test_results_of_other_studies_are_shown_after_it(study, e62, tmp_path):
     assert 1.5 < change["stops.jaw.restitution"] < 2.0
     record = json.loads((tmp_path / "out" / "study.json").read_text(encoding="utf-8"))
     assert len(record["sensitivities"]["percent_per_unit"]) == 3
+    first = page[page.index('<section id="designer">') : page.index("<nav>")]
+    said = front_page(study, known)
+    for text in (*said.bounces, said.why, *said.fast):
+        assert escape(text, quote=False) in first.replace("&#39;", "'").replace("\u00a0", " "), text
+    for line in said.levers:
+        for text in (line.words, line.value, line.typed, line.amplitude, line.duration):
+            assert text in first
+    assert "never the maker" in first
+    assert '<figure id="designs">' in first
+    assert [item["path"] for item in record["designer"]["levers"]] == [
+        lever.path for lever in known.levers
+    ]
 
 
 def test_without_other_results_there_is_no_section_for_them(page):
-    assert "<h2>6 Limits</h2>" in page
+    assert re.search(r"<h2[^>]*>7 Method</h2>.*<h2[^>]*>8 Accuracy", page, re.S)
     assert "Sensitivities</h2>" not in page
     assert "Identification</h2>" not in page
 

@@ -80,6 +80,17 @@ def new_figure(height_in: float, mark: str) -> Figure:
     """
     figure = Figure(figsize=(WIDTH_IN, height_in), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
+    return marked(figure, mark)
+
+
+def marked(figure: Figure, mark: str) -> Figure:
+    """Add a line on the kind of its numbers below a figure with a constrained layout.
+
+    Args:
+        figure: The figure.
+        mark: The line.
+    """
+    height_in = figure.get_figheight()
     foot = _FOOT_IN / height_in
     figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - foot))  # type: ignore[union-attr, call-arg]
     figure.text(0.995, 0.02 / height_in, mark, ha="right", va="bottom", fontsize=6.0, color="0.45")

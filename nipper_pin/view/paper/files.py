@@ -14,7 +14,10 @@ from .supplements import Supplements
 
 
 def write_paper(
-    study: PaperStudy, folder: str | Path, supplements: Callable[[], Supplements] = Supplements
+    study: PaperStudy,
+    folder: str | Path,
+    supplements: Callable[[], Supplements] = Supplements,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Path]:
     """Write the study; its files take the place of those of an earlier one in one step.
 
@@ -23,6 +26,7 @@ def write_paper(
         folder: Folder, made if it does not exist; what else it holds stays.
         supplements: Gives results of other studies, to be shown after it. Asked when the figures
             of this study are drawn, so that the others can be computed meanwhile.
+        progress: Called with (groups of figures drawn, groups in all).
 
     Returns:
         The files, ``report.html`` first.
@@ -31,12 +35,14 @@ def write_paper(
         InputError: The folder cannot be written.
     """
     target = Path(folder)
-    drawn = study_plates(study)
+    drawn = study_plates(study, progress)
     added = supplements()
     content = material(study, added, drawn)
     record = study.record()
     if added.sensitivities is not None:
         record["sensitivities"] = added.sensitivities.record()
+    if added.designer is not None:
+        record["designer"] = added.designer.record()
     files: dict[str, bytes] = {
         "report.html": report_html(study, added, content).encode(), _DOCUMENT: b"",
     }  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...study.conclusions import label
-from ...terms import digits
+from ...terms import digits, named
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table, percent
@@ -90,13 +90,13 @@ def identification_tables(document: Mapping[str, Any]) -> list[Table]:
             "identified_numbers",
             "Numbers that were identified",
             (
-                Column("path", "number"),
-                Column("before", "before", digits),
-                Column("identified", "identified", digits),
-                Column("standard_deviation", "±", digits),
-                Column("standard_deviation_scaled", "± scaled", _digits),
-                Column("low", "from", digits),
-                Column("high", "to", digits),
+                Column("path", "number", _with_unit),
+                _of_parameter("before", "before", 1),
+                _of_parameter("identified", "identified", 2),
+                _of_parameter("standard_deviation", "±", 3),
+                _of_parameter("standard_deviation_scaled", "± scaled", 4),
+                _of_parameter("low", "from", 5),
+                _of_parameter("high", "to", 6),
                 Column("range_left", "range left", lambda v: f"{100.0 * v:.0f} %"),
                 Column("determined", "determined", lambda v: "yes" if v else "no"),
             ),
@@ -114,5 +114,11 @@ def _percent(value: float | None) -> str:
     return "-" if value is None else percent(value)
 
 
-def _digits(value: float | None) -> str:
-    return "-" if value is None else digits(value)
+def _with_unit(path: str) -> str:
+    unit = named(path).unit
+    return f"{label(path)} [{unit}]" if unit else label(path)
+
+
+def _of_parameter(key: str, heading: str, place: int) -> Column:
+    """A value of a parameter, whose path stands first in the row."""
+    return Column(key, heading, of_row=lambda row: named(row[0]).text(row[place]))

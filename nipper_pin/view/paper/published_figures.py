@@ -11,11 +11,12 @@ from ...hybrid.result.quantities import force_unit
 from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
-from ...units import DEG_PER_RAD, MDEG_PER_DEG, MS_PER_S
+from ...units import MS_PER_S
+from ..reading import units_of
 from ..run.sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
-from .terms import terms
+from .terms import TIME, terms
 
 # Thresholds at which collisions are counted in figures and tables [rad/s].
 THRESHOLDS = (0.001, 0.02, 0.06)
@@ -30,18 +31,20 @@ def _angle(study: PaperStudy) -> Plate:
     figure = new_figure(5.4, terms(study).mark)
     panels = figure.subplots(len(study.motions), 1, sharex=True, sharey=True)
     jaw = study.mechanism.stop(study.mechanism.transition_stop)
+    angle, noun = terms(study).rebound, units_of(study.mechanism, jaw.index).noun
+    gap = f"jaw {noun} [{angle.unit}]"
     durations = MS_PER_S * study.studies.speed.durations
     for number, (axes, solution) in enumerate(zip(panels, study.motions, strict=True)):
         t, q = sample_coordinates(solution, *solution.trajectory.span)
-        axes.plot(MS_PER_S * t, DEG_PER_RAD * q[:, jaw.index], color=LINES[0], linewidth=1.3)
+        axes.plot(MS_PER_S * t, angle.value(q[:, jaw.index]), color=LINES[0], linewidth=1.3)
         at = [MS_PER_S * item.t for item in solution.collisions]
         axes.plot(at, np.zeros(len(at)), "|", color="black", markersize=8.0)
         axes.plot(durations[number], 0.0, "s", color="black", markersize=3.5)
-        _close_up(axes, MS_PER_S * t, MDEG_PER_DEG * DEG_PER_RAD * q[:, jaw.index], at)
+        _close_up(axes, MS_PER_S * t, angle.value(q[:, jaw.index]), at, angle.unit)
         letter(axes, f"({'abc'[number]})  {solution.case.speed_rpm:g} r/min")
         grid(axes)
-        tidy(axes, "", "jaw angle [deg]")
-    tidy(panels[-1], "time from the first collision [ms]", "jaw angle [deg]")
+        tidy(axes, "", gap)
+    tidy(panels[-1], "time from the first collision [ms]", gap)
     shown = ", ".join(f"{value:.3f}" for value in durations)
     return plate(
         "figure_11",
@@ -49,28 +52,29 @@ def _angle(study: PaperStudy) -> Plate:
         "Jaw angle against time from the first collision at three speeds"
         f"{terms(study).of_paper('figure 11')}. "
         "Strokes mark collisions, the square the time of rest as the limit of the series: "
-        f"{shown} ms. Insets: from the second collision on, in thousandths of a degree.",
+        f"{shown} ms. Insets: from the second collision on.",
         figure,
     )
 
 
-def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, collisions: list[float]) -> None:
+def _close_up(axes: Axes, t: FloatArray, angle: FloatArray, at: list[float], unit: str) -> None:
     """Show the second rebound and what follows, which are small beside the first.
 
     Args:
         axes: The panel.
         t: Times, shape (K,) [ms].
-        angle: Jaw angles, shape (K,) [mdeg].
-        collisions: Times of the collisions [ms].
+        angle: Jaw angles, shape (K,), in ``unit``.
+        at: Times of the collisions [ms].
+        unit: That of the angles.
     """
     inner = axes.inset_axes((0.855, 0.42, 0.14, 0.52))
-    later = t >= collisions[1]
+    later = t >= at[1]
     inner.plot(t[later], angle[later], color=LINES[0], linewidth=1.1)
-    inner.plot(collisions[1:], np.zeros(len(collisions) - 1), "|", color="black", markersize=5.0)
+    inner.plot(at[1:], np.zeros(len(at) - 1), "|", color="black", markersize=5.0)
     inner.tick_params(labelsize=SMALL - 1.5)
     inner.xaxis.set_major_locator(MaxNLocator(2))
     inner.yaxis.set_major_locator(MaxNLocator(3))
-    inner.set_ylabel("[mdeg]", fontsize=SMALL - 1.5)
+    inner.set_ylabel(f"[{unit}]", fontsize=SMALL - 1.5)
     grid(inner)
 
 
@@ -127,7 +131,7 @@ def _restitution(study: PaperStudy) -> Plate:
     time.legend(fontsize=SMALL, frameon=False)
     letter(time, "(a)")
     grid(time)
-    tidy(time, "restitution e [-]", "transition time [ms]")
+    tidy(time, "restitution e [-]", TIME.label)
     _draw_counts(number, data)
     tidy(number, "restitution e [-]", "collisions")
     for axes in (time, number):
@@ -136,7 +140,7 @@ def _restitution(study: PaperStudy) -> Plate:
     return plate(
         "figure_13",
         "Transition over the restitution",
-        f"(a) Transition time and (b) number of collisions against the restitution at {speed:g} "
+        f"(a) Time to rest and (b) number of collisions against the restitution at {speed:g} "
         f"r/min{terms(study).of_paper('figure 13')}. {cross}",
         figure,
     )
@@ -147,9 +151,9 @@ def _stiffness(study: PaperStudy) -> Plate:
     figure = new_figure(3.2, terms(study).mark)
     time, number = figure.subplots(1, 2)
     words = terms(study)
-    rates = words.rate_factor * data.values
+    rates = words.rate.value(data.values)
     series = (
-        ("transition", data.durations, None),
+        (TIME.words, data.durations, None),
         ("first rebound", data.times[:, 0], "stiffness.first_rebound_time_change"),
         ("second rebound", data.times[:, 1], "stiffness.second_rebound_time_change"),
     )
@@ -164,9 +168,9 @@ def _stiffness(study: PaperStudy) -> Plate:
     time.legend(fontsize=SMALL, frameon=False, ncols=2)
     letter(time, "(a)")
     grid(time)
-    tidy(time, f"spring rate [{words.rate_unit}]", "time [ms]")
-    _draw_counts(number, data, words.rate_factor)
-    tidy(number, f"spring rate [{words.rate_unit}]", "collisions")
+    tidy(time, words.rate.label, "time [ms]")
+    _draw_counts(number, data, words.rate.factor)
+    tidy(number, words.rate.label, "collisions")
     for axes in (time, number):
         axes.set_xticks(rates)
     speed = study.published.common_speed_rpm

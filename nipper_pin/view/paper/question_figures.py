@@ -16,7 +16,7 @@ from ...study.paper.fixed_step import FixedStep
 from ...units import MS_PER_S
 from ..style import LINES, MARKERS, SMALL, TEXT, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
-from .terms import terms
+from .terms import SHARE, TIME, terms
 
 # Where lines of time and of index are labelled, in parts of the range of speeds, how far a label
 # may go from there, and how far it stands from the frame.
@@ -59,17 +59,17 @@ def _thresholds(study: PaperStudy) -> Plate:
         time.axhline(study.published.ratios["restitution.transition_time_increase"], color="black",
                      linestyle=":", linewidth=1.1, label="published")  # fmt: skip
     time.legend(fontsize=SMALL, frameon=False)
-    tidy(time, "threshold [rad/s]", "increase of the\ntransition time [-]")
+    tidy(time, "threshold [rad/s]", f"increase of the\n{TIME.words} [-]")
     for axes, text in ((number, "(a)"), (time, "(b)")):
         letter(axes, text)
         grid(axes)
     shaded = "Shaded: where the number of rebounds grows as published. "
     return plate(
         "thresholds",
-        "Collisions and transition time over the threshold",
+        "Collisions and time to rest over the threshold",
         "(a) Number of collisions against the separation rate at which one stops to count, for "
         f"three restitutions. {shaded if study.compared else ''}(b) Increase "
-        "of the transition time from the smallest to the largest restitution when the transition "
+        "of the time to rest from the smallest to the largest restitution when the transition "
         "ends at that collision; beyond the end of the line one of the two transitions has no "
         "length.",
         figure,
@@ -79,7 +79,7 @@ def _thresholds(study: PaperStudy) -> Plate:
 def _drives(study: PaperStudy) -> Plate:
     figure = new_figure(3.3, terms(study).mark)
     panels = figure.subplots(1, 2, sharex=True)
-    names = (("first_amplitude", "first rebound amplitude"), ("transition_time", "transition time"))
+    names = (("first_amplitude", "first rebound amplitude"), ("transition_time", TIME.words))
     for axes, (name, text), mark in zip(panels, names, "ab", strict=True):
         for i, speed in enumerate(study.published.speeds_rpm):
             rows = [item for item in study.drives.effects if item.speed_rpm == speed]
@@ -96,7 +96,7 @@ def _drives(study: PaperStudy) -> Plate:
     return plate(
         "drives",
         "Inertial shafts beside held ones",
-        "Size of the change of (a) the first rebound amplitude and (b) the transition time when "
+        "Size of the change of (a) the first rebound amplitude and (b) the time to rest when "
         "an impact is free to change the speed of the shafts, against their reflected inertia. "
         f"With the model's own inertias (dotted) the amplitude changes by at most {worst:.2g} %; "
         "the change falls with the inertia, so held shafts are the limit.",
@@ -115,7 +115,7 @@ def _stop_force(study: PaperStudy) -> Plate:
     curve.legend(fontsize=SMALL, frameon=False)
     tidy(curve, "index (40 to a turn)", "stop force with the jaw open [N]")
     forces = stop.smallest_forces()
-    preloads = words.preload_factor * stop.preloads
+    preloads = words.preload.value(stop.preloads)
     filled = chart.contourf(stop.speeds_rpm, preloads, forces, levels=12, cmap="RdBu",
                             vmin=-np.abs(forces).max(), vmax=np.abs(forces).max())  # fmt: skip
     _bar(figure, filled, [chart], "smallest stop force [N]")
@@ -123,12 +123,12 @@ def _stop_force(study: PaperStudy) -> Plate:
     chart.plot(limit, preloads, color="black", linewidth=1.6, label="lets go beyond")
     for item in stop.releases:
         stays = item.index is None
-        chart.plot(item.speed_rpm, words.preload_factor * stop.preload,
+        chart.plot(item.speed_rpm, words.preload.value(stop.preload),
                    "s" if stays else "X", markersize=6.0,
                    color="black", markeredgecolor="white", markeredgewidth=0.6)  # fmt: skip
     chart.set_xlim(stop.speeds_rpm[0], stop.speeds_rpm[-1])
     chart.legend(fontsize=SMALL, loc="lower right")
-    tidy(chart, "cylinder speed [r/min]", f"preload [{words.preload_unit}]")
+    tidy(chart, "cylinder speed [r/min]", words.preload.label)
     letter(curve, "(a)")
     letter(chart, "(b)")
     grid(curve)
@@ -142,7 +142,7 @@ def _stop_force(study: PaperStudy) -> Plate:
         "stop_force",
         f"Force on the stop of the {words.stop} in phase 1",
         "(a) Force of the stop while the jaw is open, preload "
-        f"{words.preload_factor * stop.preload:g} {words.preload_unit}, as if "
+        f"{words.preload.value(stop.preload):g} {words.preload.unit}, as if "
         "it could pull. (b) Its smallest value over speed and preload; right of the line the "
         f"{words.stop} leaves its stop. {begins}Marks: simulated turns, squares where "
         "it stays, crosses where it lets go.",
@@ -153,7 +153,7 @@ def _stop_force(study: PaperStudy) -> Plate:
 def _fixed_step(data: FixedStep, mark: str) -> Plate:
     figure = new_figure(3.6, mark)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    labels = ("first rebound time", "second rebound time", "first amplitude", "transition time")
+    labels = ("first rebound time", "second rebound time", "first amplitude", TIME.words)
     for axes, rule, mark in zip(panels, data.rules, "ab", strict=True):
         for i, label in enumerate(labels):
             axes.loglog(rule.steps_s, np.abs(rule.errors[:, i]), color=LINES[i], marker=MARKERS[i],
@@ -179,21 +179,21 @@ def _shares(study: PaperStudy) -> Plate:
     data = study.shares
     figure = new_figure(3.5, terms(study).mark)
     axes, rest = figure.subplots(1, 2)
-    axes.plot(data.restitutions, data.ballistic, color="black", linestyle="--", linewidth=1.2,
-              label="1 - e²")  # fmt: skip
+    axes.plot(data.restitutions, SHARE.value(data.ballistic), color="black", linestyle="--",
+              linewidth=1.2, label="1 - e²")  # fmt: skip
     for i, speed in enumerate(data.speeds_rpm):
-        axes.plot(data.restitutions, data.shares[i], color=LINES[i], linewidth=1.2,
+        axes.plot(data.restitutions, SHARE.value(data.shares[i]), color=LINES[i], linewidth=1.2,
                   label=f"{speed:g} r/min")  # fmt: skip
         rest.plot(data.restitutions, 100.0 * (data.shares[i] - data.ballistic), color=LINES[i],
                   linewidth=1.2)  # fmt: skip
         value = study.published.ratios.get(f"speed.first_two_share_{speed:g}", np.nan)
         common = study.published.common_restitution
-        axes.plot(common, value, "x", color=LINES[i], markersize=6.0)
+        axes.plot(common, SHARE.value(value), "x", color=LINES[i], markersize=6.0)
         rest.plot(common, 100.0 * (value - 1.0 + common**2), "x", color=LINES[i], markersize=6.0)
     if study.compared:
         axes.plot([], [], "x", color="0.3", label="published")
     axes.legend(fontsize=SMALL, frameon=False)
-    tidy(axes, "restitution e [-]", "share of the first two rebounds [-]")
+    tidy(axes, "restitution e [-]", SHARE.label)
     tidy(rest, "restitution e [-]", "difference from 1 - e²\n[points of %]")
     for panel, text in ((axes, "(a)"), (rest, "(b)")):
         letter(panel, text)
@@ -201,7 +201,7 @@ def _shares(study: PaperStudy) -> Plate:
     return plate(
         "shares",
         "Share of the first two rebounds",
-        "(a) Share of the first two rebounds in the transition time against the restitution, and "
+        "(a) Share of the first two rebounds in the time to rest against the restitution, and "
         "1 - e², what a constant closing force gives. (b) The difference: the closing force "
         "changes during the longer rebounds.",
         figure,
@@ -212,7 +212,7 @@ def _designs(study: PaperStudy) -> Plate:
     data, words = study.designs, terms(study)
     speeds = data.speeds_rpm
     places = speeds[0] + np.array(_LABELLED) * (speeds[-1] - speeds[0])
-    figure = new_figure(3.8, terms(study).mark)
+    figure = new_figure(3.2, terms(study).mark)
     panels = figure.subplots(1, len(data.stiffnesses), sharex=True, sharey=True)
     most = float(np.nanmax(data.durations)) * MS_PER_S
     levels = np.arange(0.0, most + 1.0)
@@ -227,14 +227,14 @@ def _designs(study: PaperStudy) -> Plate:
                              levels=[1.0, 2.0, 3.0, 4.0], colors=LINES[0], linewidths=0.9,
                              linestyles="--")  # fmt: skip
         _label(index, places[0], speeds)
-        stiffness = words.rate_factor * data.stiffnesses[number]
-        letter(axes, f"({'abc'[number]})  {stiffness:.3g} {words.rate_unit}")
+        stiffness = words.rate.value(float(data.stiffnesses[number]))
+        letter(axes, f"({'abc'[number]})  {stiffness:.3g} {words.rate.unit}")
         tidy(axes, "speed [r/min]", "restitution e [-]" if number == 0 else "")
-    _bar(figure, filled, list(panels), "transition time [ms]")
+    _bar(figure, filled, list(panels), TIME.label)
     return plate(
         "designs",
-        "Transition time over speed, restitution and spring rate",
-        "Full lines: transition time in ms. Dashed: the same in units of the index, 40 to a turn, "
+        "Time to rest over speed, restitution and spring rate",
+        "Full lines: time to rest in ms. Dashed: the same in units of the index, 40 to a turn, "
         "the part of the cycle in which the jaw does not hold. The preload is kept.",
         figure,
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
@@ -20,8 +21,11 @@ from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
 from ..reading import spring_text
 from .canvas import Plate
+from .front_page import front_page
 from .identification import identification_plate, identification_tables
 from .kinematic_figures import kinematic_plates
+from .machine_figure import machine_plate
+from .outline import by_name, outline
 from .published_figures import published_plates
 from .question_figures import question_plates
 from .supplements import (
@@ -42,7 +46,7 @@ from .tables import (
     step_table,
     stop_table,
 )
-from .terms import terms
+from .terms import terms, unit_text
 
 _TEMPLATE = "report.html.j2"
 
@@ -60,9 +64,24 @@ class Material:
     tables: tuple[Table, ...]
 
 
-def study_plates(study: PaperStudy) -> list[Plate]:
-    """Draw the figures of the study itself."""
-    return [*published_plates(study), *kinematic_plates(study), *question_plates(study)]
+def study_plates(
+    study: PaperStudy, progress: Callable[[int, int], None] | None = None
+) -> list[Plate]:
+    """Draw the figures of the study itself: the map of the first page, the machine, all others.
+
+    Args:
+        study: The study.
+        progress: Called with (groups of figures drawn, groups in all).
+    """
+    groups: list[list[Plate]] = []
+    draw = (lambda study: [machine_plate(study)], published_plates, kinematic_plates,
+            question_plates)  # fmt: skip
+    for group in draw:
+        groups.append(group(study))
+        if progress is not None:
+            progress(len(groups), len(draw))
+    machine, published, kinematic, (*questions, chart) = groups
+    return [chart, *machine, *published, *kinematic, *questions]
 
 
 def material(study: PaperStudy, supplements: Supplements, drawn: Sequence[Plate]) -> Material:
@@ -102,6 +121,11 @@ def _subscripts(heading: str) -> str:
     return text
 
 
+def _glued(text: str) -> str:
+    """Sentences in which no line breaks between a number and its unit."""
+    return re.sub(r"(?<=\d) (?=(?:mdeg|µm|ms|mm/s|r/min|N|index)\b|%)", "\u00a0", text)
+
+
 def report_html(study: PaperStudy, supplements: Supplements, content: Material) -> str:
     """Return the page.
 
@@ -121,6 +145,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         lstrip_blocks=True,
     )
     environment.filters["subscripts"] = _subscripts
+    environment.filters["glued"] = _glued
     figure_numbers = numbers([plate.name for plate in content.plates])
     table_numbers = numbers([table.name for table in content.tables])
     plates = {
@@ -132,6 +157,7 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         for table in content.tables
     }
     template = environment.get_template(_TEMPLATE)
+    contents = outline(study, supplements)
     return template.render(
         study=study,
         words=terms(study),
@@ -143,7 +169,11 @@ def report_html(study: PaperStudy, supplements: Supplements, content: Material) 
         far=FAR,
         springs=spring_text(study.mechanism),
         version=version("nipper-pin"),
-        facts=_facts(study),
+        facts=_facts(study, supplements),
+        contents=contents,
+        sections=by_name(contents),
+        front=None if supplements.designer is None else front_page(study, supplements.designer),
+        unit_text=unit_text,
         digits=digits,
         percent=percent,
         intervals=_intervals,
@@ -171,7 +201,7 @@ def numbers(names: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _facts(study: PaperStudy) -> dict[str, Any]:
+def _facts(study: PaperStudy, supplements: Supplements) -> dict[str, Any]:
     """Numbers of the text that are in no table."""
     studies, given = study.studies, study.published
     common = given.speeds_rpm.index(given.common_speed_rpm)
@@ -180,6 +210,7 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
     rules = () if study.fixed_step is None else study.fixed_step.rules
     threshold = study.phase_one.threshold_rpm(study.phase_one.preload)
     released = [item for item in study.phase_one.releases if item.index is not None]
+    found = supplements.sensitivities
     low, high = given.restitutions[0], given.restitutions[-1]
     return {
         "worst": worst,
@@ -203,6 +234,8 @@ def _facts(study: PaperStudy) -> dict[str, Any]:
         "without_turn": [(item.name, item.without_turn) for item in studies if item.without_turn],
         "last_errors": {rule.name: float(abs(rule.errors[-1, -1])) for rule in rules},
         "rules": rules,
+        "duration_errors": studies.speed.table.duration_error.tolist(),
+        "disagreement": None if found is None else max(row.disagreement for row in found.rows),
         "time_range_ms": [
             MS_PER_S * float(np.nanmin(study.designs.durations)),
             MS_PER_S * float(np.nanmax(study.designs.durations)),

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 
 from ...study.conclusions import label
+from ...study.paper.designer import Designer
 from ...study.sensitivity import QUANTITIES, Sensitivities, Sensitivity
-from ...terms import digits
+from ...terms import named
 from ..style import LINES, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .tables import Column, Table
+from .terms import TIME
 
 _SHOWN = 5
-_WORDS = ("first amplitude", "transition time", "clamping force")
+_WORDS = ("first rebound amplitude", TIME.words, named("clamping_force_N").words)
 
 
 @dataclass(frozen=True)
@@ -26,10 +28,12 @@ class Supplements:
     Attributes:
         sensitivities: Sensitivities of the model.
         identification: What ``nipper-pin identify --json`` wrote.
+        designer: What a designer wants to know first.
     """
 
     sensitivities: Sensitivities | None = None
     identification: Mapping[str, Any] | None = None
+    designer: Designer | None = None
 
 
 def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
@@ -62,7 +66,7 @@ def sensitivity_plate(found: Sensitivities, mark: str) -> Plate:
     return plate(
         "sensitivities",
         "What changes bounce, time and clamping most",
-        f"Relative change of (a) the first rebound amplitude, (b) the transition time and (c) the "
+        f"Relative change of (a) the first rebound amplitude, (b) the time to rest and (c) the "
         f"mean clamping force for one unit more of a number of the model, at "
         f"{found.speed_rpm:g} r/min: above the dotted line 1 mm of a length or 1 degree of an "
         "angle (of a number that is zero the amount in its brackets), below it 1 % of all others; "
@@ -77,12 +81,12 @@ def sensitivity_table(found: Sensitivities) -> Table:
         "sensitivities",
         "Sensitivities to every number of the model",
         (
-            Column("path", "number"),
-            Column("value", "value", digits),
+            Column("path", "number", label),
+            Column("value", "value", of_row=lambda row: named(row[0]).phrase(row[1])),
             Column("unit", "one"),
             Column("rebound_amplitude_1_percent", "A<sub>1</sub> [%]", _change),
-            Column("duration_percent", "transition [%]", _change),
-            Column("clamping_force_percent", "clamping [%]", _change),
+            Column("duration_percent", f"{TIME.words} [%]", _change),
+            Column("clamping_force_percent", "clamping force [%]", _change),
             Column("disagreement_percent", "two ways differ by", lambda v: f"{v:.0e}"),
         ),
         tuple(_row(item) for item in found.ranked(QUANTITIES[0])),

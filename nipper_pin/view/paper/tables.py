@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,8 +16,8 @@ from ...study.paper.fixed_step import FixedStep
 from ...study.paper.published import published
 from ...study.paper.studies import Study
 from ...terms import digits
-from ...units import DEG_PER_RAD, M_PER_MM, MS_PER_S, US_PER_S
-from .terms import terms
+from ...units import M_PER_MM, MS_PER_S, US_PER_S
+from .terms import REBOUND_TIME, SHARE, TIME, Terms, terms, unit_text
 
 COUNTED_AT = (1e-4, 1e-3, 0.005, 0.02, 0.05, 0.06, 0.08, 0.1, 0.3, 0.9)
 SHOWN_FACTORS = (0.1, 1.0, 10.0)
@@ -31,11 +31,13 @@ class Column:
         key: Name with the unit, in CSV files.
         heading: The same for people, who may see another unit.
         show: From the number to text.
+        of_row: From the whole row to text instead, where the row says what the unit is.
     """
 
     key: str
     heading: str
     show: Callable[[Any], str] = str
+    of_row: Callable[[Sequence[Any]], str] | None = None
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,10 @@ class Table:
     def shown(self) -> list[list[str]]:
         """Rows as text."""
         return [
-            [column.show(value) for column, value in zip(self.columns, row, strict=True)]
+            [
+                column.show(value) if column.of_row is None else column.of_row(row)
+                for column, value in zip(self.columns, row, strict=True)
+            ]
             for row in self.rows
         ]
 
@@ -90,15 +95,16 @@ def _general(value: float) -> str:
     return f"{value:g}"
 
 
-_AMPLITUDES = (
-    Column("rebound_amplitude_1", "A<sub>1</sub> [deg]", _scaled(DEG_PER_RAD)),
-    Column("rebound_amplitude_2", "A<sub>2</sub> [deg]", _scaled(DEG_PER_RAD)),
-)
-_TIMES = (
-    Column("rebound_time_s_1", "T<sub>1</sub> [ms]", _scaled(MS_PER_S)),
-    Column("rebound_time_s_2", "T<sub>2</sub> [ms]", _scaled(MS_PER_S)),
-    Column("duration_s", "transition [ms]", _scaled(MS_PER_S)),
-)
+def _rebounds(words: Terms) -> tuple[Column, ...]:
+    """Amplitudes and times of the first two rebounds, and the time to rest."""
+    angle = words.rebound
+    return (
+        Column("rebound_amplitude_1", f"A<sub>1</sub> [{unit_text(angle)}]", angle.text),
+        Column("rebound_amplitude_2", f"A<sub>2</sub> [{unit_text(angle)}]", angle.text),
+        Column("rebound_time_s_1", f"T<sub>1</sub> [{REBOUND_TIME.unit}]", REBOUND_TIME.text),
+        Column("rebound_time_s_2", f"T<sub>2</sub> [{REBOUND_TIME.unit}]", REBOUND_TIME.text),
+        Column("duration_s", TIME.label, TIME.text),
+    )
 
 
 def ratio_words(name: str) -> str:
@@ -152,7 +158,7 @@ def inertial_ratio_table(study: PaperStudy) -> Table:
 def published_tables(study: PaperStudy) -> list[Table]:
     """Tables 3, 4 and 5 of the paper."""
     studies, words = study.studies, terms(study)
-    share = Column("first_two_share", "share of the first two", lambda v: f"{100.0 * v:.2f} %")
+    share = Column("first_two_share", SHARE.words, lambda v: f"{100.0 * v:.2f} %")
     stated = Column("published_share", "published", lambda v: f"{100.0 * v:.2f} %")
     rows, last = _rows(studies.speed), [share]
     if study.compared:
@@ -160,17 +166,17 @@ def published_tables(study: PaperStudy) -> list[Table]:
         shares = [given[f"speed.first_two_share_{value:g}"] for value in studies.speed.values]
         rows = tuple((*row, value) for row, value in zip(rows, shares, strict=True))
         last.append(stated)
-    stiffness = Column(f"stiffness_{words.rate_si}", f"k [{words.rate_unit}]",
-                       lambda v: f"{words.rate_factor * v:.4g}")  # fmt: skip
+    stiffness = Column(f"stiffness_{words.rate_si}", f"k [{words.rate.unit}]",
+                       lambda v: f"{words.rate.value(v):.4g}")  # fmt: skip
     return [
         Table("table_3", f"Rebounds over the speed{words.of_paper('table 3')}",
-              (Column("speed_rpm", "speed [r/min]", _general), *_AMPLITUDES, *_TIMES, *last),
+              (Column("speed_rpm", "speed [r/min]", _general), *_rebounds(words), *last),
               rows),
         Table("table_4", f"Rebounds over the restitution{words.of_paper('table 4')}",
-              (Column("restitution", "e [-]", _general), *_AMPLITUDES, *_TIMES, share),
+              (Column("restitution", "e [-]", _general), *_rebounds(words), share),
               _rows(studies.restitution)),
         Table("table_5", f"Rebounds over the spring rate{words.of_paper('table 5')}",
-              (stiffness, *_AMPLITUDES, *_TIMES, share), _rows(studies.stiffness)),
+              (stiffness, *_rebounds(words), share), _rows(studies.stiffness)),
     ]  # fmt: skip
 
 
@@ -198,7 +204,7 @@ def count_table(study: PaperStudy) -> Table:
 
 
 def rest_table(study: PaperStudy) -> Table:
-    """Transition times by a threshold beside the limit, at the common speed and restitution."""
+    """Times to rest by a threshold beside the limit, at the common speed and restitution."""
     given = study.published
     speeds = study.studies.speed
     case = given.speeds_rpm.index(given.common_speed_rpm)
@@ -210,7 +216,7 @@ def rest_table(study: PaperStudy) -> Table:
         rows.append((threshold, number, end, limit - end, 1.0 - end / limit))
     return Table(
         "rest_time",
-        f"Transition time by a threshold, {given.common_speed_rpm:g} r/min, "
+        f"Time to rest by a threshold, {given.common_speed_rpm:g} r/min, "
         f"e = {given.common_restitution:g}",
         (
             Column("threshold_rad_s", "threshold [rad/s]", _general),
@@ -236,7 +242,7 @@ def drive_table(study: PaperStudy) -> Table:
             Column("first_impulse_change", "first impulse", lambda v: percent(v, 4)),
             Column("rebound_amplitude_1_change", "A<sub>1</sub>", change),
             Column("rebound_amplitude_2_change", "A<sub>2</sub>", change),
-            Column("duration_change", "transition", change),
+            Column("duration_change", TIME.words, change),
             Column("shaft_rate_jump", "shaft's rate jumps by", lambda v: f"{100.0 * v:.4f} %"),
         ),
         tuple((i.speed_rpm, i.factor, i.first_impulse, i.first_amplitude, i.second_amplitude,
@@ -256,7 +262,7 @@ def stop_table(study: PaperStudy) -> Table:
             Column("smallest_force_N", "smallest force [N]", digits),
             Column("release_index", "lets go at index",
                    lambda v: "stays closed" if v is None else f"{v:.3f}"),
-            Column(f"lift_{words.stroke_si}", f"lift [{stroke.amplitude.replace('um', 'µm')}]",
+            Column(f"lift_{words.stroke_si}", f"lift [{unit_text(stroke.amplitude)}]",
                    lambda v: "-" if v == 0.0 else digits(stroke.amplitude_factor * v)),
             Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(MS_PER_S * v)),
         ),
@@ -277,7 +283,7 @@ def step_table(data: FixedStep) -> Table:
             Column("first_time_error", "T<sub>1</sub>", error),
             Column("second_time_error", "T<sub>2</sub>", error),
             Column("rebound_amplitude_1_error", "A<sub>1</sub>", error),
-            Column("duration_error", "transition", error),
+            Column("duration_error", TIME.words, error),
         ),
         tuple((rule.name, float(step), *errors.tolist())
               for rule in data.rules

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...mechanism import Mechanism
 from ...study.paper import PaperStudy
-from ...units import DEG_PER_RAD, M_PER_MM, MM_PER_M
+from ...terms import Shown, named, shown_in
+from ..naming import shown
 from ..reading import Units, units_of
 
 _E62 = "estimate of the E62 class identified from the published ratios; not the maker's data"
 _OTHER = "numbers of the model; those of the package's combers are estimates, no maker's data"
+
+TIME = named("duration_s")
+"""Time to rest."""
+REBOUND_TIME = named("rebound_time_s")
+SHARE = named("first_two_share")
 
 
 @dataclass(frozen=True)
@@ -22,12 +29,11 @@ class Terms:
         stop: Name of the stop that is closed while the jaw is open.
         stroke: Units of its coordinate.
         stroke_si: SI unit of that coordinate.
+        rebound: Amplitudes of rebounds.
+        rate: Spring rates.
         rate_si: SI unit of spring rates, as in names of columns.
-        rate_factor: Spring rates from SI to ``rate_unit``.
-        rate_unit: Unit of spring rates.
+        preload: Preloads.
         preload_kind: What a preload is: a length or an angle.
-        preload_factor: Preloads from SI to ``preload_unit``.
-        preload_unit: Unit of preloads.
     """
 
     compared: bool
@@ -35,12 +41,11 @@ class Terms:
     stop: str
     stroke: Units
     stroke_si: str
+    rebound: Shown
+    rate: Shown
     rate_si: str
-    rate_factor: float
-    rate_unit: str
+    preload: Shown
     preload_kind: str
-    preload_factor: float
-    preload_unit: str
 
     def of_paper(self, what: str) -> str:
         """Number of the figure or table of the paper, in brackets; empty for other machines."""
@@ -52,10 +57,31 @@ def terms(study: PaperStudy) -> Terms:
     mechanism = study.mechanism
     stop = mechanism.stop(study.phase_one.stop)
     units = units_of(mechanism, stop.index)
-    if units_of(mechanism, mechanism.springs[0].index).noun == "angle":
-        spring = ("N_m_per_rad", 1.0, "N m/rad", "angle", DEG_PER_RAD, "deg")
-    else:
-        spring = ("N_per_m", M_PER_MM, "N/mm", "length", MM_PER_M, "mm")
-    mark = _E62 if study.compared else _OTHER
-    stroke_si = "rad" if units.noun == "angle" else "m"
-    return Terms(study.compared, mark, stop.name, units, stroke_si, *spring)
+    turns = units_of(mechanism, mechanism.springs[0].index).noun == "angle"
+    return Terms(
+        compared=study.compared,
+        mark=_E62 if study.compared else _OTHER,
+        stop=stop.name,
+        stroke=units,
+        stroke_si="rad" if units.noun == "angle" else "m",
+        rebound=rebound(mechanism),
+        rate=_shown("spring rate", "N m/rad" if turns else "N/m"),
+        rate_si="N_m_per_rad" if turns else "N_per_m",
+        preload=_shown("preload", "rad" if turns else "m"),
+        preload_kind="angle" if turns else "length",
+    )
+
+
+def unit_text(quantity: Shown | str) -> str:
+    """A unit with its Greek letter, which terminals do without."""
+    return (quantity if isinstance(quantity, str) else quantity.unit).replace("um", "µm")
+
+
+def rebound(mechanism: Mechanism) -> Shown:
+    """How people read amplitudes of the jaw's rebounds."""
+    return shown(mechanism, "rebound_amplitude")
+
+
+def _shown(words: str, file_unit: str) -> Shown:
+    unit, factor = shown_in(file_unit)
+    return Shown(words=words, unit=unit, factor=factor)
