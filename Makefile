@@ -83,6 +83,7 @@ pictures: $(DEV)
 	$(FIGURES)/draw_recorded_benchmark.py docs
 	$(FIGURES)/shrink_pictures.py --width 800 $(IMAGES)/parallel_duration_s.png
 	$(FIGURES)/shrink_pictures.py $(PLOTS)
+	$(BIN)/nipper-pin study paper --out out/pictures/paper
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
 	$(FIGURES)/write_tolerance_pages.py docs
 	$(FIGURES)/write_quantity_page.py docs

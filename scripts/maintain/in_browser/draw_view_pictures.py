@@ -22,10 +22,12 @@ from nipper_pin.view.compare.pair import pair
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.page import write_page
 
+ROOT = Path(__file__).resolve().parents[3]
 SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COMPARED = (450.0, 520.0)  # r/min
+A4 = (794, 1123)  # pixels
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -135,13 +137,29 @@ def live_picture(browser: Browser, path: Path) -> None:
         page.close()
 
 
+def report_picture(browser: Browser, path: Path) -> None:
+    """The first page of the report, as it is printed."""
+    report = ROOT / "out/pictures/paper/report.html"
+    if not report.is_file():
+        print(f"{report} is not there, so {path.name} stays: nipper-pin study paper writes it")
+        return
+    page = browser.new_page(viewport={"width": A4[0], "height": A4[1]})
+    page.emulate_media(media="print")
+    page.goto(report.as_uri())
+    page.add_style_tag(content="body { padding: 15mm }")
+    page.wait_for_timeout(500)
+    save(page, path)
+    page.close()
+
+
 def main(folder: str | None = None) -> None:
     """Write all pictures."""
-    target = Path(folder) if folder else Path(__file__).resolve().parents[3] / "docs" / "images"
+    target = Path(folder) if folder else ROOT / "docs" / "images"
     with chromium() as browser:
         view_pictures(browser, target)
         comparison_picture(browser, target / "compare.png")
         live_picture(browser, target / "live.png")
+        report_picture(browser, target / "report.png")
 
 
 if __name__ == "__main__":
