@@ -27,7 +27,7 @@ SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COMPARED = (450.0, 520.0)  # r/min
-A4 = (794, 1123)  # pixels
+FIRST_PAGE = (794, 945)  # pixels: the width of A4, down to the figure
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -143,7 +143,7 @@ def report_picture(browser: Browser, path: Path) -> None:
     if not report.is_file():
         print(f"{report} is not there, so {path.name} stays: nipper-pin study paper writes it")
         return
-    page = browser.new_page(viewport={"width": A4[0], "height": A4[1]})
+    page = browser.new_page(viewport={"width": FIRST_PAGE[0], "height": FIRST_PAGE[1]})
     page.emulate_media(media="print")
     page.goto(report.as_uri())
     page.add_style_tag(content="body { padding: 15mm }")
