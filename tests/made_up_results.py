@@ -18,8 +18,8 @@ PATHS = ("springs.a", "stops.b")
 
 def identified(verdict: Verdict, **others: Any) -> Callable[[Console], None]:
     """What is printed of a fit of two numbers to two targets."""
-    targets = [SimpleNamespace(name=others.get("name", "one"), value=5.25, sigma=0.5),
-               SimpleNamespace(name="two", value=80.0, sigma=2.5)]  # fmt: skip
+    targets = [SimpleNamespace(name=others.get("name", "one"), value=5.25, sigma=0.5, since=0.0),
+               SimpleNamespace(name="two", value=80.0, sigma=2.5, since=0.0)]  # fmt: skip
     parameters = [SimpleNamespace(path=PATHS[0], start=11.0, low=4.0, high=20.0, width=16.0),
                   SimpleNamespace(path=PATHS[1], start=0.25, low=0.125, high=0.5,
                                   width=0.375)]  # fmt: skip

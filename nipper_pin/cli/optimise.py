@@ -86,8 +86,8 @@ def _run(options: argparse.Namespace) -> None:
 
         from ..view.studies.optimise_report import print_optimum
 
-        print_optimum(optimum, Console())
         sys.stdout.write("".join(f"{folder / path.name}\n" for path in written))
+        print_optimum(optimum, Console())
     if optimum.contradiction:
         from ..errors import SimulationError
 

@@ -56,7 +56,7 @@ def cells(text: str, first: str) -> list[str]:
 
 
 def target(name: str, value: float, sigma: float) -> Any:
-    return SimpleNamespace(name=name, value=value, sigma=sigma)
+    return SimpleNamespace(name=name, value=value, sigma=sigma, since=0.0)
 
 
 def free(path: str, start: float, low: float, high: float) -> Any:

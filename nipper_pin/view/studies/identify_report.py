@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
+from ...hybrid.result.quantities import coordinate_unit
 from ...study.identify.fitting.determine import DETERMINED, Determinability
 from ...study.identify.fitting.fit import Fit
 from ...study.identify.fitting.goodness import Goodness, Verdict
 from ...study.identify.fitting.profiles import Profile
-from ...study.identify.problem.targets import Condition
+from ...study.identify.problem.problem import Problem
+from ...study.identify.problem.targets import Condition, Target
 from ...study.identify.record import WORD
+from ...terms import Shown, named
 from ..console import headline, say, show_table
 
 _SAME = 1e-3
@@ -67,21 +70,38 @@ def print_fit(
 
 
 def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
-    rows = [
-        (
-            target.name,
-            f"{target.value:.5g}",
-            f"{target.sigma:.2g}",
-            f"{fit.predicted[place]:.5g}",
-            f"{100 * fit.deviations[place]:+.2f} %",
-            f"{_sigmas(judged.residuals[place])}{'!' if place in judged.outliers else ' '}",
+    rows = []
+    for place, (target, term) in enumerate(_terms(fit.objective.problem)):
+        numbers = (target.value, target.sigma, float(fit.predicted[place]))
+        wanted, sigma, found = (term.value(number) for number in numbers)
+        mark = "!" if place in judged.outliers else " "
+        rows.append(
+            (
+                f"{target.name} [{term.unit}]" if term.unit else target.name,
+                f"{wanted:.5g}",
+                f"{sigma:.2g}",
+                f"{found:.5g}",
+                f"{100 * fit.deviations[place]:+.2f} %",
+                f"{_sigmas(judged.residuals[place])}{mark}",
+            )
         )
-        for place, target in enumerate(fit.objective.problem.targets)
-    ]
-    headline(console, "Targets, in the units of the problem's file")
+    headline(console, "Targets")
     show_table(console, ("target", "wanted", "+-", "found", "deviation", "sigmas"), rows)
     if judged.outliers:
         say(console, "!: outlier, farther off than chance explains for the worst of all targets")
+
+
+def _terms(problem: Problem) -> Iterator[tuple[Target, Shown]]:
+    """Targets, and how people read them: a change between two settings has no unit."""
+    gap = ""
+    for target in problem.targets:
+        if target.since is not None:
+            yield target, Shown(words=target.name)
+            continue
+        if not gap:
+            mechanism = problem.sources.build()
+            gap = coordinate_unit(mechanism, mechanism.stop(mechanism.transition_stop).index)
+        yield target, named(target.quantity, gap)
 
 
 def _sigmas(value: float) -> str:
