@@ -54,6 +54,14 @@ def solutions_of(matrices: FloatArray, right: FloatArray) -> FloatArray:
     return solution
 
 
+def same_sign(one: FloatArray, other: FloatArray) -> bool:
+    """True if the determinants of two square matrices have one sign, or are both zero."""
+    if not one.size:
+        return True
+    first, second = PartialPivLU(one).determinant(), PartialPivLU(other).determinant()
+    return bool((first > 0.0) == (second > 0.0) and (first < 0.0) == (second < 0.0))
+
+
 def _check(found: FloatArray) -> None:
     """Refuse what a division by a pivot of zero has left: Eigen does not report it."""
     if not math.isfinite(np.vdot(found, found)):

@@ -84,7 +84,8 @@ class Sweeps:
         self._lines[0] = q + elapsed[:, None] * v
         self._lines[1] = v
         if system.held:
-            self._lines[:, :, system.driven_columns] = motion[:2]
+            self._lines[0][:, system.driven_columns] = motion[0]
+            self._lines[1][:, system.driven_columns] = motion[1]
         # Way on the panel beside which changes of positions count, shape (nv,).
         self._way = np.abs(h * v) + SMALLEST
         # Relative change of positions by change of acceleration, shape (nv,); the same for every
