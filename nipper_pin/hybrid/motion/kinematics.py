@@ -62,18 +62,18 @@ def kinematic_panel(
     # What no shorter panel would resolve either must not advise one.
     round_off = _round_off(system, q_nodes, split, inverse[0])
     rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
-    if resolution.adaptive and rough_a.max() > 1.0:
+    roughest = float(rough_a.max(initial=0.0))
+    if resolution.adaptive and roughest > 1.0:
         still = moving + h**2 * largest(a_nodes)
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
         rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
+        roughest = float(rough_a.max())
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, *known).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    excess = max(
-        _excess(panel, forces, round_off, moving, resolution), float(rough_a.max(initial=0.0))
-    )
+    excess = max(_excess(panel, forces, round_off, moving, resolution), roughest)
     if system.mechanism.struts:
         excess = max(excess, _rough_pulls(system, panel, resolution))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
