@@ -1,10 +1,17 @@
 """Small systems of equations: those of Eigen and of numpy are the same, singular ones too."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from nipper_pin.dynamics.assembly import inverted
-from nipper_pin.dynamics.small_systems import inverse_of, inverses_of, solutions_of
+from nipper_pin.dynamics.small_systems import (
+    inverse_of,
+    inverses_of,
+    same_sign,
+    solutions_of,
+)
 
 
 @pytest.mark.parametrize("size", [1, 2, 4, 6])
@@ -47,3 +54,15 @@ def test_none_is_no_error():
     """A mechanism without closures has systems without rows."""
     assert inverses_of(np.empty((1, 0, 0))).shape == (1, 0, 0)
     assert solutions_of(np.empty((1, 0, 0)), np.empty((1, 0))).shape == (1, 0)
+
+
+def test_signs_of_determinants_are_compared():
+    """Rows that change places change the sign; a singular matrix has none."""
+    one = np.diag([2.0, 3.0])
+    swapped, singular = one[::-1].copy(), np.ones((2, 2))
+    assert same_sign(one, -one)
+    assert same_sign(singular, np.zeros((2, 2)))
+    assert same_sign(np.empty((0, 0)), np.empty((0, 0)))
+    for first, second in combinations((one, swapped, singular), 2):
+        assert not same_sign(first, second)
+        assert not same_sign(second, first)
