@@ -19,6 +19,7 @@ from ..tolerances.mechanics import (
 )
 from ..units import MM_PER_M
 from .multibody import Multibody
+from .small_systems import inverse_of, inverses_of, solutions_of
 
 _MAX_ITERATIONS = 25
 
@@ -129,12 +130,11 @@ def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
     """
     if not matrix.size:
         return 1.0, matrix
-    try:
-        inverse = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.inf, np.full_like(matrix, np.nan)
+    inverse = inverse_of(matrix)
     condition = math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse))
-    return (condition if math.isfinite(condition) else np.inf), inverse
+    if not math.isfinite(condition):
+        return np.inf, np.full_like(matrix, np.nan)
+    return condition, inverse
 
 
 def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
@@ -177,6 +177,9 @@ def close_positions(
     best = math.inf
     for _ in range(_MAX_ITERATIONS):
         g, jacobian = body.closures(q)
+        # The Euclidean norm bounds the largest gap, and is found faster.
+        if math.sqrt(np.vdot(g, g)) <= tolerance:
+            return q, jacobian
         residual = float(np.maximum.reduce(np.abs(g), axis=None, initial=0.0))
         # Round-off may stop the residual a little above the tolerance: accept its floor.
         if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
@@ -227,20 +230,21 @@ def inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
         SingularConfigurationError: A block is singular.
     """
     try:
-        return np.asarray(np.linalg.inv(jacobian.take(split.columns, 2)), dtype=np.float64)
+        return inverses_of(jacobian.take(split.columns, 2))
     except np.linalg.LinAlgError as error:
         raise _singular() from error
 
 
 def products(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
     """Products of N matrices (N, r, c) and N vectors (N, c), shape (N, r)."""
-    return np.asarray(np.matmul(matrices, vectors[:, :, None])[:, :, 0])
+    found: FloatArray = np.matmul(matrices, vectors[:, :, None])[:, :, 0]
+    return found
 
 
 def _solve(matrices: FloatArray, right: FloatArray) -> FloatArray:
     """Solve N small systems, shapes (N, m, m) and (N, m)."""
     try:
-        return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0], dtype=np.float64)
+        return solutions_of(matrices, right)
     except np.linalg.LinAlgError as error:
         raise _singular() from error
 

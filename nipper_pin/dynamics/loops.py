@@ -77,41 +77,48 @@ class Loops:
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Closure gaps and their Jacobian, as :meth:`Multibody.closures`."""
-        turned = self._turned(q)
-        if len(self._slides):
-            turned[:, self._joints :] *= q.take(self._slid, 1)
+        turned = self._turned(q, q.take(self._slid, 1))
         count = len(q)
         apart = turned.dot(self._matrix).reshape(count, -1, 1 + self._nv)
         apart *= turned.take(self._owners, 1).conj()[:, :, None]
-        gaps = np.empty((count, len(self._owners), 2))
-        jacobians = np.empty((count, len(self._owners), 2, self._nv))
-        x, z = apart.imag * self._signs, apart.real
-        gaps[:, :, 0], gaps[:, :, 1] = x[:, :, 0], z[:, :, 0]
-        jacobians[:, :, 0], jacobians[:, :, 1] = x[:, :, 1:], z[:, :, 1:]
-        return gaps.reshape(count, -1), jacobians.reshape(count, -1, self._nv)
+        rows = np.empty((count, len(self._owners), 2, 1 + self._nv))
+        np.multiply(apart.imag, self._signs, rows[:, :, 0])
+        rows[:, :, 1] = apart.real
+        both: FloatArray = rows.reshape(count, -1, 1 + self._nv)
+        return both[:, :, 0], both[:, :, 1:]
 
     def accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Accelerations of the gaps, as :meth:`OpenTree.closure_accelerations`."""
-        turned, spin = self._turned(q), product(v, self._turning)
+        turned, spin = self._turned(q, 1.0), product(v, self._turning)
         owners = turned.take(self._owners, 1).conj()
-        whirl = 1j * product(a, self._turning) - spin * spin
+        whirl = np.empty_like(turned)
+        bodies = whirl[:, : self._joints]
+        bodies.real, bodies.imag = -spin * spin, product(a, self._turning)
         if len(self._slides):
             x, rate, pace = (states.take(self._slid, 1) for states in (q, v, a))
-            way = whirl.take(self._slides, 1) * x + 2j * spin.take(self._slides, 1) * rate + pace
-            whirl = np.hstack([whirl, way])
+            way = bodies.take(self._slides, 1) * x + 2j * spin.take(self._slides, 1) * rate + pace
+            whirl[:, self._joints :] = way
         apart = (turned * whirl).dot(self._gaps) * owners
         rows = np.empty((*apart.shape, 2))
         rows[:, :, 0], rows[:, :, 1] = apart.imag * self._signs[:, 0], apart.real
         return rows.reshape(len(q), -1)
 
-    def _turned(self, q: FloatArray) -> NDArray[np.complex128]:
-        """Units turned with the bodies, then with the slides, shape (N, joints + slides)."""
+    def _turned(self, q: FloatArray, slid: FloatArray | float) -> NDArray[np.complex128]:
+        """Units turned with the bodies, then lengths turned with the slides.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            slid: The lengths, shape (N, slides), or one for all.
+
+        Returns:
+            Shape (N, joints + slides).
+        """
         angles = product(q, self._turning)
         turned = np.empty((len(q), len(self._matrix)), dtype=np.complex128)
         np.cos(angles, turned.real[:, : self._joints])
         np.sin(angles, turned.imag[:, : self._joints])
         if len(self._slides):
-            turned[:, self._joints :] = turned.take(self._slides, 1)
+            turned[:, self._joints :] = turned.take(self._slides, 1) * slid
         return turned
 
 

@@ -63,7 +63,8 @@ class ShaftMotion:
             return none, none, none
         values = self.mechanism.drive_offsets
         for law, factors in self._trains:
-            values = values + np.array(law.evaluate(psi))[:, :, None] * factors
+            # A product with one term a sum is faster than one of arrays of different shapes.
+            values = values + np.matmul(np.array(law.evaluate(psi))[:, :, None], factors)
         return values[0], values[1], values[2]
 
     def driven_at(self, t: float) -> Driven:

@@ -404,7 +404,7 @@ class System:
         Returns:
             a, shape (N, nv).
         """
-        a = np.zeros_like(q)
+        a = np.zeros(q.shape)
         if self.held:
             a[:, self.driven_columns] = motion[2]
         if phase.stops:

@@ -52,7 +52,7 @@ class Advance(NamedTuple):
 def advance(
     system: System,
     state: State,
-    a: FloatArray,
+    a: FloatArray | None,
     t_limit: float,
     resolution: Resolution,
     place: int = 0,
@@ -62,7 +62,7 @@ def advance(
     Args:
         system: The system.
         state: The state; gaps of stops just left are exactly zero.
-        a: Acceleration there, shape (nv,).
+        a: Acceleration there, shape (nv,); None in a phase without freedom, which needs none.
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
         place: Place of the motion among the segments of the run.
@@ -74,7 +74,8 @@ def advance(
         SimulationError: The motion cannot be followed.
     """
     way = _Way(system, state, t_limit, resolution)
-    begin = Begin(state.t, state.q, state.v, a, state.jacobian)
+    known = np.full_like(state.v, np.nan) if a is None else a
+    begin = Begin(state.t, state.q, state.v, known, state.jacobian)
     h = way.first
     if not way.kinematic:
         h = min(h, _ballistic_length(begin, way.phase.open))

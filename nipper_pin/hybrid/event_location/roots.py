@@ -40,7 +40,7 @@ def first_descent(
     end = armed + int(below[0]) if below.size else len(grid)
     inner = values[armed:end]
     if inner.size >= 3:
-        lower = np.diff(inner) < 0.0
+        lower = inner[1:] < inner[:-1]
         # Before the second point and behind the last but one a dip leaves no lowest point inside.
         dips = [1] if not lower[0] else []
         dips += (1 + np.flatnonzero(lower[:-1] & ~lower[1:])).tolist()
@@ -64,12 +64,14 @@ def first_descent(
 
 def _vertex(x: FloatArray, y: FloatArray) -> tuple[float, float]:
     """Lowest point of the parabola through three points; the middle one if it has none."""
-    left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-    curvature = (right - left) / (x[2] - x[0])
+    # Plain numbers are faster than elements of arrays.
+    (x0, x1, x2), (y0, y1, y2) = x.tolist(), y.tolist()
+    left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    curvature = (right - left) / (x2 - x0)
     if curvature <= 0.0:
-        return float(x[1]), float(y[1])
-    slope = left + curvature * (x[1] - x[0])
-    return float(x[1] - 0.5 * slope / curvature), float(y[1] - 0.25 * slope**2 / curvature)
+        return x1, y1
+    slope = left + curvature * (x1 - x0)
+    return x1 - 0.5 * slope / curvature, y1 - 0.25 * slope**2 / curvature
 
 
 def _lowest(

@@ -198,7 +198,7 @@ def prolonged(values: FloatArray, count: int) -> FloatArray:
     if len(values) == count:
         return values.copy()
     if len(values) == 1:
-        return np.repeat(values, count, axis=0)
+        return values.repeat(count, 0)
     fine = product(_prolongation(len(values), count), values)
     if (count - 1) % (len(values) - 1) == 0:
         # Nodes of nested grids keep their values to the last bit.

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, partition
+from ...dynamics.small_systems import same_sign
 from ...dynamics.system import ConstraintSet, System
 from ...errors import SingularConfigurationError
 from .panel import Panel
@@ -43,9 +44,10 @@ def serves(system: System, panel: Panel, start: FloatArray, end: FloatArray) -> 
     # The Euclidean norm bounds the largest element, and is found faster.
     if condition**2 * np.vdot(turns, turns) < 1.0:
         return True
-    jacobians = np.stack([start, end])
-    if turns.max() > _ONE_PLACE:
-        jacobians = np.concatenate([jacobians, system.body.closures(panel.q)[1]])
+    if turns.max() <= _ONE_PLACE:
+        columns = panel.split.columns
+        return same_sign(start.take(columns, 1), end.take(columns, 1))
+    jacobians = np.concatenate([start[None], end[None], system.body.closures(panel.q)[1]])
     return _keeps_sign(jacobians, panel.split)
 
 

@@ -147,11 +147,19 @@ def state_at(system: System, phase: ConstraintSet, panel: Panel, t: FloatArray) 
         panel: The panel.
         t: Times within it, shape (K,) [s].
     """
+    return _closed(system, phase, panel, t)[0]
+
+
+def _closed(
+    system: System, phase: ConstraintSet, panel: Panel, t: FloatArray
+) -> tuple[Exact, FloatArray]:
+    """States as :func:`state_at`, and the inverses that led to their velocities."""
     q, v = panel.interpolate(t)
     motion = system.shaft.driven(t)
     system.prescribe(motion, q, v, phase)
     q, jacobian = close_positions(system.body, q, panel.split)
-    return Exact(q, close_velocities(v, jacobian, panel.split), jacobian, motion)
+    inverse = inverses(jacobian, panel.split)
+    return Exact(q, close_velocities(v, jacobian, panel.split, inverse), jacobian, motion), inverse
 
 
 def one_state_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Exact:
@@ -183,8 +191,8 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    q, v, jacobian, motion = state_at(system, phase, panel, t)
-    known = jacobian, phase, panel.split, inverses(jacobian, panel.split)
+    (q, v, jacobian, motion), inverse = _closed(system, phase, panel, t)
+    known = jacobian, phase, panel.split, inverse
     if panel.integrated:
         a = system.accelerations(motion, q, v, phase)
     else:

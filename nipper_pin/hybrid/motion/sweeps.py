@@ -84,7 +84,8 @@ class Sweeps:
         self._lines[0] = q + elapsed[:, None] * v
         self._lines[1] = v
         if system.held:
-            self._lines[:, :, system.driven_columns] = motion[:2]
+            self._lines[0][:, system.driven_columns] = motion[0]
+            self._lines[1][:, system.driven_columns] = motion[1]
         # Way on the panel beside which changes of positions count, shape (nv,).
         self._way = np.abs(h * v) + SMALLEST
         # Relative change of positions by change of acceleration, shape (nv,); the same for every
@@ -127,7 +128,7 @@ class Sweeps:
             if not self._weight.size:
                 self._way += h**2 * largest(new)
                 self._weigh()
-                if np.maximum.reduce(self._weight) * self._still > self._tolerance:
+                if max(self._weight.tolist()) * self._still > self._tolerance:
                     # A link stands nearly still: all that it has may be round-off of the others.
                     self._allow(of_closures(system, v[0], new[0]))
             guess, moved = moved, (new - unknown) * weights
@@ -171,7 +172,9 @@ class Sweeps:
         Args:
             a: Accelerations at the nodes, shape (N, nv).
         """
-        return float(np.maximum.reduce(decayed(a) * self._weight)) / (2.0 * len(a)) ** 2
+        # Of a few finite numbers the largest is found faster without numpy.
+        most: float = max((decayed(a) * self._weight).tolist())
+        return most / (2.0 * len(a)) ** 2
 
     def nearly(self, a: FloatArray) -> bool:
         """True if one more sweep ends the iteration on a grid that resolves the motion."""

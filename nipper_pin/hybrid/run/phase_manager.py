@@ -107,7 +107,9 @@ class PhaseManager:
         if state.t >= t_limit:
             # The last event fell on the limit: nothing is left to follow.
             return False
-        a = self._acceleration(state)
+        # Where the drives determine the motion it has no use of an acceleration to begin with.
+        free = self.system.constraint_set(state.closed).freedom != 0
+        a = self._acceleration(state) if free else None
         place, resolution = len(self.segments), self.case.resolution
         reached = advance(self.system, state, a, t_limit, resolution, place)
         self.segments.append(reached.segment)
