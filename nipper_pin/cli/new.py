@@ -43,12 +43,10 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _list() -> None:
-    from rich.console import Console
-
     from ..mechanism.gallery import GALLERY
-    from ..view.console import paste, say, show_table
+    from ..view.console import paste, say, show_table, unbroken_console
 
-    console = Console()
+    console = unbroken_console()
     rows = [(name, draw().title) for name, draw in GALLERY.items()]
     show_table(console, ("machine", "what it is"), rows, text=(0, 1))
     say(console, f"Found: {len(rows)} machines to start from.")
@@ -81,11 +79,9 @@ def _from_gallery(name: str, model: str) -> None:
 
 def _written(head: str, files: Sequence[tuple[str, str]], model: str, remark: str) -> None:
     """Tell what was written, and what to run next."""
-    from rich.console import Console
+    from ..view.console import paste, say, show_table, unbroken_console
 
-    from ..view.console import paste, say, show_table
-
-    console, turns = Console(), ("--window", "cycle")
+    console, turns = unbroken_console(), ("--window", "cycle")
     say(console, head)
     if files:
         show_table(console, ("file", "what it holds"), files, text=(0, 1))

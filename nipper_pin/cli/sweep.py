@@ -100,11 +100,9 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _print(text: str) -> None:
-    from rich.console import Console
+    from ..view.console import paste, say, unbroken_console
 
-    from ..view.console import paste, say
-
-    console = Console()
+    console = unbroken_console()
     for line in text.splitlines():
         # Commands are pasted, so they stay on one line.
         (paste if line.startswith("Next: ") else say)(console, line)

@@ -47,11 +47,9 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _print(found: Sequence[Verified], *, whole: bool) -> None:
-    from rich.console import Console
+    from ..view.console import say, unbroken_console
 
-    from ..view.console import say
-
-    console = Console()
+    console = unbroken_console()
     for item in found:
         made = f"nipper-pin {item.version}" if item.version else "an unknown version"
         what = f" ({item.text})" if item.text else ""

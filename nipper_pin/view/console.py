@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import textwrap
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -12,6 +14,8 @@ from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
+# Wider than any line.
+_UNBROKEN = 100_000
 # A space that no line breaks at: between a number and its unit, or a word and its number.
 _GLUE = "\u00a0"
 _UNITS = r"(?:m?deg|[mu]?m|ms|s|r/min|N|N/mm|mJ|kg|%|rad|mm/s|rad/s)"
@@ -58,6 +62,15 @@ def show_table(
     columns = [_column(place, headings, rows, text) for place in range(len(headings))]
     for part in _parts(columns, keys, console.width):
         console.print(_table(part, rows, console.width))
+
+
+def unbroken_console() -> Console:
+    """The output as a console: as wide as the terminal, and where there is none without breaks.
+
+    For sentences that scripts search, too.
+    """
+    known = sys.stdout.isatty() or "COLUMNS" in os.environ
+    return Console(width=None if known else _UNBROKEN)
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:

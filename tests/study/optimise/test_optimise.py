@@ -464,9 +464,9 @@ def test_command_writes_what_simulate_and_load_take(
     assert "never the maker's" in document["caution"]
     # Without --json the same as text, from the parts that are there.
     assert main(["optimise", str(example), *arguments]) == 0
-    text = capsys.readouterr().out
+    text = " ".join(capsys.readouterr().out.split())
     assert "What holds it back" in text
-    assert "the model itself breaks stop_force_N >= 0" in text
+    assert "the model itself breaks: least stop force with the jaw open at least 0 N" in text
 
 
 def test_an_interrupt_says_what_is_kept(
