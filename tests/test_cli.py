@@ -247,7 +247,9 @@ def test_out_writes_everything_and_the_case_repeats_the_run(tmp_path: Path) -> N
     solution = load_solution(folder / "solution.npz")
     with (folder / "collisions.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [float(row["time_s"]) for row in rows] == [item.t for item in solution.collisions]
+    first = solution.collisions[0].t
+    assert [float(row["t_s"]) for row in rows] == [item.t for item in solution.collisions]
+    assert [float(row["time_s"]) for row in rows] == [hit.t - first for hit in solution.collisions]
     assert [float(row["impulse_N_s"]) for row in rows] == [
         item.impulse for item in solution.collisions
     ]
