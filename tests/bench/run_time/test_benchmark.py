@@ -437,7 +437,8 @@ def test_import_adds_little_to_pinocchio() -> None:
     )
     assert "numpy" not in _top_levels("import nipper_pin")
     parsers, archives = {"msgspec", "tomllib", "xml", "csv"}, {"json", "zipfile"}
-    assert imported - begin - sys.stdlib_module_names == {"nipper_pin"}
+    # eigenpy is the library that pinocchio is bound to Python by; its module takes 4 ms.
+    assert imported - begin - sys.stdlib_module_names == {"nipper_pin", "eigenpy"}
     elsewhere = {"scipy", "argparse", "tempfile", "subprocess", "multiprocessing", "logging"}
     assert not (imported - begin) & (UNWANTED | parsers | archives | elsewhere)
     assert parsers <= loaded - imported
