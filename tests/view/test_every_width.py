@@ -5,6 +5,7 @@ Sentences have the same words at every width, tables all their cells, and no lin
 
 from __future__ import annotations
 
+import io
 import math
 import re
 import shutil
@@ -36,7 +37,7 @@ from nipper_pin.study.sweep.report import SweepReport
 from nipper_pin.study.sweep.results import Tally
 from nipper_pin.study.sweep.results.extremes import Extremes
 from nipper_pin.view import console as printing
-from nipper_pin.view.console import paste, say, show_table
+from nipper_pin.view.console import paste, say, show_table, unbroken_console
 from nipper_pin.view.paper import summary
 from nipper_pin.view.paper.front_page import FrontPage, LeverLine
 from nipper_pin.view.run.table import print_solution
@@ -323,3 +324,15 @@ def test_planted_errors_are_seen(
     found = faults(write, NARROW)
     assert found
     assert re.match(said, found[0])
+
+
+def test_without_a_terminal_sentences_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A script that searches the output finds every sentence on a line of its own."""
+    monkeypatch.setattr("sys.stdout", io.StringIO())
+    monkeypatch.delenv("COLUMNS", raising=False)
+    console = unbroken_console()
+    with console.capture() as said:
+        say(console, "one thing " * 500)
+    assert said.get().count("\n") == 1
+    monkeypatch.setenv("COLUMNS", "70")
+    assert unbroken_console().width == 70
