@@ -69,8 +69,10 @@ def unbroken_console() -> Console:
 
     For sentences that scripts search, too.
     """
-    known = sys.stdout.isatty() or "COLUMNS" in os.environ
-    return Console(width=None if known else _UNBROKEN)
+    if sys.stdout.isatty() or "COLUMNS" in os.environ:
+        return Console()
+    # A width alone does not count where the terminal is said to be a simple one.
+    return Console(width=_UNBROKEN, height=1)
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:

@@ -330,9 +330,11 @@ def test_without_a_terminal_sentences_are_whole(monkeypatch: pytest.MonkeyPatch)
     """A script that searches the output finds every sentence on a line of its own."""
     monkeypatch.setattr("sys.stdout", io.StringIO())
     monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setenv("TERM", "dumb")
     console = unbroken_console()
     with console.capture() as said:
         say(console, "one thing " * 500)
     assert said.get().count("\n") == 1
     monkeypatch.setenv("COLUMNS", "70")
+    monkeypatch.setenv("TERM", "xterm")
     assert unbroken_console().width == 70
