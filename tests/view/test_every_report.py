@@ -52,7 +52,8 @@ from nipper_pin.view.paper.tables import (
     rest_table,
 )
 from nipper_pin.view.paper.terms import terms
-from nipper_pin.view.studies import sweep_plots
+from nipper_pin.view.studies.sweep_figures.columns import Parameter, Quantity
+from nipper_pin.view.studies.sweep_figures.main_effects import main_effects
 
 # The studies of the paper take a quarter of a minute.
 pytestmark = pytest.mark.slow
@@ -625,8 +626,7 @@ def test_bands_of_main_effects() -> None:
         title="made up", model="none", axes=(axis,), quantities=("y",), scenarios=len(x),
         stored=len(x), table=pa.table({"k": x, "y": y}),
     )  # fmt: skip
-    parameter = sweep_plots._Parameter.of(table, 0)
-    axes = sweep_plots.main_effects(table, [parameter], "y", y).axes[0]
+    axes = main_effects(table, [Parameter.of(table, 0)], Quantity.of(table, "y")).axes[0]
     (line,) = axes.get_lines()
     (band,) = [item for item in axes.collections if isinstance(item, PolyCollection)]
     corners = {tuple(np.round(row, 9)) for row in band.get_paths()[0].vertices}
@@ -636,15 +636,12 @@ def test_bands_of_main_effects() -> None:
         # Of 41 sorted values the 5th and the 37th lie at a tenth and at nine tenths.
         for edge in (part[4], part[36]):
             assert (round(value, 9), round(float(edge), 9)) in corners
-    # Beside a name of one's own stands what it is; a name that says so is enough.
-    for name, path, label in (
-        ("k", "springs.steeve.rate", "k (rate)"), ("k", "springs.k", "k"), ("k", "k", "k"),
+    for path, label in (
+        ("springs.steeve.stiffness_N_per_m", "stiffness of spring steeve [N/mm]"), ("k", "k"),
     ):  # fmt: skip
-        named = replace(table, axes=({**axis, "name": name, "path": path},))
-        assert sweep_plots._Parameter.of(named, 0).label == label
-    texts = sweep_plots.parallel_coordinates(table, [parameter], "y", y).axes[0].texts
-    ends = [float(text.get_text()) for text in texts]
-    assert ends == pytest.approx([1.0, 4.0, float(y.min()), float(y.max())], rel=6e-4)
+        found = Parameter.of(replace(table, axes=({**axis, "path": path},)), 0)
+        assert found.shown.label == label
+        assert found.x == pytest.approx(x * (1e-3 if "N/mm" in label else 1.0), rel=1e-15)
 
 
 def made_up_row(start: int) -> Row:
