@@ -6,7 +6,7 @@ import argparse
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -70,11 +70,11 @@ def _run(options: argparse.Namespace) -> None:
         expected = estimate.estimate(plan, options.workers, bounds)
         document["estimate"] = expected.record()
         if bounds is None:
-            text = f"{size} in {len(asked):,} chunks\n{expected.sentence()}"
+            said = [f"{size} in {len(asked):,} chunks"]
         else:
-            text = f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks\n"
-            text += expected.sentence()
-        text += f"\nNext: {shlex.join(['nipper-pin', 'sweep', options.study])}"
+            said = [f"{scenarios:,} of {size} in {len(asked):,} of {len(whole):,} chunks"]
+        said.append(expected.sentence())
+        following = ["sweep", options.study]
     else:
         folder = Path(options.out or Path("out") / Path(options.study).stem)
         with _progress(folder) as advance:
@@ -89,23 +89,26 @@ def _run(options: argparse.Namespace) -> None:
         document = report.record()
         if report.scenarios < plan.scenarios:
             size = f"{report.scenarios:,} of {size}"
-        text = f"{size} in {report.folder}: {report.found:,} were there, {report.computed:,} "
-        text += f"computed in {report.wall_s:.3g} s"
-        found = [*report.sentences(), *report.extremes.sentences()]
-        text = "\n".join([text, *found, f"Next: {shlex.join(['nipper-pin', 'plot', str(folder)])}"])
+        said = [
+            f"{size} in {report.folder}: {report.found:,} were there, {report.computed:,} "
+            f"computed in {report.wall_s:.3g} s",
+            *report.sentences(),
+            *report.extremes.sentences(),
+        ]
+        following = ["plot", str(folder)]
     if options.json is not None:
         write_json(document, options.json)
     if options.json != "-":
-        _print(text)
+        _print(said, shlex.join(["nipper-pin", *following]))
 
 
-def _print(text: str) -> None:
+def _print(said: Sequence[str], following: str) -> None:
     from ..view.console import paste, say, unbroken_console
 
     console = unbroken_console()
-    for line in text.splitlines():
-        # Commands are pasted, so they stay on one line.
-        (paste if line.startswith("Next: ") else say)(console, line)
+    for sentence in said:
+        say(console, sentence)
+    paste(console, f"Next: {following}")
 
 
 def _bounds(text: str | None) -> tuple[int, int] | None:

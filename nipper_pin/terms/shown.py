@@ -41,14 +41,12 @@ class Shown:
 
     Attributes:
         words: What it is.
-        symbol: As in docs/notation.md; empty without one.
         unit: Unit that people read; empty for a number without one.
         factor: Number of these units in one unit of files.
         decimals: Decimals; None for four significant digits.
     """
 
     words: str
-    symbol: str = ""
     unit: str = ""
     factor: float = 1.0
     decimals: int | None = None

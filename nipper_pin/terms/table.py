@@ -44,7 +44,6 @@ class Term:
         unit, factor = shown_in(self.unit.format(gap=gap), small=self.small, share=self.share)
         return Shown(
             words=self.words,
-            symbol=self.symbol,
             unit=unit,
             factor=factor,
             decimals=self.decimals,

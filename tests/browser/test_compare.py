@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from playing_page import playing, until
 from playwright.sync_api import Page
 
 from nipper_pin import Case, Comparison, compare, load, simulate
@@ -39,21 +39,10 @@ def page_file(turns: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Pa
     return write_comparison(turns, tmp_path_factory.mktemp("page") / "compare.html", LOOK)
 
 
-def until(page: Page, what: str) -> None:
-    end = time.monotonic() + 60.0
-    while not page.evaluate(what):
-        assert time.monotonic() < end, what
-        time.sleep(0.02)
-
-
 @pytest.fixture
 def page(open_page, page_file: Path) -> Iterator[Page]:
-    with open_page(page_file) as opened:
-        opened.page.wait_for_selector("#pane canvas")
-        until(opened.page, "animator.time > 0.2")
-        yield opened.page
-        assert opened.complaints == []
-        assert opened.requests == [page_file.resolve().as_uri()]
+    with playing(open_page, page_file) as opened:
+        yield opened
 
 
 def picture(page: Page, of: str) -> np.ndarray:

@@ -6,13 +6,13 @@ import io
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from playing_page import playing, until
 from playwright.sync_api import Browser, Page
 
 from nipper_pin import Case, Solution, load, simulate
@@ -42,23 +42,11 @@ def page_file(solution: Solution, tmp_path_factory: pytest.TempPathFactory) -> P
     return write_page(solution, tmp_path_factory.mktemp("page") / "e62.html", Look(exaggerate=10.0))
 
 
-def until(page: Page, what: str) -> None:
-    """Wait for a condition; the browser's own waiting would need a page that may run any text."""
-    end = time.monotonic() + 60.0
-    while not page.evaluate(what):
-        assert time.monotonic() < end, what
-        time.sleep(0.02)
-
-
 @pytest.fixture
 def page(open_page, page_file: Path) -> Iterator[Page]:
     """The static file, paused; whatever it complained of or asked for fails the test."""
-    with open_page(page_file) as opened:
-        opened.page.wait_for_selector("#pane canvas")
-        until(opened.page, "animator.time > 0.2")
-        yield opened.page
-        assert opened.complaints == []
-        assert opened.requests == [page_file.resolve().as_uri()]
+    with playing(open_page, page_file) as opened:
+        yield opened
 
 
 def picture(page: Page, of: str = "#pane") -> np.ndarray:

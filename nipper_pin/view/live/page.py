@@ -63,7 +63,9 @@ class Page:
         self._wake = threading.Event()
         self._clock = 0.0
         self._drawn: tuple[Answer | None, float, float] = (None, 0.0, 0.0)
-        self._text, self._share, self._told, self._close = "", 0.0, 0.0, ""
+        self._text, self._share, self._told = "", 0.0, 0.0
+        # What the close-up shows: configuration, largest gap and exaggeration.
+        self._close = np.zeros(mechanism.model.nv), 0.0, 1.0
         self._stage, self._lips = Stage(server, mechanism), Lips(mechanism)
         self._memory, self._pressed = Memory(), list[str]()
         gui = server.gui
@@ -206,7 +208,7 @@ class Page:
         self._drawn = (self._answer, t, larger)
         if solution is None:
             self._stage.rest()
-            self._close = self._lips.style(np.zeros(self._mechanism.model.nv), 0.0, 1.0)
+            self._close = np.zeros(self._mechanism.model.nv), 0.0, 1.0
             self._stage.impulses({})
             self._text = "there is no motion to show: the touch configuration"
             return
@@ -217,7 +219,7 @@ class Page:
         except InputError as error:
             remark = f" {error.message}"
         self._stage.pose(drawn[0], float(motion.cylinder_angle[0]))
-        self._close = self._lips.style(drawn[0], self._answer.largest, larger)
+        self._close = drawn[0], self._answer.largest, larger
         self._stage.phase(closed_at(solution, t))
         self._stage.impulses(impulses_at(solution, t, self._slow.value))
         self._text = f"{moment_text(solution, t, motion.q[0])}{remark}"
@@ -227,6 +229,6 @@ class Page:
         if at_once or now >= self._told + _TOLD:
             self._told = now
             words = boxed(f'Picture: <span id="now">{escape(self._text)}</span>')
-            content = f"{cursor(self._share)}{self._close}{words}"
+            content = f"{cursor(self._share)}{self._lips.style(*self._close)}{words}"
             if self._now.content != content:
                 self._now.content = content
