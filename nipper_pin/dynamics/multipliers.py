@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from ..arrays import FloatArray
 from .assembly import Partition, inverses, products
+from .constraint_set import ConstraintSet
 from .shaft import Driven
-from .system import ConstraintSet, System
+from .system import System
 
 
 @dataclass(frozen=True, eq=False)

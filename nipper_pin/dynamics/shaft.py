@@ -57,7 +57,13 @@ class ShaftMotion:
         Returns:
             Three arrays of shape (N, drives): [rad], [rad/s], [rad/s^2].
         """
-        psi = self.start_angle_rad + self.rate * t
+        return self.driven_along(self.start_angle_rad + self.rate * t)
+
+    def driven_along(self, psi: FloatArray) -> Driven:
+        """Return :meth:`driven` at cylinder angles psi, shape (N,) [rad].
+
+        Coordinates are the same to the last bit at any speed.
+        """
         if not self._trains:
             none = np.zeros((len(psi), 0))
             return none, none, none

@@ -1,16 +1,13 @@
-"""A mechanism at one speed: its shaft, its forces and the constraint sets of its phases."""
+"""A mechanism at one speed: its shaft, its forces and its accelerations in every phase."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
-from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
-from ..mechanism import Mechanism, Stop
+from ..mechanism import Mechanism
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
     Partition,
@@ -20,7 +17,8 @@ from .assembly import (
     partition,
     products,
 )
-from .coefficients import coefficients, column_index
+from .coefficients import coefficients
+from .constraint_set import ConstraintSet, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
 from .shaft import Driven, ShaftMotion
@@ -33,53 +31,6 @@ class DriveMode(StrEnum):
     """Position, rate and acceleration are prescribed; an impact cannot change them."""
     INERTIAL = "inertial"
     """Each shaft has a finite inertia on an elastic drive train; impacts change its speed."""
-
-
-@dataclass(frozen=True, eq=False)
-class ConstraintSet:
-    """The constraints of one phase (contact mode) beside the closures.
-
-    Attributes:
-        closed: Names of the closed stops.
-        shut: The closed stops.
-        stops: Their coordinates.
-        columns: The same as an index, a slice where that is possible.
-        places: Where they hold these coordinates, shape (closed,) [rad or m].
-        senses: Direction in which each pushes, 1 or -1, shape (closed,).
-        open: The other stops.
-        given: Held drives and closed stops: never dependent through the closures.
-        yielding: Driven coordinates that forces move; independent as far as closures allow it.
-        armature: Inertia added to each joint in flight, shape (nv,).
-        stiffness: Of springs and elastic drive trains at coordinates that move, shape (nv,).
-        repeated: The same for each node of a panel, shape (64, nv).
-        damping: Of dampers and drive trains, shape (nv,); None where there is none.
-        freedom: Degrees of freedom that are left.
-        moving: 1 for coordinates that forces move, 0 for those that are prescribed, shape (nv,).
-    """
-
-    closed: frozenset[str]
-    shut: tuple[Stop, ...]
-    stops: tuple[int, ...]
-    columns: slice | NDArray[np.intp]
-    places: FloatArray
-    senses: FloatArray
-    open: tuple[Stop, ...]
-    given: tuple[int, ...]
-    yielding: tuple[int, ...]
-    armature: FloatArray
-    stiffness: FloatArray
-    repeated: FloatArray
-    damping: FloatArray | None
-    freedom: int
-    moving: FloatArray
-
-
-# The stiffness is repeated for the largest number of nodes of a panel: products of arrays of one
-# shape take a third of the time of broadcasting.
-_ROWS = 64
-# Constraint sets depend on neither speed nor time, so all runs of a mechanism share them.
-_SETS: WeakKeyDictionary[Mechanism, dict[tuple[DriveMode, frozenset[str]], ConstraintSet]]
-_SETS = WeakKeyDictionary()
 
 
 class System:
@@ -107,52 +58,16 @@ class System:
         self.body = multibody(mechanism)
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
-        self._sets = _SETS.setdefault(mechanism, {})
+        self._sets: dict[frozenset[str], ConstraintSet] = {}
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._condition, self._inverse = 1.0, np.empty((0, 0))
 
     def constraint_set(self, closed: frozenset[str]) -> ConstraintSet:
         """Return the constraints of the phase with these closed stops."""
-        key = self.drive, closed
-        if key not in self._sets:
-            shut = tuple(stop for stop in self.mechanism.stops if stop.name in closed)
-            stops = tuple(stop.index for stop in shut)
-            drives = tuple(drive.index for drive in self.mechanism.drives)
-            # Elastic drive trains prescribe nothing: with all stops closed their coordinates may
-            # depend on one another.
-            given, yielding = ((*drives, *stops), ()) if self.held else (stops, drives)
-            numbers = self._numbers
-            armature, stiffness = numbers.armature.copy(), numbers.stiffness.copy()
-            moving, damping = numbers.free.copy(), numbers.damping.copy()
-            if not self.held:
-                stiffness[self.driven] += numbers.train_stiffness
-                damping[self.driven] += numbers.train_damping
-            held_stops = list(stops)
-            armature[held_stops] = INFINITE_INERTIA
-            moving[held_stops] = 0.0
-            stiffness *= moving
-            damping *= moving
-            freedom = self.body.nv - self.body.closure_rows - len(given)
-            others = tuple(stop for stop in self.mechanism.stops if stop.name not in closed)
-            self._sets[key] = ConstraintSet(
-                closed=closed,
-                shut=shut,
-                stops=stops,
-                columns=column_index(np.array(stops, dtype=np.intp)),
-                places=np.array([stop.at for stop in shut]),
-                senses=np.array([stop.sense for stop in shut]),
-                open=others,
-                given=given,
-                yielding=yielding,
-                armature=armature,
-                stiffness=stiffness,
-                repeated=np.tile(stiffness, (_ROWS, 1)),
-                damping=damping if damping.any() else None,
-                freedom=freedom,
-                moving=moving,
-            )
-        return self._sets[key]
+        if closed not in self._sets:
+            self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
+        return self._sets[closed]
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
@@ -355,7 +270,7 @@ class System:
     ) -> FloatArray:
         """Accelerations as :meth:`accelerations`, for forces known beforehand, shape (N, nv)."""
         count = len(q)
-        stiffness = phase.repeated[:count] if count <= _ROWS else phase.stiffness
+        stiffness = phase.repeated[:count] if count <= len(phase.repeated) else phase.stiffness
         tau = forcing - stiffness * q
         if phase.damping is not None:
             tau -= phase.damping * v

@@ -29,7 +29,19 @@ class Touch:
     motion: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class _Assembled:
+    """Where the last path of a multibody system ended: runs at other speeds start there, too."""
+
+    path: FloatArray
+    given: tuple[int, ...]
+    q: FloatArray
+    jacobian: FloatArray
+    split: Partition
+
+
 _TOUCH: WeakKeyDictionary[Multibody, dict[tuple[int, ...], Touch]] = WeakKeyDictionary()
+_LAST: WeakKeyDictionary[Multibody, _Assembled] = WeakKeyDictionary()
 
 
 def touch(body: Multibody, given: Sequence[int]) -> Touch:
@@ -67,11 +79,21 @@ def assemble(
     Returns:
         q, v of shape (nv,) and the closure Jacobian there, shape (m, nv).
     """
-    start = touch(body, given)
-    q = np.zeros((1, body.nv))
     if not len(path):
-        return q[0], start.motion @ rates, start.jacobian
-    columns = list(given)
+        start = touch(body, given)
+        return np.zeros(body.nv), start.motion @ rates, start.jacobian
+    end, columns = _LAST.get(body), list(given)
+    if end is None or end.given != tuple(given) or not np.array_equal(end.path, path):
+        end = _LAST[body] = _followed(body, path, columns)
+    v = np.zeros((1, body.nv))
+    v[0, columns] = rates
+    return end.q.copy(), close_velocities(v, end.jacobian[None], end.split)[0], end.jacobian
+
+
+def _followed(body: Multibody, path: FloatArray, columns: list[int]) -> _Assembled:
+    """Follow a path of given coordinates; arguments as those of :func:`assemble`."""
+    start = touch(body, columns)
+    q = np.zeros((1, body.nv))
     jacobian, split, gaps = start.jacobian, start.split, np.zeros(body.closure_rows)
     before: FloatArray | None = None
     for target in path:
@@ -88,11 +110,10 @@ def assemble(
             # One step of Newton's method would leave more than its square.
             q, (jacobian,) = close_positions(body, q, split, TRACKING_RESIDUAL)
             gaps = np.zeros(body.closure_rows)
-    q, jacobians = close_positions(body, q, split)
-    _, _, split = _slopes(jacobians[0], columns, split)
-    v = np.zeros((1, body.nv))
-    v[0, columns] = rates
-    return q[0], close_velocities(v, jacobians, split)[0], jacobians[0]
+    q, (jacobian,) = close_positions(body, q, split)
+    _, _, split = _slopes(jacobian, columns, split)
+    jacobian.flags.writeable = False
+    return _Assembled(path.copy(), tuple(columns), q[0], jacobian, split)
 
 
 def _slopes(

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..dynamics.assembly import Partition, close_positions
-from ..dynamics.system import ConstraintSet, System
+from ..dynamics.constraint_set import ConstraintSet
+from ..dynamics.system import System
 from ..errors import ConvergenceError, ElementError, SimulationError, SingularConfigurationError
 from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
@@ -32,7 +33,7 @@ from .state import State
 _MOST_PANELS = 10_000
 # What drives alone determine is smoother than flights: panels have more nodes and are longer, the
 # more so once one has shown it.
-_LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.0, 2.0
+_LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.5, 2.0
 
 
 class Advance(NamedTuple):

@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.multipliers import multipliers
 from ...dynamics.shaft import Driven
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...errors import SimulationError, SingularConfigurationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF

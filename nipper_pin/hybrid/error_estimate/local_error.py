@@ -11,7 +11,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities, inverted
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...tolerances.hybrid import (
     DIFFERENCE_STEP,
     INDEPENDENT_ROUND_OFF,

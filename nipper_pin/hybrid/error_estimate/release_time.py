@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.multipliers import multipliers
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, FORCE_SLOPE_STEP, SMALLEST
 from ..motion.panel import Panel, forces_at
 from .local_error import of_closures

@@ -15,7 +15,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, close_velocities
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...tolerances.hybrid import DIFFERENCE_STEP, SMALLEST
 from ..motion.chebyshev import evaluate_motion, nodes
 from ..motion.panel import Panel

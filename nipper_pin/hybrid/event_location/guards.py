@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, product
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST

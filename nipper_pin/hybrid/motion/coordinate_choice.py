@@ -11,8 +11,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition, partition
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.small_systems import same_sign
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from .panel import Panel
 

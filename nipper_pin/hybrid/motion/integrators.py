@@ -14,7 +14,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...errors import InputError, UnknownNameError
 from ...tolerances.hybrid import SMALLEST
 from ..case import Resolution

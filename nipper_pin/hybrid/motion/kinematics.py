@@ -12,8 +12,9 @@ from ...dynamics.assembly import (
     close_positions,
     close_velocities,
 )
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.multipliers import multipliers
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, MAX_AMPLIFICATION, ROUND_OFF_SAFETY, SMALLEST
 from ...tolerances.mechanics import EPS, MAX_CONDITION

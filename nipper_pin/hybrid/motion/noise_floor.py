@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF
 
 

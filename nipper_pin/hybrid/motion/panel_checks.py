@@ -12,8 +12,9 @@ from typing import Protocol
 
 import numpy as np
 
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.elements import Elements
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ..case import Resolution
 from .chebyshev import nodes
 from .panel import Panel

@@ -6,7 +6,8 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.system import System
 from ...errors import SimulationError
 from ...tolerances.hybrid import ITERATION_FLOOR
 from ..case import Resolution

@@ -14,8 +14,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.elements import Elements
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
 from ...tolerances.mechanics import COINCIDENT_M
 from .chebyshev import nodes

@@ -9,8 +9,9 @@ from functools import cache
 import numpy as np
 
 from ...arrays import FloatArray
+from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.impact import drive_impulses
-from ...dynamics.system import ConstraintSet, System
+from ...dynamics.system import System
 from ...tolerances.hybrid import ENERGY_AGREEMENT
 from ..event import Event, EventKind
 from ..motion.panel import Panel, forces_at

@@ -18,7 +18,6 @@ from .diagnosis import located
 
 # Steps of the assembly: for a turn of the cylinder, and at least if stops or starts move, too.
 _STEPS_A_TURN, _STEPS_OF_STOPS = 18, 12
-_NOW = np.zeros(1)
 
 
 def start_of(system: System, case: Case) -> State:
@@ -79,16 +78,17 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     moved = any(at for _, at in places)
     away = travel != 0.0 or moved
     steps = max(ceil(_STEPS_A_TURN * abs(travel) / tau), _STEPS_OF_STOPS if moved else 1)
-    times = np.linspace(-travel / shaft.rate, 0.0, steps + 1) if away else _NOW
-    angles, rates, accelerations = shaft.driven(times) if away else shaft.driven_at(0.0)
+    end = shaft.start_angle_rad
+    turned = np.linspace(end - travel, end, steps + 1) if away else np.array([end])
+    angles, rates, accelerations = shaft.driven_along(turned) if away else shaft.driven_at(0.0)
     driven = shaft.indices
     given = [*driven, *[index for index, _ in places]]
     _check_starts(system, starts, shut, given)
-    path = np.zeros((len(times) - 1, len(given)))
+    path = np.zeros((len(turned) - 1, len(given)))
     path[:, : len(driven)] = angles[1:]
     for column, (_, at) in enumerate(places, start=len(driven)):
         if at:
-            path[:, column] = np.linspace(0.0, at, len(times))[1:]
+            path[:, column] = np.linspace(0.0, at, len(turned))[1:]
     end_rates = np.zeros(len(given))
     end_rates[: len(driven)] = rates[-1]
     end_rates[len(given) - len(starts) :] = [item.rate for item in starts]
