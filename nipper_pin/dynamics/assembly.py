@@ -154,7 +154,12 @@ def _pivot(jacobian: FloatArray, candidates: list[int]) -> list[int]:
 
 
 def close_positions(
-    body: Multibody, q: FloatArray, split: Partition, share: float = CLOSURE_RESIDUAL
+    body: Multibody,
+    q: FloatArray,
+    split: Partition,
+    share: float = CLOSURE_RESIDUAL,
+    *,
+    anew: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Solve g(q) = 0 for the dependent coordinates by Newton's method.
 
@@ -163,6 +168,8 @@ def close_positions(
         q: Guesses, shape (N, nv); the independent coordinates are kept to the last bit.
         split: Dependent and independent coordinates.
         share: Gap that may be left, by the reach of the mechanism.
+        anew: Take a step even from guesses whose gaps are as small as that: near a dead centre they
+            leave dependent coordinates open by far more, and differently from guess to guess.
 
     Returns:
         Closed configurations, shape (N, nv), and the closure Jacobian G there, shape (N, m, nv).
@@ -175,8 +182,11 @@ def close_positions(
     dependent = split.columns
     tolerance = share * body.reach_m
     best = math.inf
-    for _ in range(_MAX_ITERATIONS):
+    g, jacobian = body.closures(q)
+    if anew:
+        q[:, dependent] -= _solve(jacobian.take(dependent, 2), g)
         g, jacobian = body.closures(q)
+    for _ in range(_MAX_ITERATIONS):
         # The Euclidean norm bounds the largest gap, and is found faster.
         if math.sqrt(np.vdot(g, g)) <= tolerance:
             return q, jacobian
@@ -188,6 +198,7 @@ def close_positions(
             break
         best = min(best, residual)
         q[:, dependent] -= _solve(jacobian.take(dependent, 2), g)
+        g, jacobian = body.closures(q)
     message = (
         f"the loops do not close: {best * MM_PER_M:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"

@@ -16,7 +16,7 @@ from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
 from ..motion.chebyshev import Series, interpolant, nodes
-from ..motion.panel import Panel, forces_at, one_state_at
+from ..motion.panel import Panel, one_state_at, stop_forces_at
 from .roots import first_descent, polish
 
 # A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
@@ -199,9 +199,8 @@ def _force_root(
 
     @cache
     def exact(t: float) -> tuple[float, float]:
-        la_N = forces_at(system, phase, panel, np.array([t]))[3].la_N
-        slope = series.value_and_slope((t - panel.t) / panel.h)[1] / panel.h
-        return float(la_N[0, column]), slope
+        force = float(stop_forces_at(system, phase, panel, t)[column])
+        return force, series.value_and_slope((t - panel.t) / panel.h)[1] / panel.h
 
     first, last = (panel.t + panel.h * end for end in bracket)
     near = panel.t + panel.h * polish(series.value_and_slope, *bracket)

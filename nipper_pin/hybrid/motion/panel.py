@@ -163,7 +163,9 @@ def _closed(
     return Exact(q, close_velocities(v, jacobian, panel.split, inverse), jacobian, motion), inverse
 
 
-def one_state_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Exact:
+def one_state_at(
+    system: System, phase: ConstraintSet, panel: Panel, t: float, *, anew: bool = False
+) -> Exact:
     """One exact state on a panel, with what leads to it left ready for the impact that follows.
 
     Args:
@@ -171,12 +173,13 @@ def one_state_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -
         phase: The phase.
         panel: The panel.
         t: Time within it [s].
+        anew: As in :func:`close_positions`.
     """
     q, v = panel.interpolate_at(t)
     motion = system.shaft.driven_at(t)
     guess = q[None]
     system.prescribe(motion, guess, v[None], phase)
-    closed, jacobians = close_positions(system.body, guess, panel.split)
+    closed, jacobians = close_positions(system.body, guess, panel.split, anew=anew)
     jacobian = jacobians[0]
     return Exact(closed[0], system.closed_velocity(v, jacobian, panel.split), jacobian, motion)
 
@@ -192,7 +195,36 @@ def forces_at(
     Returns:
         q, v, a of shape (K, nv) and the forces of constraint.
     """
-    (q, v, jacobian, motion), inverse = _closed(system, phase, panel, t)
+    exact, inverse = _closed(system, phase, panel, t)
+    return _forces(system, phase, panel, exact, inverse)
+
+
+def stop_forces_at(system: System, phase: ConstraintSet, panel: Panel, t: float) -> FloatArray:
+    """Forces of the closed stops at one time, to round-off of the motion itself.
+
+    What the interpolated positions leave of the closures would show near a dead centre.
+
+    Args:
+        system: The system.
+        phase: The phase.
+        panel: The panel.
+        t: Time within it [s].
+
+    Returns:
+        Shape (closed,) [N m or N], in the order of ``ConstraintSet.stops``.
+    """
+    q, v, jacobian, motion = one_state_at(system, phase, panel, t, anew=True)
+    exact = Exact(q[None], v[None], jacobian[None], motion)
+    inverse = inverses(exact.jacobian, panel.split)
+    la_N: FloatArray = _forces(system, phase, panel, exact, inverse)[3].la_N[0]
+    return la_N
+
+
+def _forces(
+    system: System, phase: ConstraintSet, panel: Panel, exact: Exact, inverse: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, Multipliers]:
+    """Accelerations and forces of constraint of exact states; value as of :func:`forces_at`."""
+    q, v, jacobian, motion = exact
     known = jacobian, phase, panel.split, inverse
     if panel.integrated:
         a = system.accelerations(motion, q, v, phase)
