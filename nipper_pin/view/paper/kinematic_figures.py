@@ -10,7 +10,8 @@ from ...mechanism import INDEX_PER_TURN
 from ...mechanism.drives import OscillatingGuide
 from ...study.paper import PaperStudy
 from ...units import DEG_PER_RAD
-from ..style import LINES, SMALL, TEXT, TINTS, tidy
+from ..phases import phase_tint
+from ..style import LINES, SMALL, TEXT, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import Terms, terms
 
@@ -147,7 +148,7 @@ def _broken(is_open: np.ndarray, values: FloatArray) -> FloatArray:
 def _phases(study: PaperStudy, axes: Axes) -> None:
     """Shade where the jaw is closed."""
     turn = study.kinematics
-    axes.axvspan(0.0, turn.opening_index, facecolor=TINTS[1], alpha=0.45, linewidth=0, zorder=0)
-    axes.axvspan(turn.closing_index, INDEX_PER_TURN, facecolor=TINTS[1], alpha=0.45, linewidth=0,
-                 zorder=0)  # fmt: skip
+    tint = phase_tint(study.mechanism, frozenset({study.mechanism.transition_stop}))
+    for begin, end in ((0.0, turn.opening_index), (turn.closing_index, INDEX_PER_TURN)):
+        axes.axvspan(begin, end, facecolor=tint, alpha=0.45, linewidth=0, zorder=0)
     axes.set_xlim(0.0, INDEX_PER_TURN)

@@ -13,12 +13,12 @@ from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
+from ..phases import intervals
 from ..reading import case_text, force_name, gap_noun, units_of
 from .arrows import arrow_stops
 from .closeup import close_up
 from .curves import Curve, curves
 from .film import Film, drawn_limit
-from .intervals import intervals
 from .names import names
 from .objects import arrow_path
 
