@@ -117,7 +117,7 @@ def _stops(study: PaperStudy) -> Plate:
         f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "
         f"closes at index {turn.closing_index:.2f} and would open at {turn.opening_index:.2f}; it "
         f"opens to {DEG_PER_RAD * turn.largest_jaw_angle:.1f} degrees, and the {words.stop} moves "
-        f"by {words.stroke.coordinate_factor * turn.largest_stroke:.2f} {words.stroke.coordinate} "
+        f"by {words.stroke.value(turn.largest_stroke):.2f} {words.stroke.unit} "
         "from its stop. At the change of phase the rates jump: that jump is the impact.",
         figure,
     )
@@ -125,8 +125,8 @@ def _stops(study: PaperStudy) -> Plate:
 
 def _other_stop(words: Terms) -> tuple[str, str, str, str, float, float]:
     """Name, units and factors of the coordinate of the stop that is closed with the jaw open."""
-    unit, factor = words.stroke.coordinate, words.stroke.coordinate_factor
-    if words.stroke.noun == "angle":
+    unit, factor = words.stroke.unit, words.stroke.factor
+    if words.stroke_si == "rad":
         return f"{words.stop} angle", unit, "rad/s", "rad/s²", factor, 1.0
     return "stroke s", unit, "m/s", "m/s²", factor, 1.0
 

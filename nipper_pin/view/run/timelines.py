@@ -16,6 +16,7 @@ from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Stop
 from ...units import MS_PER_S
+from ..naming import coordinate_shown
 from ..phases import intervals
 from ..reading import (
     force_name,
@@ -24,7 +25,6 @@ from ..reading import (
     shown_events,
     shown_transitions,
     shown_until,
-    units_of,
 )
 from ..style import (
     SMALL,
@@ -71,14 +71,13 @@ def motion_figure(solution: Solution) -> Figure:
     figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * rows)
     panels = _panels(figure, count, rows)
     for axes, stop in zip(panels, mechanism.stops, strict=True):
-        units = units_of(mechanism, stop.index)
-        unit, factor = units.coordinate, units.coordinate_factor
-        if stop.name == mechanism.transition_stop and solution.case.window is Window.TRANSITION:
-            unit, factor = units.amplitude, units.amplitude_factor
-        y = factor * stop.gaps(q)
+        small = stop.name == mechanism.transition_stop
+        small &= solution.case.window is Window.TRANSITION
+        term = coordinate_shown(mechanism, stop.index, small=small)
+        y = term.value(stop.gaps(q))
         axes.plot(MS_PER_S * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
         noun = gap_noun(mechanism, stop)
-        tidy(axes, "", f"{stop.name} {noun} [{unit}]")
+        tidy(axes, "", f"{stop.name} {noun} [{term.unit}]")
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
         axes.set_ylim(low - 0.08 * height, high + 0.24 * height)
