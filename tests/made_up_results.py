@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 
 from nipper_pin.study.identify.fitting.goodness import Verdict
-from nipper_pin.study.optimise.problem.problem import Aim, Limit
+from nipper_pin.study.optimise.problem.problem import Aim, Limit, Parameter
 from nipper_pin.view.studies import identify_report
 
 PATHS = ("springs.a", "stops.b")
@@ -67,13 +67,16 @@ def design(scale: float, *, inside: bool = True) -> Any:
 def optimum(**others: Any) -> Any:
     """Three numbers, two quantities."""
     names = ("springs.a.rate", "springs.b.rate", "stops.c")
+    paths = (*names[:2], "springs.c.stiffness_N_per_m")
+    targets: list[Any] = [SimpleNamespace(path=path) for path in paths]
     problem = SimpleNamespace(
         title="made up", quantities=("duration_s", "rebound_amplitude_1"),
         aims=[Aim(quantity="duration_s", sense=1.0),
               Aim(quantity="rebound_amplitude_1", sense=-1.0)],
         units={"duration_s": "s", "rebound_amplitude_1": "m"}, limits=LIMITS,
-        parameters=[SimpleNamespace(name=name, start=float(k), low=-1.0 * k, high=10.0 * k)
-                    for k, name in enumerate(names, start=1)],
+        parameters=[Parameter(name=name, start=float(k), low=-1.0 * k, high=10.0 * k,
+                              target=target)
+                    for k, (name, target) in enumerate(zip(names, targets, strict=True), 1)],
     )  # fmt: skip
     descents = [SimpleNamespace(feasible=fits, aim=aim)
                 for aim, fits in ((0.25, True), (0.25 * (1 + 9e-7), True), (0.2, False),

@@ -14,6 +14,7 @@ import pytest
 
 from nipper_pin import Case, load, save, simulate
 from nipper_pin.cli import main
+from nipper_pin.cli.compare_sides import Source, told_settings
 from nipper_pin.mechanism import known_models
 
 BRIEF = ["--window", "transition"]
@@ -65,6 +66,43 @@ def test_settings_of_one_model(
     found = document(f"{line} {shlex.join(BRIEF)}", capsys)
     assert settings(found) == [("e62", speeds[0]), ("e62", speeds[1])]
     assert restitutions(found) == changes
+
+
+@pytest.mark.parametrize(
+    ("line", "drives", "cycles"),
+    [
+        ("--cycles 2", ("held", "held"), 2),
+        ("--drive inertial", ("inertial", "inertial"), 1),
+        ("e62 --drive held inertial e62", ("held", "inertial"), 1),
+    ],
+)
+def test_turns_and_drives_of_models(
+    line: str, drives: tuple[str, str], cycles: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each side is the run that has these turns and this drive, to the last digit."""
+    found = document(f"{line} --set-b preload=10", capsys)
+    rows = {row["name"]: (row["a"], row["b"]) for row in found["rows"]}
+    machines = (load("e62"), load("e62", {"preload": 10}))
+    for place, (drive, machine) in enumerate(zip(drives, machines, strict=True)):
+        case = Case(speed_rpm=450.0, window="cycle", cycles=cycles, drive=drive)
+        run = simulate(machine, case)
+        assert (found["ab"[place]]["drive"], found["ab"[place]]["cycles"]) == (drive, cycles)
+        assert rows["duration_s"][place] == run.transitions[0].duration
+    changed = {"drive": drives} if drives[0] != drives[1] else {}
+    assert restitutions(found) == {PRELOAD: (11.0, 10.0), **changed}
+
+
+def test_turns_and_drives_are_in_the_next_command(capsys: pytest.CaptureFixture[str]) -> None:
+    text = told("e62 --cycles 2 --drive inertial", capsys)
+    assert text.splitlines()[0] == "A: e62, 450 r/min, 2 turns from index 24, inertial drive"
+    following = text.splitlines()[-1].removeprefix("Next: nipper-pin ")
+    assert following == "compare e62 --cycles 2 --drive inertial --speed 450 495"
+    assert told_settings(Source("e62", "", (), "", "inertial")) == [
+        "simulate", "e62", "--drive", "inertial",
+    ]  # fmt: skip
+    with pytest.raises(SystemExit):
+        main(["compare", "--drive", "e62"])
+    assert "invalid drive: 'e62' (write held or inertial, " in capsys.readouterr().err
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +160,10 @@ def test_a_change_beside_a_saved_run_is_that_of_its_model(
         ("before.npz e62 --set-b speed=fast", "speed=fast: write a number"),
         ("e62 --speed 450 --set-b speed=500", "--speed 450 and speed=500: leave one out"),
         ("e62 --set preload=9 --set-b preload=8", "--set preload is given twice"),
+        ("before.npz --cycles 2", "--cycles changes nothing beside before.npz, a saved run"),
+        ("e62 out --drive held inertial", "--drive changes nothing beside out/solution.npz"),
+        ("before.npz --set-b preload=9 --drive held", "leave one of them out"),
+        ("e62 --cycles 2 --window transition", "add --window cycle, or leave --cycles out"),
         ("e62 --exaggerate 5", "--exaggerate changes nothing beside a table"),
         ("e62 --browser --json -", "so does the server of --browser"),
         ("e62 nowhere", "nowhere"),

@@ -17,6 +17,8 @@ from ..mechanism import Mechanism
 from .arguments import speed
 
 LIMIT = "limit"
+DRIVES = [item.value for item in DriveMode]
+DRIVE_HELP = "held: impacts cannot change the shafts' speed; inertial: they can"
 _OF_TURNS = {"cycles": "--cycles", "start_index": "--start-index", "reuse_cycles": "--no-reuse"}
 
 
@@ -42,8 +44,8 @@ def add_start(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_case(parser: argparse.ArgumentParser) -> None:
-    """Define the arguments of the method: window, rest, tolerance, drive."""
+def add_cycles(parser: argparse.ArgumentParser) -> None:
+    """Define the argument for the number of turns."""
     parser.add_argument(
         "--cycles",
         type=int,
@@ -51,11 +53,13 @@ def add_case(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of turns (default 1)",
     )
+
+
+def add_case(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the method: window, rest, tolerance, drive."""
+    add_cycles(parser)
     parser.add_argument(
-        "--drive",
-        choices=[item.value for item in DriveMode],
-        default=argparse.SUPPRESS,
-        help="held: impacts cannot change the shafts' speed (default); inertial: they can",
+        "--drive", choices=DRIVES, default=argparse.SUPPRESS, help=f"{DRIVE_HELP} (default held)"
     )
     parser.add_argument(
         "--rest-rate",

@@ -6,13 +6,14 @@ import argparse
 import shlex
 from typing import Any
 
+from ..dynamics.system import DriveMode
 from ..errors import InputError
 from ..extras import require
 from ..hybrid.case import Window
 from ..study.compare import Comparison, compare
 from .arguments import MODEL, check_outputs, refuse_beside, write_json
-from .case_options import add_window
-from .compare_sides import simulated, sources, told_machine, told_settings, told_window
+from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window
+from .compare_sides import simulated, sources, told_drive, told_machine, told_settings, told_window
 
 # Settings that take one value for both, or one for A and one for B.
 _PAIRED = {
@@ -25,7 +26,18 @@ _QUICKER = 1.1
 
 
 class _OneOrTwo(argparse.Action):
-    """Takes one number for both, or two; words behind them are A and B again."""
+    """Takes one value for both, or two; words behind them are A and B again."""
+
+    refusal = "invalid float value: {!r}"
+
+    @staticmethod
+    def value(word: str) -> Any:
+        """A word as a value.
+
+        Raises:
+            ValueError: It is none.
+        """
+        return float(word)
 
     def __call__(
         self,
@@ -34,16 +46,31 @@ class _OneOrTwo(argparse.Action):
         values: Any,
         option_string: str | None = None,
     ) -> None:
-        numbers: list[float] = []
+        found: list[Any] = []
         for word in values[:2]:
             try:
-                numbers.append(float(word))
+                found.append(self.value(word))
             except ValueError:
                 break
-        if not numbers:
-            parser.error(f"argument {option_string}: invalid float value: {values[0]!r}")
-        setattr(namespace, self.dest, numbers)
-        namespace.behind = [*getattr(namespace, "behind", []), *values[len(numbers) :]]
+        if not found:
+            parser.error(f"argument {option_string}: {self.refusal.format(values[0])}")
+        setattr(namespace, self.dest, found)
+        namespace.behind = [*getattr(namespace, "behind", []), *values[len(found) :]]
+
+
+class _Drives(_OneOrTwo):
+    """The same of drives."""
+
+    refusal = f"invalid drive: {{!r}} (write {' or '.join(DRIVES)}, for both or one each)"
+
+    @staticmethod
+    def value(word: str) -> str:
+        """A word as a drive.
+
+        Raises:
+            ValueError: It is none.
+        """
+        return DriveMode(word).value
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,6 +96,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             help=f"change a number of {whose} by its path or shortcut, or speed; may be repeated",
         )  # fmt: skip
     add_window(parser, Window.CYCLE)
+    add_cycles(parser)
+    parser.add_argument(
+        "--drive", nargs="+", action=_Drives, metavar="DRIVE",
+        help=f"{DRIVE_HELP}; of both (default held), or of A and of B",
+    )  # fmt: skip
     parser.add_argument("--html", metavar="FILE", help="write both in one film, as one page")
     parser.add_argument(
         "--browser", action="store_true", help="show that page in the browser, until Ctrl-C"
@@ -152,7 +184,7 @@ def _next(options: argparse.Namespace, comparison: Comparison) -> str:
     if one == other:
         rpm = comparison.b.case.speed_rpm
         return shlex.join([
-            "nipper-pin", "compare", *told_machine(one), *told_window(options),
+            "nipper-pin", "compare", *told_machine(one), *told_window(options), *told_drive(one),
             "--speed", f"{rpm:g}", f"{_QUICKER * rpm:g}",
         ])  # fmt: skip
     if options.html is None and not options.browser:

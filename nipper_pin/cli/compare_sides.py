@@ -9,11 +9,12 @@ from pathlib import Path
 from ..errors import InputError
 from ..hybrid.case import Case, Window
 from ..hybrid.result.solution import Solution
-from .arguments import MODEL, overrides
+from .arguments import MODEL, overrides, refuse_beside
 from .case_options import changed_case
 
 _SPEED = "speed"
 _SAVED = "solution.npz"
+_OF_MODELS = {"cycles": "--cycles", "drive": "--drive"}
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,14 @@ class Source:
         file: The saved run; empty for a model.
         given: Numbers of the model that are changed, and ``speed``, by path or shortcut.
         beside: Saved run of the other side, whose settings a model takes over; empty without one.
+        drive: The drive that is asked for; empty for the default.
     """
 
     name: str
     file: str
     given: tuple[tuple[str, object], ...]
     beside: str
+    drive: str = ""
 
 
 def sources(options: argparse.Namespace) -> tuple[Source, Source]:
@@ -40,7 +43,8 @@ def sources(options: argparse.Namespace) -> tuple[Source, Source]:
         options: The arguments.
 
     Raises:
-        InputError: There are more than two, or a number is given twice.
+        InputError: There are more than two, a number is given twice, or a saved run is to have
+            other turns or drives.
     """
     named = [item for item in (options.a, options.b) if item is not None]
     names = [*named, *getattr(options, "behind", [])]
@@ -50,10 +54,14 @@ def sources(options: argparse.Namespace) -> tuple[Source, Source]:
     first = names[0] if names else MODEL
     second = names[1] if len(names) > 1 else first
     files = [_saved(first), _saved(second)]
+    for file in filter(None, files):
+        beside = f"{file}, a saved run, which keeps its own turns and drive"
+        refuse_beside(options, beside, _OF_MODELS)
     given = [_given(options, place) for place in (0, 1)]
+    drives = options.drive or [""]
     return (
-        Source(first, files[0], given[0], files[1]),
-        Source(second, files[1], given[1], files[0]),
+        Source(first, files[0], given[0], files[1], drives[0]),
+        Source(second, files[1], given[1], files[0], drives[-1]),
     )
 
 
@@ -88,7 +96,8 @@ def simulated(source: Source, options: argparse.Namespace) -> Solution:
         case = run.case
     if speed is not None:
         case = replace(case, speed_rpm=_number(speed))
-    return simulate(mechanism, changed_case(case, argparse.Namespace(**_window(options))))
+    settings = _window(options) | ({"drive": source.drive} if source.drive else {})
+    return simulate(mechanism, changed_case(case, argparse.Namespace(**settings)))
 
 
 def told_settings(source: Source) -> list[str]:
@@ -102,6 +111,7 @@ def told_settings(source: Source) -> list[str]:
         return ["view", "--solution", source.file]
     machine = told_machine(source)
     words = ["simulate", *(machine if case is None else ["--case", str(case), *machine[1:]])]
+    words += told_drive(source)
     speed = dict(source.given).get(_SPEED)
     return words if speed is None else [*words, "--speed", f"{speed}"]
 
@@ -116,13 +126,22 @@ def told_machine(source: Source) -> list[str]:
     return [source.name, *(word for item in changed for word in ("--set", item))]
 
 
+def told_drive(source: Source) -> list[str]:
+    """Words of the drive of a side, if it was given.
+
+    Args:
+        source: The side.
+    """
+    return ["--drive", source.drive] if source.drive else []
+
+
 def told_window(options: argparse.Namespace) -> list[str]:
-    """Words of window and start, as they were given.
+    """Words of window, start and number of turns, as they were given.
 
     Args:
         options: The arguments.
     """
-    names = {"window": "--window", "start_index": "--start-index"}
+    names = {"window": "--window", "start_index": "--start-index", "cycles": "--cycles"}
     given = {name: word for name, word in names.items() if hasattr(options, name)}
     return [word for name, item in given.items() for word in (item, f"{getattr(options, name)}")]
 
@@ -171,8 +190,8 @@ def _number(value: object) -> float:
 
 
 def _window(options: argparse.Namespace) -> dict[str, object]:
-    """Window and start of the arguments, without what this command reads itself."""
-    names = ("window", "start_index")
+    """Window, start and turns of the arguments, without what this command reads itself."""
+    names = ("window", "start_index", "cycles")
     return {"speed": None} | {
         name: getattr(options, name) for name in names if hasattr(options, name)
     }

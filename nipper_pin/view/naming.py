@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
-from ..terms import Shown, named
+from ..terms import Shown, named, shown_in
 
 
 def shown(mechanism: Mechanism, name: str) -> Shown:
@@ -20,3 +20,27 @@ def shown(mechanism: Mechanism, name: str) -> Shown:
         if stop.name == mechanism.transition_stop
     ]
     return named(mechanism.shortcuts.get(name, name), *units)
+
+
+def coordinate_shown(mechanism: Mechanism, index: int, *, small: bool = False) -> Shown:
+    """How people read a coordinate: an angle or a stroke.
+
+    Args:
+        mechanism: The machine.
+        index: Its place in q.
+        small: Whether it is one of rebounds, which are small.
+    """
+    file_unit = coordinate_unit(mechanism, index)
+    unit, factor = shown_in(file_unit, small=small)
+    return Shown(words="stroke" if file_unit == "m" else "angle", unit=unit, factor=factor)
+
+
+def rate_shown(mechanism: Mechanism, index: int) -> Shown:
+    """How people read the rate of a coordinate.
+
+    Args:
+        mechanism: The machine.
+        index: Its place in q.
+    """
+    unit, factor = shown_in(f"{coordinate_unit(mechanism, index)}/s")
+    return Shown(words="rate", unit=unit, factor=factor)

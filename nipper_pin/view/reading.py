@@ -1,85 +1,45 @@
-"""Units of coordinates, digits of numbers and the turns shown, in tables and figures."""
+"""Springs, stops and settings in words, and the turns shown, in tables and figures."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from ..hybrid.case import Window
 from ..hybrid.event import Event, EventKind
-from ..hybrid.result.quantities import force_unit
+from ..hybrid.result.quantities import coordinate_unit, force_unit
 from ..hybrid.result.solution import Solution
 from ..hybrid.result.tables import Collision, PhaseInterval, Transition
 from ..mechanism import Mechanism, Stop, Strut
 from ..terms import digits, shown_in
-from ..units import MM_PER_M
+from .naming import coordinate_shown
 
 TURNS_SHOWN = 2
-
-
-@dataclass(frozen=True)
-class Units:
-    """Units of one coordinate; a factor turns the SI value into the unit beside it.
-
-    Attributes:
-        noun: What the coordinate is.
-        coordinate: Unit of the coordinate.
-        coordinate_factor: [unit/rad] or [unit/m].
-        amplitude: Unit of rebound amplitudes.
-        amplitude_factor: [unit/rad] or [unit/m].
-        rate: Unit of the rate.
-        rate_factor: [unit/(rad/s)] or [unit/(m/s)].
-    """
-
-    noun: str
-    coordinate: str
-    coordinate_factor: float
-    amplitude: str
-    amplitude_factor: float
-    rate: str
-    rate_factor: float
-
-
-def _units(noun: str, unit: str) -> Units:
-    """Units of a coordinate in rad or m."""
-    coordinate, small, rate = (
-        shown_in(unit),
-        shown_in(unit, small=True),
-        shown_in(f"{unit}/s"),
-    )
-    return Units(noun, *coordinate, *small, *rate)
-
-
-_BY_KIND = {"revolute": _units("angle", "rad"), "prismatic": _units("stroke", "m")}
-
-
-def units_of(mechanism: Mechanism, index: int) -> Units:
-    """Units of the coordinate at a place in q."""
-    return _BY_KIND[next(j.kind for j in mechanism.joints if j.index == index)]
 
 
 def spring_text(mechanism: Mechanism) -> str:
     """Stiffness, preload deflection and preload force of every spring, or what its table spans."""
     parts = []
     for spring in mechanism.springs:
-        force = digits(spring.stiffness * spring.preload)
-        if units_of(mechanism, spring.index).noun == "angle":
-            stiffness = f"{spring.stiffness:g} N m/rad"
-            preload = f"{math.degrees(spring.preload):g} deg ({force} N m)"
-        else:
-            stiffness = f"{spring.stiffness / MM_PER_M:g} N/mm"
-            preload = f"{spring.preload * MM_PER_M:g} mm ({force} N)"
-        parts.append(f"{spring.name} {stiffness}, preload {preload}")
+        turns = coordinate_unit(mechanism, spring.index) == "rad"
+        rate, per = shown_in("N m/rad" if turns else "N/m")
+        preload = coordinate_shown(mechanism, spring.index)
+        force = f"{digits(spring.stiffness * spring.preload)} {'N m' if turns else 'N'}"
+        parts.append(
+            f"{spring.name} {per * spring.stiffness:g} {rate}, "
+            f"preload {preload.value(spring.preload):g} {preload.unit} ({force})"
+        )
     for table in mechanism.tabulated_springs:
-        units, rows = units_of(mechanism, table.index), table.characteristic
-        low, high = (f"{units.coordinate_factor * end:g}" for end in rows.ends)
+        span, rows = coordinate_shown(mechanism, table.index), table.characteristic
+        low, high = (f"{span.value(end):g}" for end in rows.ends)
         forces = f"{rows.force[0]:g} to {rows.force[-1]:g}"
-        unit = "N m" if units.noun == "angle" else "N"
-        parts.append(f"{table.name} table from {low} to {high} {units.coordinate}, {forces} {unit}")
+        unit = "N m" if coordinate_unit(mechanism, table.index) == "rad" else "N"
+        parts.append(f"{table.name} table from {low} to {high} {span.unit}, {forces} {unit}")
+    rate, per = shown_in("N/m")
+    unit, length = shown_in("m")
     for strut in _struts(mechanism, "spring"):
         parts.append(
-            f"{strut.name} {strut.stiffness / MM_PER_M:g} N/mm from {strut.frame_a} to "
-            f"{strut.frame_b}, free length {MM_PER_M * strut.free_length:g} mm"
+            f"{strut.name} {per * strut.stiffness:g} {rate} from {strut.frame_a} to "
+            f"{strut.frame_b}, free length {length * strut.free_length:g} {unit}"
         )
     return "; ".join(parts) or "none"
 
@@ -88,7 +48,7 @@ def damper_text(mechanism: Mechanism) -> str:
     """Damping of every damper; empty without one."""
     parts = []
     for damper in mechanism.dampers:
-        turns = units_of(mechanism, damper.index).noun == "angle"
+        turns = coordinate_unit(mechanism, damper.index) == "rad"
         parts.append(f"{damper.name} {damper.damping:g} {'N m s/rad' if turns else 'N s/m'}")
     for strut in _struts(mechanism, "damper"):
         ends = f"from {strut.frame_a} to {strut.frame_b}"
@@ -111,16 +71,14 @@ def _struts(mechanism: Mechanism, kind: str) -> list[Strut]:
 def stop_place(mechanism: Mechanism, stop: Stop) -> str:
     """Joint of a stop, and which of its limits it is."""
     joint = next(item for item in mechanism.joints if item.index == stop.index)
-    units = _BY_KIND[joint.kind]
+    limit = coordinate_shown(mechanism, stop.index)
     side = "lower" if stop.sense > 0.0 else "upper"
-    return (
-        f"{side} limit of {joint.name} at {units.coordinate_factor * stop.at:g} {units.coordinate}"
-    )
+    return f"{side} limit of {joint.name} at {limit.value(stop.at):g} {limit.unit}"
 
 
 def gap_noun(mechanism: Mechanism, stop: Stop) -> str:
     """Name of the gap of a stop: the joint's coordinate, or a distance from the stop."""
-    return units_of(mechanism, stop.index).noun if stop.plain else "gap"
+    return coordinate_shown(mechanism, stop.index).words if stop.plain else "gap"
 
 
 def restitution_text(stops: tuple[Stop, ...]) -> str:

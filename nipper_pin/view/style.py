@@ -20,12 +20,11 @@ from ..arrays import FloatArray
 from ..hybrid.result.solution import Solution
 from ..mechanism import INDEX_PER_TURN, Mechanism
 from ..units import MS_PER_S, S_PER_MS
+from .phases import intervals, legend
 from .reading import (
     case_text,
     index_at,
-    phase_name,
     restitution_text,
-    shown_phases,
     shown_until,
     spring_text,
 )
@@ -34,13 +33,13 @@ WIDTH_IN = 7.2
 TITLE = 10.5
 TEXT = 9.0
 SMALL = 8.0
-# Okabe and Ito's palette; lines take the strong colours, phases the light tints.
+# Okabe and Ito's palette; phases take pale tints of it, which stand in phases.py.
 LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 MARKERS = ("o", "s", "^", "D")
-TINTS = ("#FFFFFF", "#A9D5F0", "#F6D58C", "#BFE3D2", "#E9C7DC")
-UNNAMED = "#CCCCCC"
 _TITLE_COLUMNS = 92
 _NARROWEST_LABEL = 0.025
+# As many entries of a legend as have room beside one another.
+_COLUMNS = 4
 
 
 def new_figure(solution: Solution, subject: str, height_in: float) -> Figure:
@@ -76,29 +75,17 @@ def marker(mechanism: Mechanism, stop: str) -> str:
     return MARKERS[_place(mechanism, stop) % len(MARKERS)]
 
 
-def tint(mechanism: Mechanism, closed: frozenset[str]) -> str:
-    """Background colour of the phase with these closed stops."""
-    for place, phase in enumerate(mechanism.phases):
-        if phase.closed == closed:
-            return TINTS[place % len(TINTS)]
-    return UNNAMED
-
-
 def phase_patches(solution: Solution) -> list[Artist]:
-    """Legend entries of the phases that are shown, in the model's order."""
-    mechanism = solution.mechanism
-    seen = {item.closed for item in shown_phases(solution)}
-    order = [phase.closed for phase in mechanism.phases if phase.closed in seen]
-    order += sorted(seen - set(order), key=sorted)
+    """Legend entries of all tints that are shown, with the words of the viewer's strip."""
     return [
-        Patch(facecolor=tint(mechanism, closed), edgecolor="0.4", linewidth=0.6,
-              label=f"phase {phase_name(mechanism, closed)}")
-        for closed in order
-    ]  # fmt: skip
+        Patch(facecolor=item.tint, edgecolor="0.4", linewidth=0.6, label=item.name)
+        for item in legend(solution)
+    ]
 
 
 def legend_below(figure: Figure, *rows: Sequence[Artist]) -> None:
-    """Put one legend under all panels, row by row."""
+    """Put one legend under all panels, row by row; a long row goes on in the next one."""
+    rows = tuple(row[at : at + _COLUMNS] for row in rows for at in range(0, len(row), _COLUMNS))
     columns = max(len(row) for row in rows)
     blank = Line2D([], [], linestyle="none", label=" ")
     # Matplotlib fills a legend column by column.
@@ -112,10 +99,10 @@ def legend_below(figure: Figure, *rows: Sequence[Artist]) -> None:
 
 def shade_phases(solution: Solution, axes: Axes, *, numbered: bool) -> None:
     """Shade the phases along a time axis in ms and number those that are wide enough."""
-    mechanism, until = solution.mechanism, shown_until(solution)
-    for item in shown_phases(solution):
-        begin, end = MS_PER_S * item.t_start, MS_PER_S * min(item.t_end, until)
-        axes.axvspan(begin, end, facecolor=tint(mechanism, item.closed), linewidth=0, zorder=0)
+    until = shown_until(solution)
+    for item in intervals(solution):
+        begin, end = MS_PER_S * item.start, MS_PER_S * min(item.end, until)
+        axes.axvspan(begin, end, facecolor=item.tint, linewidth=0, zorder=0)
         if (
             numbered
             and item.number is not None

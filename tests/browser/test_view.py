@@ -17,8 +17,9 @@ from playwright.sync_api import Browser, Page
 
 from nipper_pin import Case, Solution, load, simulate
 from nipper_pin.hybrid.result.tables import PhaseInterval
+from nipper_pin.view.phases import phase_colour
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.colours import channels, phase_colour
+from nipper_pin.view.scene.colours import channels
 from nipper_pin.view.scene.page import write_page
 
 # A browser takes seconds to start and to draw.

@@ -15,8 +15,11 @@ from rich.console import Console
 from nipper_pin import Case, Mechanism, Solution, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
-from nipper_pin.view.reading import damper_text, spring_text
+from nipper_pin.terms import shown
+from nipper_pin.view.live.moment import moment_text
+from nipper_pin.view.reading import damper_text, spring_text, stop_place
 from nipper_pin.view.run.table import print_solution
+from nipper_pin.view.run.timelines import motion_figure
 from nipper_pin.view.scene import Film, Look, film
 from nipper_pin.view.scene.page import scene_page
 from nipper_pin.view.scene.tracks import animation
@@ -73,6 +76,31 @@ def test_texts_name_every_element_in_the_units_of_people(mechanism: Mechanism, e
     )
     assert damper_text(mechanism) == "oil 12 N s/m; stay 5 N s/m from frame to rod_head"
     assert damper_text(e62) == ""
+
+
+def test_units_of_texts_and_plots_are_those_of_one_table(
+    mechanism: Mechanism, solution: Solution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Other units there are read everywhere: no text or axis has units of its own."""
+    monkeypatch.setitem(shown._UNITS, "m", ("inch", 1.0 / 0.0254))
+    monkeypatch.setitem(shown._UNITS, "rad", ("turn", 0.5 / math.pi))
+    monkeypatch.setitem(shown._UNITS, "N/m", ("kN/m", 1e-3))
+    monkeypatch.setitem(shown._SMALL, "rad", ("urad", 1e6))
+    text = spring_text(mechanism)
+    assert text.startswith("steeve 9 kN/m, preload 0.433071 inch (99.00 N); ")
+    assert "lid table from -0.25 to 0.5 turn, 1 to 4.5 N m" in text
+    assert "band 0.12 kN/m from steeve_lower to frame, free length 3.54331 inch" in text
+    assert stop_place(mechanism, mechanism.stop("jaw")).endswith(" at 0 turn")
+    q = np.zeros(len(mechanism.joints))
+    q[mechanism.stop("jaw").index], q[mechanism.stop("steeve").index] = 2e-6, 0.0127
+    moment = moment_text(solution, 0.5 * solution.segments[-1].t_end, q)
+    assert ", jaw 2.000 urad, " in moment
+    assert moment.endswith(", steeve 0.5000 inch")
+    jaw, steeve = motion_figure(solution).axes[:2]
+    assert (jaw.get_ylabel(), steeve.get_ylabel()) == ("jaw angle [urad]", "steeve stroke [inch]")
+    end = solution.segments[-1].t_end
+    stroke = solution.trajectory.evaluate(end, left=True).q[0, mechanism.stop("steeve").index]
+    assert steeve.lines[0].get_ydata()[-1] == pytest.approx(stroke / 0.0254, rel=1e-9)
 
 
 def test_check_and_tables_list_them(folder: Path, solution: Solution, e62, capsys) -> None:  # type: ignore[no-untyped-def]

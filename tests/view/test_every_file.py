@@ -254,15 +254,15 @@ class Trial:
 
 
 @pytest.mark.parametrize(
-    ("noun", "wanted"),
+    ("unit", "wanted"),
     [
-        ("angle", ("flap angle", "deg", "rad/s", "rad/s²", 57.0, 1.0)),
-        ("stroke", ("stroke s", "deg", "m/s", "m/s²", 57.0, 1.0)),
+        ("rad", ("flap angle", "deg", "rad/s", "rad/s²", 57.0, 1.0)),
+        ("m", ("stroke s", "deg", "m/s", "m/s²", 57.0, 1.0)),
     ],
 )
-def test_the_other_stop_of_the_kinematic_figure(noun: str, wanted: Any) -> None:
+def test_the_other_stop_of_the_kinematic_figure(unit: str, wanted: Any) -> None:
     words: Any = SimpleNamespace(
-        stop="flap", stroke=SimpleNamespace(noun=noun, coordinate="deg", coordinate_factor=57.0)
+        stop="flap", stroke_si=unit, stroke=SimpleNamespace(unit="deg", factor=57.0)
     )
     assert kinematic_figures._other_stop(words) == wanted
 
@@ -285,7 +285,8 @@ def test_terms_of_a_machine(spring: str, compared: bool) -> None:
         found = terms(study)
         assert (found.compared, found.stop) == (compared, stop)
         assert found.stroke_si == ("rad" if kind == "revolute" else "m")
-        assert found.stroke.coordinate == ("deg" if kind == "revolute" else "mm")
+        assert found.stroke.unit == ("deg" if kind == "revolute" else "mm")
+        assert found.lift.unit == ("mdeg" if kind == "revolute" else "um")
         told = (found.rate_si, found.rate.factor, found.rate.unit, found.preload_kind,
                 found.preload.factor, found.preload.unit)  # fmt: skip
         assert told == (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -47,22 +48,44 @@ def last(run: Solution) -> float:
     return 2.0 * 60.0 / run.case.speed_rpm if run.case.cycles > 2 else math.inf
 
 
-def phases(run: Solution) -> list[tuple[frozenset[str], float, float]]:
-    """Closed stops, begin and end of what is shown [s]."""
-    end = until(run)
-    return [(item.closed, item.t_start, min(item.t_end, end)) for item in run.phases
-            if item.t_start < end]  # fmt: skip
+@dataclass(frozen=True)
+class Shown:
+    """A phase: closed stops, begin and end of what is shown [s], number and words."""
+
+    closed: frozenset[str]
+    begin: float
+    end: float
+    number: str
+    words: str
 
 
-def phase_names(run: Solution) -> dict[frozenset[str], tuple[str, str]]:
-    """Number and words of the phases that are shown, in the model's order."""
-    seen = {closed for closed, *_ in phases(run)}
+def phases(run: Solution) -> list[Shown]:
+    """All phases; without closed stops one is the transition only if its stop is struck in it."""
+    end, main = until(run), run.mechanism.transition_stop
     table: Any = run.mechanism.description["phases"]
-    return {
-        frozenset(item["closed"]): (str(item["number"]), f"phase {item['number']} {item['name']}")
-        for item in table
-        if frozenset(item["closed"]) in seen
-    }
+    known = {frozenset(item["closed"]): item for item in table}
+    found = []
+    for item in run.phases:
+        if item.t_start >= end:
+            continue
+        struck = {hit.stop for hit in run.collisions if item.t_start <= hit.t < item.t_end}
+        if not item.closed and main not in struck:
+            # All runs of this file have one other stop, which lands again.
+            (other,) = struck
+            number, words = "", f"{main} open, {other} bounces"
+        else:
+            number = str(known[item.closed]["number"])
+            words = f"phase {number} {known[item.closed]['name']}"
+        found.append(Shown(item.closed, item.t_start, min(item.t_end, end), number, words))
+    return found
+
+
+def names(run: Solution) -> list[str]:
+    """Words of all phases that are shown: by the model's order, then the others."""
+    table: Any = run.mechanism.description["phases"]
+    order = [f"phase {item['number']} {item['name']}" for item in table]
+    seen = {item.words for item in phases(run)}
+    return [words for words in order if words in seen] + sorted(seen - set(order))
 
 
 def legend(figure: Figure) -> dict[str, Any]:
@@ -109,7 +132,7 @@ def bands(axes: Axes) -> list[tuple[float, float, str]]:
 def test_panels_along_the_time(named: tuple[str, Solution]) -> None:
     """All of the time shown; curves fill the height and are not cut; phases with their numbers."""
     _, run = named
-    end, names = 1e3 * until(run), phase_names(run)
+    end = 1e3 * until(run)
     for draw in (motion_figure, force_figure):
         figure = draw(run)
         # The rebounds of a cycle have a panel of their own, with a time of their own.
@@ -128,9 +151,9 @@ def test_panels_along_the_time(named: tuple[str, Solution]) -> None:
             if draw is force_figure:
                 assert low == 0.0
             numbers = [
-                (0.5e3 * (begin + stop), names[closed][0])
-                for closed, begin, stop in phases(run)
-                if closed in names and 1e3 * (stop - begin) > 0.025 * end
+                (0.5e3 * (item.begin + item.end), item.number)
+                for item in phases(run)
+                if item.number and 1e3 * (item.end - item.begin) > 0.025 * end
             ]
             found = [(text.get_position()[0], text.get_text()) for text in axes.texts]
             assert [word for _, word in found] == [word for _, word in numbers]
@@ -148,7 +171,7 @@ def test_panels_along_the_time(named: tuple[str, Solution]) -> None:
 def test_entries_of_the_legends(named: tuple[str, Solution]) -> None:
     """Every phase shown by its colour, in the model's order, and every kind of event there is."""
     _, run = named
-    wanted = [words for _, words in phase_names(run).values()]
+    wanted = names(run)
     kinds = [
         kind for kind in ("collision", "rest", "release")
         if any(item.kind.value == kind and item.t < last(run) for item in run.events)
@@ -162,9 +185,9 @@ def test_entries_of_the_legends(named: tuple[str, Solution]) -> None:
     assert list(found) == [*wanted, "stop closed", *(["not simulated"] if partial else [])]
     for figure in (motion, force):
         drawn = bands(figure.axes[0])
-        for (closed, *_), (*_, colour) in zip(phases(run), drawn, strict=True):
-            words = phase_names(run)[closed][1]
-            assert to_hex(legend(figure)[words].get_facecolor()) == colour
+        for item, (*_, colour) in zip(phases(run), drawn, strict=True):
+            assert to_hex(legend(figure)[item.words].get_facecolor()) == colour
+        assert len({colour for *_, colour in drawn}) == len(wanted)
     for kind in kinds:
         handle = legend(motion)[kind]
         lines = [line for axes in motion.axes for line in axes.lines[1:]]
@@ -202,18 +225,17 @@ def test_turns_over_the_index(named: tuple[str, Solution]) -> None:
     assert list(axes.get_xticks()) == list(range(0, 41, 2))
     cylinder = run.mechanism.cylinder
     start = cylinder.index_from_angle(float(run.shaft.angle(0.0)))
-    names = phase_names(run)
     for turn in range(turns):
         begin, end = turn * period, min((turn + 1) * period, until(run))
         parts = [
-            (closed, max(a, begin), min(b, end)) for closed, a, b in phases(run)
-            if min(b, end) > max(a, begin)
+            (item, max(item.begin, begin), min(item.end, end)) for item in phases(run)
+            if min(item.end, end) > max(item.begin, begin)
         ]  # fmt: skip
         for row, stop in enumerate([None, *run.mechanism.stops]):
             at = places[turn * len(rows) + row]
             wanted = []
-            for closed, a, b in parts:
-                if stop is None or stop.name in closed:
+            for item, a, b in parts:
+                if stop is None or stop.name in item.closed:
                     left = (start + 40.0 * a / period) % 40.0
                     width = 40.0 * (b - a) / period
                     wanted += [(left, left + width), (left - 40.0, left - 40.0 + width)]
@@ -229,7 +251,10 @@ def test_turns_over_the_index(named: tuple[str, Solution]) -> None:
         hatched = [patch for patch in axes.patches if patch.get_hatch()]
         assert bool(hatched) == (end - begin < period * (1.0 - 1e-6))
         assert all((bar.get_x(), bar.get_width()) == (0.0, 40.0) for bar in hatched)
-    check_words(axes, places[:: len(rows)], names)
+    check_words(axes, places[:: len(rows)], legend(phase_figure(run)))
+    assert {text.get_text() for text in axes.texts if "." not in text.get_text()} <= {
+        item.number for item in phases(run) if item.number
+    }
 
 
 def seen(stretches: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -238,18 +263,24 @@ def seen(stretches: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
     return sorted((left, right) for left, right in inside if right - left > 1e-6)
 
 
-def check_words(axes: Axes, tops: list[float], names: dict[Any, tuple[str, str]]) -> None:
-    """A number in every band wide enough for it; indices apart from one another, above them."""
+def check_words(axes: Axes, tops: list[float], entries: dict[str, Any]) -> None:
+    """The number in every phase wide enough for it; indices apart from one another, above them."""
+    colours = {to_hex(item.get_facecolor()): words for words, item in entries.items()}
     for top in tops:
-        wide = []
+        wide: dict[float, str] = {}
         for bar in axes.patches:
             if abs(bar.get_y() + 0.5 * bar.get_height() - top) < 1e-9 and not bar.get_hatch():
                 left = max(bar.get_x(), 0.0)
                 right = min(bar.get_x() + bar.get_width(), 40.0)
-                if right - left > 0.55:
-                    wide.append(0.5 * (left + right))
-        numbers = [text.get_position()[0] for text in axes.texts if text.get_position()[1] == top]
+                words = colours[to_hex(bar.get_facecolor())].split()
+                if right - left > 0.55 and words[0] == "phase":
+                    wide[0.5 * (left + right)] = words[1]
+        numbers = {
+            text.get_position()[0]: text.get_text()
+            for text in axes.texts if text.get_position()[1] == top
+        }  # fmt: skip
         np.testing.assert_allclose(sorted(numbers), sorted(wide), atol=1e-9)
+        assert [numbers[at] for at in sorted(numbers)] == [wide[at] for at in sorted(wide)]
         indices = [text for text in axes.texts if 0.3 < text.get_position()[1] - top < 0.7]
         places = [float(text.get_text()) for text in indices]
         assert all(abs(a - b) > 0.59 for k, a in enumerate(places) for b in places[:k])
@@ -258,9 +289,6 @@ def check_words(axes: Axes, tops: list[float], names: dict[Any, tuple[str, str]]
                 edge = bar.get_x() % 40.0
                 gap = min(min(abs(edge - x), 40.0 - abs(edge - x)) for x in places)
                 assert gap < 0.61
-    assert {text.get_text() for text in axes.texts if "." not in text.get_text()} <= {
-        number for number, _ in names.values()
-    }
 
 
 def test_curves_are_dense(named: tuple[str, Solution]) -> None:

@@ -17,6 +17,7 @@ from judge import Judge, press
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from nipper_pin import Case, Solution, Window, load, simulate
 from nipper_pin.hybrid.event import Event
@@ -107,18 +108,33 @@ def spans(axes: Axes) -> list[tuple[float, float, str]]:
 
 
 def assert_phases_in_time(judge: Judge, figure: Figure, panels: list[Axes]) -> None:
-    """Shading of every panel, one colour a set of closed stops, and the index above."""
+    """Shading of every panel, one colour a phase, and the index above.
+
+    Where the transition stop is open and another one bounces is no phase: it has a colour of its
+    own, which stands in the legend by these words, and no number.
+    """
     names = {frozenset(item["closed"]): item["number"] for item in judge.document["phases"]}
+    kinds = [closed if judge.bounces(closed, a, b) else None for closed, a, b in judge.phases]
+    entries = figure.legends[0]
+    legend = {
+        text.get_text(): to_hex(handle.get_facecolor())
+        for text, handle in zip(entries.get_texts(), entries.legend_handles, strict=True)
+        if isinstance(handle, Patch)
+    }
     for axes in panels:
         bands = spans(axes)
         close([band[:2] for band in bands], [(1e3 * a, 1e3 * b) for _, a, b in judge.phases], 1e-12)
-        colours = {closed: band[2] for (closed, *_), band in zip(judge.phases, bands, strict=True)}
+        colours = {kind: band[2] for kind, band in zip(kinds, bands, strict=True)}
         assert len(set(colours.values())) == len(colours)
-        assert [band[2] for band in bands] == [colours[closed] for closed, *_ in judge.phases]
+        assert [band[2] for band in bands] == [colours[kind] for kind in kinds]
+        for kind, colour in colours.items():
+            (words,) = (words for words, own in legend.items() if own == colour)
+            open_jaw = f"{judge.document['transition_stop']} open, "
+            assert words.startswith(open_jaw if kind is None else f"phase {names[kind]} ")
         for text in axes.texts:
             t = 1e-3 * text.get_position()[0]
-            closed = next(closed for closed, a, b in judge.phases if a <= t <= b)
-            assert text.get_text() == str(names[closed])
+            place = next(k for k, (_, a, b) in enumerate(judge.phases) if a <= t <= b)
+            assert text.get_text() == str(names[kinds[place]])
     top = panels[0].child_axes[0]
     assert top.get_xlabel().startswith("index")
     figure.canvas.draw()
@@ -217,7 +233,8 @@ def test_phases(judge: Judge, run: Solution) -> None:
             assert text.get_position()[0] == pytest.approx(float(text.get_text()), abs=0.0051)
             continue
         t = (text.get_position()[0] - judge.index(0.0)) % 40.0 / per_s
-        closed = next(c for c, a, b in judge.phases if a <= t <= b)
+        closed, begin, end = next(item for item in judge.phases if item[1] <= t <= item[2])
+        assert judge.bounces(closed, begin, end)
         assert text.get_text() == str(names[closed])
 
 

@@ -17,8 +17,9 @@ from nipper_pin import Case, Solution, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism import find_model, known_models
+from nipper_pin.view.phases import ELSEWHERE, phase_colour
 from nipper_pin.view.scene import Film, Look, film
-from nipper_pin.view.scene.colours import ARROW, ELSEWHERE, channels, phase_colour
+from nipper_pin.view.scene.colours import ARROW, channels
 from nipper_pin.view.scene.flat import Flat, flat, moved
 from nipper_pin.view.scene.gif import PER_SECOND, write_gif
 from nipper_pin.view.scene.solids import CYLINDER, Solid, cylinder_axis, solids

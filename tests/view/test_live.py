@@ -19,7 +19,7 @@ from nipper_pin.view.live.answer import Answer, answer
 from nipper_pin.view.live.moment import closed_at, impulses_at
 from nipper_pin.view.live.panel.text import as_html
 from nipper_pin.view.live.settings import Knob, changed, knobs
-from nipper_pin.view.scene.colours import phase_colour
+from nipper_pin.view.phases import phase_colour
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 WHY = "viser is not installed (extra `live`): the page cannot be built"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from PIL import Image
 
@@ -16,6 +18,7 @@ from nipper_pin.cli import main
 from nipper_pin.mechanism import known_models
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
+from nipper_pin.view.figure_file import save_figure
 from nipper_pin.view.sketch import sketch, write_sketch
 from nipper_pin.view.sketch.draw import drawn
 
@@ -104,6 +107,23 @@ def test_every_part_has_its_name_beside_it(name: str) -> None:
         assert room.x0 <= box.x0 < box.x1 <= room.x1
         assert room.y0 <= box.y0 < box.y1 <= room.y1
         assert not any(box.overlaps(other) for other in texts[:place]), labels[place].get_text()
+
+
+def test_the_same_model_gives_the_same_bytes(tmp_path: Path) -> None:
+    """Names inside an SVG are not drawn by lot, and no file says when it was drawn."""
+    drawings = [write_sketch(load("e62"), tmp_path / f"{name}.svg") for name in ("one", "two")]
+    assert drawings[0].read_bytes() == drawings[1].read_bytes()
+    for kind in ("svg", "pdf"):
+        pair = [tmp_path / f"{name}_curve.{kind}" for name in ("one", "two")]
+        for path in pair:
+            figure = Figure()
+            axes = figure.subplots()
+            axes.plot([0.0, 1.0], marker="o", label="a curve")
+            axes.legend()
+            save_figure(figure, path, kind)
+        first, second = (path.read_bytes() for path in pair)
+        assert first == second
+        assert not re.search(rb"CreationDate|dc:date|20[0-9]{2}-[0-9]{2}-", first)
 
 
 @pytest.mark.slow

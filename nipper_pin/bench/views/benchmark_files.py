@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ...outputs import complete_folder
-from ...view.plain_texts import plain
+from ...view.figure_file import save_figure
 from ..run_time.benchmark import Benchmark
 from .benchmark_report import markdown
 from .work_precision_plot import draw_rows
@@ -32,7 +32,7 @@ def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
         texts = (document, markdown(result))
         for name, text in zip(_FILES, texts, strict=False):
             (new / name).write_text(text, encoding="utf-8")
-        plain(work_precision_figure(result)).savefig(new / _FILES[-1], format="png")
+        save_figure(work_precision_figure(result), new / _FILES[-1], "png")
     return [Path(folder) / name for name in _FILES]
 
 

@@ -38,14 +38,14 @@ def write_files(comparison: Comparison, folder: str | Path) -> list[Path]:
     Raises:
         InputError: The folder cannot be written, or one of the runs has no motion.
     """
-    from ..plain_texts import plain
+    from ..figure_file import save_figure
 
     figure = curves_figure(comparison)
     with complete_folder(folder, FILES) as target:
         table, *pictures = (target / name for name in FILES)
         table.write_text(comparison_csv(comparison), encoding="utf-8")
         for path in pictures:
-            plain(figure).savefig(path, format=path.suffix.removeprefix("."))
+            save_figure(figure, path, path.suffix.removeprefix("."))
     return [Path(folder) / name for name in FILES]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ...dynamics.system import DriveMode
 from ...hybrid.case import Window
 from ...hybrid.result.solution import Solution
 from ...study.compare import Change, Comparison, Row
@@ -24,7 +25,7 @@ _ASKED = (
 
 
 def label(run: Solution) -> str:
-    """Model, speed and window of a run.
+    """Model, speed and window of a run, and its drive if it is not held.
 
     Args:
         run: The run.
@@ -34,7 +35,8 @@ def label(run: Solution) -> str:
     if case.window is Window.CYCLE:
         turns = "1 turn" if case.cycles == 1 else f"{case.cycles} turns"
         what = f"{turns} from index {case.start_index:g}"
-    return f"{run.mechanism.name}, {case.speed_rpm:g} r/min, {what}"
+    drive = "" if case.drive is DriveMode.HELD else f", {case.drive.value} drive"
+    return f"{run.mechanism.name}, {case.speed_rpm:g} r/min, {what}{drive}"
 
 
 def row_shown(row: Row) -> Shown:

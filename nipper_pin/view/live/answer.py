@@ -17,8 +17,8 @@ from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
 from ...units import MS_PER_S
+from ..naming import coordinate_shown
 from ..naming import shown as words_of
-from ..reading import units_of
 from .curves.clamping import followed_on, force_line, gap_line
 from .panel.numbers import Number, Rows
 from .settings import SPEED, Knob, changed
@@ -100,7 +100,7 @@ def _numbers(parts: tuple[str, ...], solution: Solution) -> Answer:
         parts=parts,
         rows=tuple(_rows(solution, hits, others)),
         time=MS_PER_S * (time - origin),
-        gap=units_of(mechanism, stop.index).amplitude_factor * gap,
+        gap=coordinate_shown(mechanism, stop.index, small=True).value(gap),
         force_time=MS_PER_S * (force_time - origin),
         force=force,
         hit_time=np.array([MS_PER_S * (item.t - origin) for item in struck]),

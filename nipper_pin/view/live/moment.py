@@ -9,7 +9,8 @@ from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
-from ..reading import index_at, units_of
+from ..naming import coordinate_shown
+from ..reading import index_at
 from ..scene.arrows import FADE, HELD, drawn_collisions
 
 
@@ -57,12 +58,11 @@ def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
     mechanism = solution.mechanism
     parts = [f"{MS_PER_S * t:.2f} ms", f"index {index_at(solution, t):.3f}"]
     for stop in mechanism.stops:
-        units, gap = units_of(mechanism, stop.index), stop.gap(q)
-        if stop.name != mechanism.transition_stop:
-            value = digits(units.coordinate_factor * gap)
-            parts.append(f"{stop.name} {value} {units.coordinate}")
+        main, gap = stop.name == mechanism.transition_stop, stop.gap(q)
+        shown = coordinate_shown(mechanism, stop.index, small=main)
+        parts.append(f"{stop.name} {shown.phrase(gap)}")
+        if not main:
             continue
-        parts.append(f"{stop.name} {digits(units.amplitude_factor * gap)} {units.amplitude}")
         if stop.contact is not None:
             parts.append(f"gap at the lips {digits(MM_PER_M * stop.lever * gap)} mm")
         force = solution.trajectory.reactions(t).contacts[stop.name][0]

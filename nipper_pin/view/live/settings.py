@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ...errors import InputError
+from ...hybrid.result.quantities import coordinate_unit
 from ...mechanism import Mechanism, Spring
 from ...units import M_PER_MM, MM_PER_M, RAD_PER_DEG
-from ..reading import units_of
 
 SPEED = "speed"
 RESTITUTION = "restitution"
@@ -113,7 +113,7 @@ def changed(mechanism: Mechanism, values: Mapping[str, float]) -> Mechanism:
 
 def _spring_knobs(mechanism: Mechanism, spring: Spring) -> list[Knob]:
     """Rate, unless the model has none to start from, and preload of one spring."""
-    turns = units_of(mechanism, spring.index).noun == "angle"
+    turns = coordinate_unit(mechanism, spring.index) == "rad"
     of = "" if len(mechanism.springs) == 1 else f" of spring {spring.name}"
     rate, length = ("N m/rad", "deg") if turns else ("N/mm", "mm")
     rate_factor, length_factor = (1.0, RAD_PER_DEG) if turns else (MM_PER_M, M_PER_MM)

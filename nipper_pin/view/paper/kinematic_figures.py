@@ -10,7 +10,8 @@ from ...mechanism import INDEX_PER_TURN
 from ...mechanism.drives import OscillatingGuide
 from ...study.paper import PaperStudy
 from ...units import DEG_PER_RAD
-from ..style import LINES, SMALL, TEXT, TINTS, tidy
+from ..phases import phase_tint
+from ..style import LINES, SMALL, TEXT, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
 from .terms import Terms, terms
 
@@ -116,7 +117,7 @@ def _stops(study: PaperStudy) -> Plate:
         f"Phases 1 and 2 at {turn.speed_rpm:g} r/min as kinematics, without bounces: the jaw "
         f"closes at index {turn.closing_index:.2f} and would open at {turn.opening_index:.2f}; it "
         f"opens to {DEG_PER_RAD * turn.largest_jaw_angle:.1f} degrees, and the {words.stop} moves "
-        f"by {words.stroke.coordinate_factor * turn.largest_stroke:.2f} {words.stroke.coordinate} "
+        f"by {words.stroke.value(turn.largest_stroke):.2f} {words.stroke.unit} "
         "from its stop. At the change of phase the rates jump: that jump is the impact.",
         figure,
     )
@@ -124,8 +125,8 @@ def _stops(study: PaperStudy) -> Plate:
 
 def _other_stop(words: Terms) -> tuple[str, str, str, str, float, float]:
     """Name, units and factors of the coordinate of the stop that is closed with the jaw open."""
-    unit, factor = words.stroke.coordinate, words.stroke.coordinate_factor
-    if words.stroke.noun == "angle":
+    unit, factor = words.stroke.unit, words.stroke.factor
+    if words.stroke_si == "rad":
         return f"{words.stop} angle", unit, "rad/s", "rad/s²", factor, 1.0
     return "stroke s", unit, "m/s", "m/s²", factor, 1.0
 
@@ -147,7 +148,7 @@ def _broken(is_open: np.ndarray, values: FloatArray) -> FloatArray:
 def _phases(study: PaperStudy, axes: Axes) -> None:
     """Shade where the jaw is closed."""
     turn = study.kinematics
-    axes.axvspan(0.0, turn.opening_index, facecolor=TINTS[1], alpha=0.45, linewidth=0, zorder=0)
-    axes.axvspan(turn.closing_index, INDEX_PER_TURN, facecolor=TINTS[1], alpha=0.45, linewidth=0,
-                 zorder=0)  # fmt: skip
+    tint = phase_tint(study.mechanism, frozenset({study.mechanism.transition_stop}))
+    for begin, end in ((0.0, turn.opening_index), (turn.closing_index, INDEX_PER_TURN)):
+        axes.axvspan(begin, end, facecolor=tint, alpha=0.45, linewidth=0, zorder=0)
     axes.set_xlim(0.0, INDEX_PER_TURN)

@@ -12,7 +12,7 @@ from ...study.paper import PaperStudy
 from ...study.paper.counts import counted
 from ...study.paper.studies import Study
 from ...units import MS_PER_S
-from ..reading import units_of
+from ..naming import coordinate_shown
 from ..run.sampling import sample_coordinates
 from ..style import LINES, MARKERS, SMALL, tidy
 from .canvas import Plate, grid, letter, new_figure, plate
@@ -31,7 +31,7 @@ def _angle(study: PaperStudy) -> Plate:
     figure = new_figure(5.4, terms(study).mark)
     panels = figure.subplots(len(study.motions), 1, sharex=True, sharey=True)
     jaw = study.mechanism.stop(study.mechanism.transition_stop)
-    angle, noun = terms(study).rebound, units_of(study.mechanism, jaw.index).noun
+    angle, noun = terms(study).rebound, coordinate_shown(study.mechanism, jaw.index).words
     gap = f"jaw {noun} [{angle.unit}]"
     durations = MS_PER_S * study.studies.speed.durations
     for number, (axes, solution) in enumerate(zip(panels, study.motions, strict=True)):

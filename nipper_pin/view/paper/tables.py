@@ -253,7 +253,7 @@ def drive_table(study: PaperStudy) -> Table:
 def stop_table(study: PaperStudy) -> Table:
     """Releases of the stop that is closed in phase 1, by speed."""
     stop, words = study.phase_one, terms(study)
-    stroke = words.stroke
+    lift = words.lift
     return Table(
         "stop_in_phase_1",
         f"The stop of the {stop.stop} in phase 1, simulated turns",
@@ -262,8 +262,8 @@ def stop_table(study: PaperStudy) -> Table:
             Column("smallest_force_N", "smallest force [N]", digits),
             Column("release_index", "lets go at index",
                    lambda v: "stays closed" if v is None else f"{v:.3f}"),
-            Column(f"lift_{words.stroke_si}", f"lift [{unit_text(stroke.amplitude)}]",
-                   lambda v: "-" if v == 0.0 else digits(stroke.amplitude_factor * v)),
+            Column(f"lift_{words.stroke_si}", f"lift [{unit_text(lift)}]",
+                   lambda v: "-" if v == 0.0 else lift.text(v)),
             Column("duration_s", "for [ms]", lambda v: "-" if v == 0.0 else digits(MS_PER_S * v)),
         ),
         tuple((i.speed_rpm, float(stop.force(stop.preload, i.speed_rpm).min()), i.index,

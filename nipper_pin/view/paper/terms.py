@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...hybrid.result.quantities import coordinate_unit
 from ...mechanism import Mechanism
 from ...study.paper import PaperStudy
 from ...terms import Shown, named, shown_in
-from ..naming import shown
-from ..reading import Units, units_of
+from ..naming import coordinate_shown, shown
 
 _E62 = "estimate of the E62 class identified from the published ratios; not the maker's data"
 _OTHER = "numbers of the model; those of the package's combers are estimates, no maker's data"
@@ -27,7 +27,8 @@ class Terms:
         compared: True if there are published numbers of this kind of machine.
         mark: What every figure says of its numbers.
         stop: Name of the stop that is closed while the jaw is open.
-        stroke: Units of its coordinate.
+        stroke: Its coordinate.
+        lift: The same where it is small.
         stroke_si: SI unit of that coordinate.
         rebound: Amplitudes of rebounds.
         rate: Spring rates.
@@ -39,7 +40,8 @@ class Terms:
     compared: bool
     mark: str
     stop: str
-    stroke: Units
+    stroke: Shown
+    lift: Shown
     stroke_si: str
     rebound: Shown
     rate: Shown
@@ -56,14 +58,14 @@ def terms(study: PaperStudy) -> Terms:
     """Names and units of the machine of a study."""
     mechanism = study.mechanism
     stop = mechanism.stop(study.phase_one.stop)
-    units = units_of(mechanism, stop.index)
-    turns = units_of(mechanism, mechanism.springs[0].index).noun == "angle"
+    turns = coordinate_unit(mechanism, mechanism.springs[0].index) == "rad"
     return Terms(
         compared=study.compared,
         mark=_E62 if study.compared else _OTHER,
         stop=stop.name,
-        stroke=units,
-        stroke_si="rad" if units.noun == "angle" else "m",
+        stroke=coordinate_shown(mechanism, stop.index),
+        lift=coordinate_shown(mechanism, stop.index, small=True),
+        stroke_si=coordinate_unit(mechanism, stop.index),
         rebound=rebound(mechanism),
         rate=_shown("spring rate", "N m/rad" if turns else "N/m"),
         rate_si="N_m_per_rad" if turns else "N_per_m",

@@ -13,7 +13,8 @@ from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Transition
 from ...units import MS_PER_S
-from ..reading import shown_collisions, units_of
+from ..naming import coordinate_shown
+from ..reading import shown_collisions
 from ..style import SMALL, TEXT, line_colour, marker, new_figure, tidy
 from .rebounds import draw_rebounds, series
 from .sampling import sample_coordinates
@@ -29,7 +30,6 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     """
     mechanism = solution.mechanism
     stop = mechanism.stop(mechanism.transition_stop)
-    units = units_of(mechanism, stop.index)
     collisions = series(solution, transition)
     figure = new_figure(solution, f"Transition: rebounds of the {stop.name}", 5.6)
     linear, log = figure.subplots(2, 1)
@@ -37,7 +37,7 @@ def transition_figure(solution: Solution, transition: Transition) -> Figure:
     linear.legend(fontsize=SMALL, frameon=False, loc="upper right")
 
     t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
-    gap = units.amplitude_factor * stop.gaps(q)
+    gap = coordinate_shown(mechanism, stop.index, small=True).value(stop.gaps(q))
     colour = line_colour(mechanism, stop.name)
     left = MS_PER_S * (transition.t_start + transition.duration - t)
     log.loglog(left, _visible(t, gap, [item.t for item in collisions]), color=colour, linewidth=1.4)

@@ -6,9 +6,8 @@ from rich.console import Console
 
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision, Transition
-from ...terms import digits
 from ..console import headline, paste, say
-from ..naming import shown
+from ..naming import rate_shown, shown
 from ..reading import (
     case_text,
     damper_text,
@@ -17,7 +16,6 @@ from ..reading import (
     restitution_text,
     shown_transitions,
     spring_text,
-    units_of,
 )
 from .remarks import more
 
@@ -128,6 +126,5 @@ def _how_ended(solution: Solution) -> str:
         return "Without restitution the first collision ends it."
     if threshold is None:
         return "The bounces go on for ever; the time of rest is their limit, by extrapolation."
-    units = units_of(mechanism, stop.index)
-    rate = f"{digits(units.rate_factor * threshold)} {units.rate}"
+    rate = rate_shown(mechanism, stop.index).phrase(threshold)
     return f"It was ended by a threshold: the first rebound slower than {rate}."

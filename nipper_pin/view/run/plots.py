@@ -10,7 +10,7 @@ from ...errors import InputError
 from ...hybrid.case import Window
 from ...hybrid.result.solution import Solution
 from ...outputs import complete_file
-from ..plain_texts import plain
+from ..figure_file import save_figure
 from .bounces import impulse_figure, transition_figure
 from .timelines import force_figure, motion_figure, phase_figure
 
@@ -61,5 +61,5 @@ def _figures(solution: Solution) -> dict[str, Figure]:
 
 def _write(figure: Figure, path: Path) -> Path:
     with complete_file(path) as partial:
-        plain(figure).savefig(partial, format="png")
+        save_figure(figure, partial, "png")
     return path

@@ -10,8 +10,8 @@ from ...hybrid.result.tables import Collision, Transition
 from ...mechanism import Stop
 from ...terms import shown_in
 from ...units import MS_PER_S
-from ..naming import shown
-from ..reading import gap_noun, units_of
+from ..naming import coordinate_shown, shown
+from ..reading import gap_noun
 from ..style import SMALL, TEXT, line_colour, tidy
 from .sampling import sample_coordinates
 
@@ -49,13 +49,13 @@ def draw_rebounds(axes: Axes, solution: Solution, transition: Transition) -> Non
     """
     mechanism = solution.mechanism
     stop = mechanism.stop(mechanism.transition_stop)
-    units = units_of(mechanism, stop.index)
+    term = coordinate_shown(mechanism, stop.index, small=True)
     collisions = series(solution, transition)
     # After the last collision the stop is at rest, the limit of the series.
     t, q = sample_coordinates(solution, transition.t_start, collisions[-1].t)
     axes.axhline(0.0, color="0.6", linewidth=0.8)
     axes.plot(
-        MS_PER_S * t, units.amplitude_factor * stop.gaps(q),
+        MS_PER_S * t, term.value(stop.gaps(q)),
         color=line_colour(mechanism, stop.name), linewidth=1.4,
     )  # fmt: skip
     at = MS_PER_S * np.array([item.t for item in collisions])
@@ -63,9 +63,9 @@ def draw_rebounds(axes: Axes, solution: Solution, transition: Transition) -> Non
     axes.plot(at, np.zeros_like(at), "|", color="black", markersize=10.0, label="collision")
     axes.plot(end, 0.0, "s", color="black", markersize=4.0, label="rest")
     axes.margins(y=0.18)
-    tidy(axes, TIME, f"{stop.name} {gap_noun(mechanism, stop)} [{units.amplitude}]")
+    tidy(axes, TIME, f"{stop.name} {gap_noun(mechanism, stop)} [{term.unit}]")
     _heights(axes, solution, collisions, transition.duration)
-    _contact_scale(axes, stop, units.amplitude_factor)
+    _contact_scale(axes, stop, term.factor)
 
 
 def _heights(axes: Axes, solution: Solution, collisions: list[Collision], duration: float) -> None:

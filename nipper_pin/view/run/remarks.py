@@ -7,16 +7,16 @@ from rich.console import Console
 
 from ...hybrid.event import Event, EventKind
 from ...hybrid.result.solution import Solution
-from ...terms import digits, fixed
+from ...terms import fixed
 from ...units import MS_PER_S
 from ..console import headline, say, show_table
+from ..naming import coordinate_shown, rate_shown
 from ..reading import (
     force_name,
     index_at,
     phase_name,
     shown_events,
     shown_until,
-    units_of,
 )
 from .sampling import force_ranges, lift, shaft_rates
 
@@ -64,9 +64,9 @@ def _release_text(solution: Solution, event: Event) -> str:
     text = f"The {who} {leave}{where} at index {index_at(solution, event.t):.3f}"
     lifted = lift(solution, event) if len(event.stops) == 1 else None
     if lifted is not None:
-        units = units_of(mechanism, mechanism.stop(event.stops[0]).index)
-        gap, duration = digits(units.amplitude_factor * lifted[0]), f"{MS_PER_S * lifted[1]:.3f}"
-        text += f", opens by up to {gap} {units.amplitude} and collides {duration} ms later"
+        term = coordinate_shown(mechanism, mechanism.stop(event.stops[0]).index, small=True)
+        gap, duration = term.phrase(lifted[0]), f"{MS_PER_S * lifted[1]:.3f}"
+        text += f", opens by up to {gap} and collides {duration} ms later"
     waits = mechanism.transition_stop not in event.closed_before
     if phase is None or phase.number != mechanism.initial_phase or not waits:
         return text + "."
@@ -91,11 +91,11 @@ def shafts(solution: Solution, console: Console) -> None:
     times = np.linspace(0.0, shown_until(solution), _HELD_SAMPLES)
     held = solution.shaft.driven(times)[1]
     for column, drive in enumerate(solution.mechanism.drives):
-        units = units_of(solution.mechanism, drive.index)
+        rate = rate_shown(solution.mechanism, drive.index)
         own = held[:, column]
         values = (*rates[drive.name], float(own.min()), float(own.max()))
-        cells = (f"{units.rate_factor * value:.6g}" for value in values)
-        rows.append((drive.name, units.rate, *cells))
+        cells = (f"{rate.value(value):.6g}" for value in values)
+        rows.append((drive.name, rate.unit, *cells))
     headings = ("drive", "unit", "smallest", "largest", "held: smallest", "held: largest")
     show_table(console, headings, rows, text=(0, 1))
 

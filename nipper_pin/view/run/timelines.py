@@ -16,15 +16,15 @@ from ...hybrid.event import EventKind
 from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Stop
 from ...units import MS_PER_S
+from ..naming import coordinate_shown
+from ..phases import intervals
 from ..reading import (
     force_name,
     gap_noun,
     index_at,
     shown_events,
-    shown_phases,
     shown_transitions,
     shown_until,
-    units_of,
 )
 from ..style import (
     SMALL,
@@ -36,7 +36,6 @@ from ..style import (
     phase_patches,
     shade_phases,
     tidy,
-    tint,
 )
 from .rebounds import TIME, draw_rebounds
 from .sampling import sample_coordinates, sample_forces
@@ -72,14 +71,13 @@ def motion_figure(solution: Solution) -> Figure:
     figure = new_figure(solution, "Motion at the stops", 1.5 + _PANEL_IN * rows)
     panels = _panels(figure, count, rows)
     for axes, stop in zip(panels, mechanism.stops, strict=True):
-        units = units_of(mechanism, stop.index)
-        unit, factor = units.coordinate, units.coordinate_factor
-        if stop.name == mechanism.transition_stop and solution.case.window is Window.TRANSITION:
-            unit, factor = units.amplitude, units.amplitude_factor
-        y = factor * stop.gaps(q)
+        small = stop.name == mechanism.transition_stop
+        small &= solution.case.window is Window.TRANSITION
+        term = coordinate_shown(mechanism, stop.index, small=small)
+        y = term.value(stop.gaps(q))
         axes.plot(MS_PER_S * t, y, color=line_colour(mechanism, stop.name), linewidth=1.4)
         noun = gap_noun(mechanism, stop)
-        tidy(axes, "", f"{stop.name} {noun} [{unit}]")
+        tidy(axes, "", f"{stop.name} {noun} [{term.unit}]")
         low, high = min(0.0, float(y.min())), float(y.max())
         height = (high - low) or 1.0
         axes.set_ylim(low - 0.08 * height, high + 0.24 * height)
@@ -118,7 +116,7 @@ def phase_figure(solution: Solution) -> Figure:
     mechanism = solution.mechanism
     rows = ["phase", *(f"{stop.name} closed" for stop in mechanism.stops)]
     turns = math.ceil(shown_until(solution) / solution.shaft.period - _PART_OF_TURN)
-    figure = new_figure(solution, "Phases over the index", 1.9 + 0.36 * len(rows) * turns)
+    figure = new_figure(solution, "Phases over the index", 2.1 + 0.36 * len(rows) * turns)
     axes = figure.add_subplot()
     for turn in range(turns):
         _draw_turn(solution, axes, turn, -turn * (len(rows) + 1.0))
@@ -137,7 +135,7 @@ def phase_figure(solution: Solution) -> Figure:
         others.append(
             Patch(facecolor="white", edgecolor=_UNKNOWN, hatch="////", label="not simulated")
         )
-    legend_below(figure, [*phase_patches(solution), *others])
+    legend_below(figure, phase_patches(solution), others)
     return figure
 
 
@@ -189,8 +187,8 @@ def _draw_turn(solution: Solution, axes: Axes, turn: int, top: float) -> None:
         axes.barh(top, INDEX_PER_TURN, height=0.8, facecolor="white", edgecolor=_UNKNOWN,
                   hatch="////", linewidth=0.6)  # fmt: skip
     boundaries = []
-    for item in shown_phases(solution):
-        t_start, t_end = max(item.t_start, begin), min(item.t_end, end)
+    for item in intervals(solution):
+        t_start, t_end = max(item.start, begin), min(item.end, end)
         if t_end <= t_start:
             continue
         start = index_at(solution, t_start)
@@ -200,7 +198,7 @@ def _draw_turn(solution: Solution, axes: Axes, turn: int, top: float) -> None:
         for left in (start, start - INDEX_PER_TURN):
             if left + width <= 0.0:
                 continue
-            axes.barh(top, width, left=left, height=0.8, facecolor=tint(mechanism, item.closed),
+            axes.barh(top, width, left=left, height=0.8, facecolor=item.tint,
                       edgecolor="0.4", linewidth=0.6)  # fmt: skip
             seen_left, seen_right = max(left, 0.0), min(left + width, INDEX_PER_TURN)
             if item.number is not None and seen_right - seen_left > _NARROWEST_LABEL:

@@ -1,27 +1,12 @@
-"""Colours of phases and arrows, from Okabe and Ito's palette."""
+"""Colours of arrows, lines and links, from Okabe and Ito's palette."""
 
 from __future__ import annotations
 
-from ...mechanism import Mechanism
-
-# The hues of the plots, strong enough for solids; what is white there is yellow here.
-_PHASES = ("#F0E442", "#56B4E9", "#E69F00", "#009E73", "#CC79A7")
-_UNNAMED = "#777777"
-ELSEWHERE = "#F7F0B5"
-"""Of phases in which the transition stop is open and another one bounces or is left."""
 ARROW = "#D55E00"
 LINE = "#333333"
 _FRAME = "#9AA0A8"
 # Of links whose URDF says nothing: apart from one another, and paler than phases and arrows.
 _LINKS = ("#6E8FB8", "#B8A16E", "#7FA889", "#A58BB0", "#B08A7E", "#7FA6AC", "#8C8FA8")
-
-
-def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:
-    """Colour of the phase with these closed stops, as in #RRGGBB."""
-    for place, phase in enumerate(mechanism.phases):
-        if phase.closed == closed:
-            return _PHASES[place % len(_PHASES)]
-    return _UNNAMED
 
 
 def channels(colour: str) -> tuple[float, float, float]:

@@ -9,7 +9,7 @@ from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...mechanism import Stop
 from ...units import MM_PER_M
-from ..reading import units_of
+from ..naming import coordinate_shown
 from .film import Film, bouncing_stop
 from .rebounds import rebound_flights
 
@@ -50,9 +50,9 @@ def curves(film: Film) -> list[Curve]:
     found = [] if main is None else list(_main(film, main))
     others = [stop for stop in mechanism.stops if stop is not main]
     for stop in others[:_OTHERS]:
-        units = units_of(mechanism, stop.index)
-        values = units.coordinate_factor * stop.gaps(film.q)
-        found.append(Curve((f"{stop.name} {units.noun}", f"[{units.coordinate}]"), stop.name,
+        term = coordinate_shown(mechanism, stop.index)
+        values = term.value(stop.gaps(film.q))
+        found.append(Curve((f"{stop.name} {term.words}", f"[{term.unit}]"), stop.name,
                            _OTHER, _scale(values), values))  # fmt: skip
     return found
 
@@ -62,8 +62,8 @@ def _main(film: Film, stop: Stop) -> Iterator[Curve]:
     if stop.contact is not None:
         unit, factor = "mm", MM_PER_M * stop.lever
     else:
-        units = units_of(mechanism, stop.index)
-        unit, factor = units.coordinate, units.coordinate_factor
+        term = coordinate_shown(mechanism, stop.index)
+        unit, factor = term.unit, term.factor
     values = factor * stop.gaps(film.q)
     t = film.pace.machine
     rebounds = max(

@@ -16,6 +16,7 @@ from ...hybrid.result.solution import Solution
 from ...mechanism import Stop
 from ...outputs import complete_file
 from ...terms import digits
+from ..phases import intervals
 from ..reading import case_text
 from .arrows import (
     FADE,
@@ -32,7 +33,6 @@ from .colours import ARROW, LINE, channels
 from .film import Film, Look, bouncing_stop, film
 from .flat import colours, flat, moved, placed
 from .flat_lips import LipsPainter
-from .intervals import intervals
 from .readings import collision_text, columns, note
 from .solids import solids
 

@@ -13,12 +13,13 @@ from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...terms import digits
 from ...units import MM_PER_M, MS_PER_S
-from ..reading import case_text, force_name, gap_noun, units_of
+from ..naming import coordinate_shown
+from ..phases import intervals
+from ..reading import case_text, force_name, gap_noun
 from .arrows import arrow_stops
 from .closeup import close_up
 from .curves import Curve, curves
 from .film import Film, drawn_limit
-from .intervals import intervals
 from .names import names
 from .objects import arrow_path
 
@@ -112,13 +113,9 @@ def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:
     yield "time", "ms", MS_PER_S * pace.machine
     yield "slow motion 1 :", "", pace.stretch
     for stop in mechanism.stops:
-        units = units_of(mechanism, stop.index)
+        term = coordinate_shown(mechanism, stop.index)
         gap = stop.gaps(film.q)
-        yield (
-            f"{stop.name} {gap_noun(mechanism, stop)}",
-            units.coordinate,
-            units.coordinate_factor * gap,
-        )
+        yield f"{stop.name} {gap_noun(mechanism, stop)}", term.unit, term.value(gap)
         if stop.contact is not None:
             yield f"{stop.name} gap at the contact", "mm", MM_PER_M * stop.lever * gap
         yield _force(film, stop), force_unit(mechanism, stop), film.force[stop.name]
@@ -147,9 +144,8 @@ def note(film: Film) -> str:
 def _limit(film: Film) -> str:
     """Largest exaggerated gap that is drawn, with its unit."""
     mechanism = film.solution.mechanism
-    units = units_of(mechanism, mechanism.stop(mechanism.transition_stop).index)
-    limit = units.coordinate_factor * drawn_limit(mechanism)
-    return f"{limit:.3g} {units.coordinate}"
+    term = coordinate_shown(mechanism, mechanism.stop(mechanism.transition_stop).index)
+    return f"{term.value(drawn_limit(mechanism)):.3g} {term.unit}"
 
 
 def rounded(values: FloatArray) -> list[float]:

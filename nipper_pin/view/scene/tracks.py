@@ -12,10 +12,10 @@ import numpy as np
 import umsgpack
 
 from ...arrays import FloatArray
+from ..phases import intervals
 from .arrows import FADE, HELD, arrow_scale, arrow_stops, drawn_collisions
 from .colours import channels
 from .film import Film, bouncing_stop
-from .intervals import intervals
 from .objects import arrow_path, body_path, solid_path, strut_path
 from .solids import CYLINDER, Solid, cylinder_axis
 

@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...mechanism import Mechanism
 from ...outputs import complete_file
 from ...units import MM_PER_M
-from ..plain_texts import plain
+from ..figure_file import save_figure
 from ..scene.colours import link_colour
 from ..style import SMALL, TEXT, WIDTH_IN
 from .labels import Label, placed
@@ -27,8 +27,6 @@ from .places import Node, Sketch, sketch
 FORMATS = ("svg", "png", "pdf")
 """Suffixes of files that a drawing can be written to."""
 _INK, _STOP, _DRIVE, _SPRING = "#1c2430", "#D55E00", "#0072B2", "#B00020"
-# The same model gives the same file.
-_UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 # Sizes of symbols by that of the mechanism.
 _PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
@@ -50,7 +48,7 @@ def write_sketch(mechanism: Mechanism, path: str | Path) -> Path:
     kind = drawing_format(target)
     figure = drawn(sketch(mechanism))
     with complete_file(target) as partial:
-        plain(figure).savefig(partial, format=kind, dpi=160, metadata=_UNDATED.get(kind))
+        save_figure(figure, partial, kind, dpi=160)
     return target
 
 

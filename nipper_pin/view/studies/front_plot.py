@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ...arrays import FloatArray
 from ...outputs import complete_file
 from ...study.optimise.result import Optimum
-from ..plain_texts import plain
+from ..figure_file import save_figure
 from ..style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
 from .problem_words import holding_words, parameter_shown, quantity_shown, ranges
 
@@ -40,7 +40,7 @@ def plot_front(optimum: Optimum, path: str | Path) -> Path:
     """
     target = Path(path)
     with complete_file(target) as partial:
-        plain(front_figure(optimum)).savefig(partial, format=target.suffix.removeprefix("."))
+        save_figure(front_figure(optimum), partial, target.suffix.removeprefix("."))
     return target
 
 

@@ -10,7 +10,7 @@ from ...study.optimise.result import CAUTION, Optimum
 from ...study.optimise.search.binding import Binding
 from ...terms import Shown
 from ..console import headline, paste, say, show_table
-from .problem_words import binding_words, limit_words, quantity_shown
+from .problem_words import binding_words, limit_words, quantity_shown, room_shown
 
 _SAME = 1e-6
 _ENGINES = {
@@ -108,14 +108,7 @@ def _six(term: Shown, value: float | None) -> str:
 
 
 def _price(item: Binding, problem: Problem, aim: Shown) -> str:
-    room = next(
-        (
-            quantity_shown(problem, limit.quantity)
-            for limit in problem.limits
-            if str(limit) == item.name
-        ),
-        Shown(words=item.name),
-    )
+    room = room_shown(item, problem)
     # A price is one of the unit in files: people read both the aim and the room in others.
     price = f"{aim.value(item.price) / room.factor:.4g} {aim.unit}".rstrip()
     more = f"one {room.unit or 'unit'} more of room"

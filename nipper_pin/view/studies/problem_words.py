@@ -48,7 +48,24 @@ def binding_words(item: Binding, problem: Problem) -> str:
     for limit in problem.limits:
         if item.kind == "limit" and str(limit) == item.name:
             return limit_words(limit, problem)
-    return item.name
+    return holding_words(problem)[item.name]
+
+
+def room_shown(item: Binding, problem: Problem) -> Shown:
+    """How people read the room that a limit or the bound of a parameter leaves.
+
+    Args:
+        item: It.
+        problem: Its problem.
+    """
+    if item.kind == "limit":
+        found = next(limit for limit in problem.limits if str(limit) == item.name)
+        return quantity_shown(problem, found.quantity)
+    return next(
+        parameter_shown(one)
+        for one in problem.parameters
+        if item.name in (one.bound("low"), one.bound("high"))
+    )
 
 
 def holding_words(problem: Problem) -> dict[str, str]:

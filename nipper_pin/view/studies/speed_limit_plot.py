@@ -49,11 +49,11 @@ def plot_speed_limit(result: SpeedLimit, path: str | Path) -> Path:
     Raises:
         InputError: The file cannot be written, or is none of a figure.
     """
-    from ..plain_texts import plain
+    from ..figure_file import save_figure
 
     target, kind = Path(path), check_figure(path)
     with complete_file(target) as partial:
-        plain(speed_limit_figure(result)).savefig(partial, format=kind)
+        save_figure(speed_limit_figure(result), partial, kind)
     return target
 
 

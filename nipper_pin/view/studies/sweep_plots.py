@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError, UnknownNameError
 from ...outputs import complete_folder
 from ...study.sweep import read_sweep
-from ..plain_texts import plain
+from ..figure_file import save_figure
 from .sweep_figures import Parameter, Quantity, level_lines, main_effects, parallel_coordinates
 
 # Rows that are read.
@@ -70,7 +70,7 @@ def plot_sweep(
                 figures["level_lines"] = level_lines(sweep, *pair, quantity)
             for subject, figure in figures.items():
                 file = new / f"{subject}_{name}.{kind}"
-                plain(figure).savefig(file, format=kind)
+                save_figure(figure, file, kind)
                 written.append(home / file.name)
     return written
 

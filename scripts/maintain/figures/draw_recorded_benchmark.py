@@ -11,7 +11,7 @@ from pathlib import Path
 
 from nipper_pin.bench.run_time.work_precision import Row
 from nipper_pin.bench.views.work_precision_plot import draw_rows
-from nipper_pin.view.plain_texts import plain
+from nipper_pin.view.figure_file import save_figure
 
 _TABLES = (
     ("benchmark_engines.md", "Engines: one transition, 650 r/min, e = 0.2"),
@@ -65,7 +65,7 @@ def main(docs: str = "docs") -> None:
     if found is None:
         sys.exit(f"{home / _TABLES[0][0]}: does not say when and on what it was measured")
     target = home / "images" / "work_precision.png"
-    plain(draw_rows(every, *found.groups())).savefig(target, format="png")
+    save_figure(draw_rows(every, *found.groups()), target, "png")
     print(f"wrote {target}")
 
 

@@ -13,7 +13,8 @@ from ....arrays import FloatArray
 from ....hybrid.result.quantities import force_unit
 from ....mechanism import Mechanism
 from ....units import MM_PER_M
-from ...reading import gap_noun, units_of
+from ...naming import coordinate_shown
+from ...reading import gap_noun
 from ..answer import Answer
 from ..panel.memory import Kept, Memory
 from .axes import SteadyAxis, SteadyDecades
@@ -45,13 +46,14 @@ class Plots:
     def __init__(self, gui: viser.GuiApi, mechanism: Mechanism) -> None:
         """Put them there, empty."""
         stop = mechanism.stop(mechanism.transition_stop)
-        units, unit = units_of(mechanism, stop.index), force_unit(mechanism, stop)
+        term = coordinate_shown(mechanism, stop.index, small=True)
+        unit = force_unit(mechanism, stop)
         self._lips = None
         if stop.contact is not None:
-            self._lips = MM_PER_M * stop.lever / units.amplitude_factor
+            self._lips = MM_PER_M * stop.lever / term.factor
         self._time, self._high, self._most = SteadyAxis(), SteadyAxis(), SteadyAxis()
         self._decades = SteadyDecades()
-        gap = f"{stop.name} {gap_noun(mechanism, stop)} [{units.amplitude}]"
+        gap = f"{stop.name} {gap_noun(mechanism, stop)} [{term.unit}]"
         self.legend = gui.add_html("")
         self.gap = _plot(gui, 0, gap, with_lips=self._lips is not None)
         self.force = _plot(gui, 1, f"clamping force [{unit}]")
