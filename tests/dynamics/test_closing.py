@@ -11,6 +11,7 @@ import pytest
 from planar_tree import PlanarTree
 
 from nipper_pin.dynamics.assembly import close_positions, close_velocities, partition
+from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 from nipper_pin.dynamics.touch import assemble
@@ -18,6 +19,7 @@ from nipper_pin.errors import ConvergenceError, SingularConfigurationError
 from nipper_pin.hybrid.case import Case
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.tolerances.mechanics import CLOSURE_RESIDUAL
 
 MakeSystem = Callable[..., System]
 FOUR_BAR = Path(__file__).parents[1] / "verification" / "models" / "four_bar"
@@ -168,6 +170,55 @@ def test_assembly_does_not_depend_on_its_steps(
         assert np.abs(g_dot).max() <= 1e-13
     assert np.abs(results[0][0] - results[1][0]).max() <= 1e-13
     assert np.abs(results[0][1] - results[1][1]).max() <= 1e-12
+
+
+def test_runs_at_other_rates_start_where_the_last_path_ended(e62: Mechanism) -> None:
+    """No closure is asked for again, and another path is followed from the touch configuration."""
+    body = Multibody(e62)
+    given = [drive.index for drive in e62.drives] + [e62.stop("steeve").index]
+    path = np.outer(np.linspace(0.0, 1.0, 5)[1:], [0.1, 0.1, 0.0][: len(given)])
+    slow, fast = np.full(len(given), 1.0), np.full(len(given), 3.0)
+    first = assemble(body, path, given, slow)
+    asked: list[int] = []
+    body.closures = lambda q: asked.append(len(q)) or Multibody.closures(body, q)  # type: ignore[method-assign, func-returns-value]
+    again = assemble(body, path, given, fast)
+    assert asked == []
+    np.testing.assert_array_equal(again[0], first[0])
+    np.testing.assert_allclose(again[1], 3.0 * first[1], rtol=1e-13, atol=0.0)
+    # What is returned is the caller's own.
+    again[0][:] = 7.0
+    np.testing.assert_array_equal(assemble(body, path, given, slow)[0], first[0])
+    half = assemble(body, 0.5 * path, given, slow)
+    assert asked
+    fresh = assemble(Multibody(e62), 0.5 * path, given, slow)
+    for one, other in zip(half, fresh, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_near_a_dead_centre_positions_closed_anew_do_not_depend_on_the_guess(
+    double_rocker: DoubleRocker,
+) -> None:
+    """Coupler and rocker are nearly in line: along their common motion gaps hardly open.
+
+    Guesses whose gaps are half of what may be left are taken as they are, thousands of times as far
+    apart as round-off; one step of Newton's method leaves what the gaps lose to round-off.
+    """
+    mechanism = double_rocker.mechanism
+    system = _system(mechanism)
+    (crank,) = (drive.index for drive in mechanism.drives)
+    path = np.linspace(0.0, 1.0, 40)[1:, None] * (double_rocker.dead_angle - 1e-7)
+    q, _, jacobian = assemble(system.body, path, [crank], np.zeros(1))
+    split = partition(jacobian, [crank], [])
+    _, sizes, motions = np.linalg.svd(jacobian[:, split.columns])
+    assert sizes[-1] < 1e-3 * sizes[0]
+    weak = np.zeros_like(q)
+    weak[split.columns] = 0.5 * CLOSURE_RESIDUAL * system.body.reach_m / sizes[-1] * motions[-1]
+    guesses = np.stack([q + weak, q - weak])
+    apart = float(np.ptp(guesses, axis=0).max())
+    taken = [close_positions(system.body, guess[None], split)[0][0] for guess in guesses]
+    assert np.ptp(taken, axis=0).max() == apart
+    anew = [close_positions(system.body, guess[None], split, anew=True)[0][0] for guess in guesses]
+    assert np.ptp(anew, axis=0).max() < 0.25 * apart
 
 
 def test_a_dead_centre_is_refused(double_rocker: DoubleRocker) -> None:

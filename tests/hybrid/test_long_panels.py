@@ -1,10 +1,14 @@
 """Panels that are as long as they may be, and panels that are too long."""
 
+from typing import Any
+
 import pytest
 
 from nipper_pin import Case, Mechanism, Window, simulate
+from nipper_pin.hybrid import advance
 from nipper_pin.hybrid.case import Resolution
-from nipper_pin.hybrid.motion.panel import Begin
+from nipper_pin.hybrid.motion.kinematics import kinematic_panel
+from nipper_pin.hybrid.motion.panel import Attempt, Begin
 from nipper_pin.hybrid.motion.picard import flight_panel
 
 # Nodes of the nested grids that are not the first one.
@@ -28,11 +32,20 @@ def test_a_panel_that_is_too_long_is_given_up_after_two_sweeps_of_each_grid(e62:
     assert system.body.evaluations - before <= 2 * (COARSE + MIDDLE + FINE) + ROUND_OFF
 
 
-def test_phases_without_freedom_take_panels_of_a_sixth_of_a_turn_and_more(e62: Mechanism) -> None:
-    """Three stretches of a turn of the E62 at 450 r/min: the first one of each may be as long."""
+def test_phases_without_freedom_take_panels_of_a_fifth_of_a_turn(
+    e62: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three stretches of a turn of the E62 at 450 r/min: none of their panels is solved twice."""
+    tried = []
+
+    def counted(*arguments: Any) -> Attempt:
+        tried.append(arguments)
+        return kinematic_panel(*arguments)
+
+    monkeypatch.setattr(advance, "kinematic_panel", counted)
     solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
     stretches = [item.panels for item in solution.segments if item.kinematic]
-    sixth = solution.shaft.period / 6.0
-    assert sum(len(panels) for panels in stretches) <= 7
-    assert max(panels[0].h for panels in stretches) == pytest.approx(sixth)
-    assert max(panel.h for panels in stretches for panel in panels[1:]) > 1.2 * sixth
+    first = max(panels[0].h for panels in stretches)
+    assert first == pytest.approx(3.6 / 17.0 * solution.shaft.period)
+    assert max(panel.h for panels in stretches for panel in panels) > 1.1 * first
+    assert len(tried) == sum(len(panels) for panels in stretches) == 6
