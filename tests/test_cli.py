@@ -115,8 +115,10 @@ def test_simulate_prints_every_part(window: str, capsys: pytest.CaptureFixture[s
     assert {len(row) for row in rows} == {9}
     begin = places[PARTS[window].index("Phases")]
     end = places[PARTS[window].index("Phases") + 1]
-    phases = [line.split()[0] for line in lines[begin:end] if re.match(r"\d ", line)]
-    assert phases == [str(phase.number) for phase in solution.phases]
+    phases = [line for line in lines[begin:end] if re.search(r" \d+\.\d{3}$", line)]
+    assert len(phases) == len(solution.phases)
+    for line, phase in zip(phases, solution.phases, strict=True):
+        assert line.startswith((f"{phase.number} ", "jaw open, steeve bounces"))
 
 
 def test_numbers_with_shortcuts_are_in_the_document(

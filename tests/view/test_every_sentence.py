@@ -127,12 +127,22 @@ def rows(text: str, title: str) -> list[list[str]]:
 
 
 def test_phases(judge: Judge, text: str) -> None:
-    """Number, closed stops, indices of both ends, beginning and duration."""
+    """Number, closed stops, indices of both ends, beginning and duration.
+
+    A stretch without closed stops in which the transition stop is not struck is no transition: it
+    has no number, and says what bounces.
+    """
+    main = judge.document.get("transition_stop", "")
+    struck = [event for event in judge.run.events if event.kind.value == "collision"]
     known = {frozenset(p["closed"]): str(p["number"]) for p in judge.document["phases"]}
     found = rows(text, "Phases")
     assert len(found) == len(judge.phases)
     for cells, (closed, begin, end) in zip(found, judge.phases, strict=True):
-        assert cells[0].split()[0] == known.get(closed, "without")
+        there = {stop for event in struck if begin <= event.t < end for stop in event.stops}
+        if closed or not main or main in there:
+            assert cells[0].split()[0] == known.get(closed, "without")
+        else:
+            assert cells[0].startswith(f"{main} open, {' and '.join(sorted(there))}")
         assert cells[1] == (", ".join(sorted(closed)) or "none")
         for cell, t in ((cells[2], begin), (cells[3], end)):
             gone = (float(cell) - judge.index(t) + 20.0) % 40.0 - 20.0

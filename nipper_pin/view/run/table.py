@@ -13,7 +13,8 @@ from ...mechanism import Mechanism
 from ...terms import Shown, fixed
 from ...units import MS_PER_S
 from ..console import headline, paste, say, show_table
-from ..reading import index_at, phase_name, shown_collisions, shown_phases
+from ..phases import intervals
+from ..reading import index_at, shown_collisions
 from .lead import header, premise, transitions
 from .remarks import MOST_ROWS, checks, forces, more, releases, shafts
 
@@ -129,15 +130,15 @@ def _copies(solution: Solution, console: Console) -> None:
 
 def _phases(solution: Solution, console: Console) -> None:
     headline(console, "Phases")
-    told = shown_phases(solution)
+    told = intervals(solution)
     rows = [
         (
-            phase_name(solution.mechanism, item.closed),
+            item.name.removeprefix("phase "),
             ", ".join(sorted(item.closed)) or "none",
-            fixed(index_at(solution, item.t_start), 3),
-            fixed(index_at(solution, item.t_end), 3),
-            fixed(MS_PER_S * item.t_start, 3),
-            fixed(MS_PER_S * (item.t_end - item.t_start), 3),
+            fixed(index_at(solution, item.start), 3),
+            fixed(index_at(solution, item.end), 3),
+            fixed(MS_PER_S * item.start, 3),
+            fixed(MS_PER_S * (item.end - item.start), 3),
         )
         for item in told[:MOST_ROWS]
     ]
