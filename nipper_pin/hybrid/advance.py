@@ -31,10 +31,9 @@ from .state import State
 
 # In one phase; a whole turn of a comber has thirty.
 _MOST_PANELS = 10_000
-# What drives alone determine is smoother than flights: panels have more nodes and are longer.
-_LONGER_WITHOUT_FREEDOM = 3.6
-# The first panel of a phase may be too long to be resolved; those after it are known not to be.
-_LONGER_THAN_FIRST = 1.25
+# What drives alone determine is smoother than flights: panels have more nodes and are longer, the
+# more so once one has shown it.
+_LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.5, 1.25
 
 
 class Advance(NamedTuple):
@@ -140,10 +139,11 @@ class _Way:
         self._t_limit, self._resolution = t_limit, resolution
         self.phase = phase = system.constraint_set(state.closed)
         self.kinematic = phase.freedom == 0
-        self.first = system.shaft.period / resolution.panels_per_turn
+        self.longest = system.shaft.period / resolution.panels_per_turn
+        self.first = self.longest
         if self.kinematic:
             self.first *= _LONGER_WITHOUT_FREEDOM
-        self.longest = _LONGER_THAN_FIRST * self.first
+            self.longest = self.first * _LONGER_STILL
         self.shortest = SHORTEST_PANEL * system.shaft.period
         self._checks: tuple[PanelCheck, ...] = panel_checks(system, resolution)
         # A stop that has just been left is independent, so that its gap keeps its relative

@@ -36,8 +36,8 @@ class Resolution:
         flight_nodes: Collocation nodes of a panel with freedom; with 4 n + 1 of them, iteration
             starts on coarser grids that are nested in this one.
         kinematic_nodes: Collocation nodes of a panel without freedom.
-        panels_per_turn: Longest first panel of a phase with freedom, as a fraction of a turn; those
-            after it may be 1.25 times as long, and without freedom all of them 3.6 times.
+        panels_per_turn: Longest panel with freedom, as a fraction of a turn; without it the first
+            panel of a phase may have 2.5 times its length, and those after it 3.1 times.
         adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
             panel length by the order of the method, which is how that order is measured.
         integrator: Name of the integrator of motion with freedom.
@@ -49,7 +49,7 @@ class Resolution:
     tolerance: float = 1e-12
     flight_nodes: int = 13
     kinematic_nodes: int = 24
-    panels_per_turn: int = 17
+    panels_per_turn: int = 12
     adaptive: bool = True
     integrator: str = "picard"
 

@@ -9,14 +9,7 @@ import warnings
 
 import pytest
 
-from nipper_pin import (
-    Case,
-    DriveMode,
-    Resolution,
-    SimulationError,
-    SingularConfigurationError,
-    Window,
-)
+from nipper_pin import Case, DriveMode, SimulationError, SingularConfigurationError, Window
 from nipper_pin import simulate as run
 from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import Mechanism, from_sources
@@ -55,8 +48,6 @@ def test_infinite_accelerations_are_refused_without_a_warning() -> None:
         start_index=0.0,
         cycles=2,
         drive=DriveMode.INERTIAL,
-        # Panels of some other lengths step over the dead centre, and keep the energy.
-        resolution=Resolution(panels_per_turn=12),
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -1,6 +1,6 @@
 """Is this version slower than another checkout, and does it give the same bits?
 
-    python scripts/maintain/measure/compare_versions.py OTHER [--rounds 30] [--speed 650]
+    python scripts/maintain/measure/compare_versions.py OTHER --rounds 30 --speed 650 --in-a-row 1
 
 OTHER is the folder of another checkout (`git worktree add ../before COMMIT`). Both run here and now
 with the libraries of this environment, in turns: a transition and a turn of e62 in a process that
@@ -8,6 +8,9 @@ has run them once, and `nipper-pin simulate` as a whole process. Times are secon
 each the least of its rounds; the median of the ratios of each round, with their quartiles, tells
 what the least could hide. Then the events of both are compared: times by the length of a turn,
 coordinates and rates by the largest of their event, or by one rad or rad/s. Of a rest, times alone.
+
+Of one run after another process both find their memory cold, as a single command does; of several
+in a row, the mean of which counts, as in a batch, they find it warm.
 """
 
 from __future__ import annotations
@@ -31,7 +34,7 @@ WORKER = """
 import gc, json, sys, time
 import nipper_pin as nip
 mechanism = nip.load("e62")
-cases = {w: nip.Case(speed_rpm=float(sys.argv[1]), window=nip.Window(w)) for w in sys.argv[2:]}
+cases = {w: nip.Case(speed_rpm=float(sys.argv[1]), window=nip.Window(w)) for w in sys.argv[3:]}
 runs = {w: nip.simulate(mechanism, case) for w, case in cases.items()}
 print(json.dumps(nip.__file__), flush=True)
 gc.disable()
@@ -43,8 +46,9 @@ for line in sys.stdin:
                   for run in runs.values() for e in run.events]
     else:
         began = time.process_time()
-        nip.simulate(mechanism, cases[name])
-        answer = time.process_time() - began
+        for _ in range(int(sys.argv[2])):
+            nip.simulate(mechanism, cases[name])
+        answer = (time.process_time() - began) / int(sys.argv[2])
         gc.collect()
     print(json.dumps(answer), flush=True)
 """
@@ -53,7 +57,7 @@ for line in sys.stdin:
 class Version:
     """A checkout, and a process that runs it."""
 
-    def __init__(self, root: Path, speed_rpm: float) -> None:
+    def __init__(self, root: Path, speed_rpm: float, in_a_row: int) -> None:
         """Start the process.
 
         Raises:
@@ -64,7 +68,7 @@ class Version:
         # With cached bytecode, as in an installation.
         self._environment.pop("PYTHONDONTWRITEBYTECODE", None)
         self._process = subprocess.Popen(
-            [sys.executable, "-c", WORKER, self._speed, *WINDOWS],
+            [sys.executable, "-c", WORKER, self._speed, str(in_a_row), *WINDOWS],
             env=self._environment, cwd=root, text=True,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )  # fmt: skip
@@ -101,8 +105,12 @@ def main() -> int:
     parser.add_argument("other", type=Path)
     parser.add_argument("--rounds", type=int, default=30)
     parser.add_argument("--speed", type=float, default=650.0, help="r/min")
+    parser.add_argument(
+        "--in-a-row", type=int, default=1, help="runs of a round, the mean of which counts"
+    )
     options = parser.parse_args()
-    this, other = (Version(root, options.speed) for root in (HERE, options.other.resolve()))
+    roots = HERE, options.other.resolve()
+    this, other = (Version(root, options.speed, options.in_a_row) for root in roots)
     for name in (*WINDOWS, "process"):
         pairs = []
         for number in range(options.rounds):
