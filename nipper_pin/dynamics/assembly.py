@@ -22,6 +22,8 @@ from .multibody import Multibody
 from .small_systems import inverse_of, inverses_of, solutions_of
 
 _MAX_ITERATIONS = 25
+# Round-off may stop the iteration a little above its tolerance: its floor is accepted.
+_FLOOR = 16.0
 
 
 @dataclass(frozen=True)
@@ -183,22 +185,27 @@ def close_positions(
     tolerance = share * body.reach_m
     best = math.inf
     g, jacobian = body.closures(q)
+    # Above it some gap is larger than any that is accepted, and which one does not matter.
+    far = _FLOOR * tolerance * math.sqrt(g.size)
     if anew:
         q[:, dependent] -= _solve(jacobian.take(dependent, 2), g)
         g, jacobian = body.closures(q)
     for _ in range(_MAX_ITERATIONS):
         # The Euclidean norm bounds the largest gap, and is found faster.
-        if math.sqrt(np.vdot(g, g)) <= tolerance:
+        residual = math.sqrt(np.vdot(g, g))
+        if residual <= tolerance:
             return q, jacobian
-        residual = float(np.maximum.reduce(np.abs(g), axis=None, initial=0.0))
-        # Round-off may stop the residual a little above the tolerance: accept its floor.
-        if residual <= tolerance or (residual <= 16.0 * tolerance and residual >= best):
-            return q, jacobian
+        if not residual > far:
+            residual = float(np.maximum.reduce(np.abs(g), axis=None, initial=0.0))
+            if residual <= tolerance or (residual <= _FLOOR * tolerance and residual >= best):
+                return q, jacobian
         if not math.isfinite(residual):
             break
         best = min(best, residual)
         q[:, dependent] -= _solve(jacobian.take(dependent, 2), g)
         g, jacobian = body.closures(q)
+    # Of many configurations the farthest one counts.
+    best = min(best, float(np.abs(g).max()))
     message = (
         f"the loops do not close: {best * MM_PER_M:.3g} mm remain after {_MAX_ITERATIONS} Newton "
         "steps; the drive asks for a position that the links cannot reach"

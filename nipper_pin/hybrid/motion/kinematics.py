@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,44 +60,79 @@ def kinematic_panel(
     # would have of the accelerations of the dynamics is round-off of the forces on them.
     known = jacobian, phase, split, inverse
     a_nodes = system.determined_accelerations(motion, q_nodes, v_nodes, *known)
-    moving = h * largest(v_nodes)
-    # What no shorter panel would resolve either must not advise one.
-    round_off = _round_off(system, q_nodes, split, inverse[0])
-    rough_a = _rough_accelerations(h, v_nodes, a_nodes, round_off, resolution) * phase.moving
-    roughest = float(rough_a.max(initial=0.0))
-    if resolution.adaptive and roughest > 1.0:
-        still = moving + h**2 * largest(a_nodes)
-        nothing = h * rates_of_closures(system, v_nodes)
-        nothing += h**2 * of_closures(system, v_nodes, a_nodes)
-        rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
-        roughest = float(rough_a.max())
     forces = multipliers(system, motion, q_nodes, v_nodes, a_nodes, *known).la_N
     panel = Panel(t, h, q_nodes, v_nodes, a_nodes, split, integrated=False)
     if not resolution.adaptive:
         return Attempt(panel, forces, 1.0)
-    excess = max(_excess(panel, forces, round_off, moving, resolution), roughest)
+    shown = _Shown.of(panel, forces)
+    # What no shorter panel would resolve either must not advise one.
+    round_off = _round_off(system, shown.q, split, inverse[0])
+    rough_a = _rough_accelerations(panel, shown, round_off, resolution) * phase.moving
+    roughest = max(rough_a.tolist(), default=0.0)
+    if roughest > 1.0:
+        still = h * shown.v + h**2 * shown.a
+        nothing = h * rates_of_closures(system, v_nodes)
+        nothing += h**2 * of_closures(system, v_nodes, a_nodes)
+        rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
+        roughest = float(rough_a.max())
+    excess = max(_excess(h, shown, round_off, resolution), roughest)
     if system.mechanism.struts:
         excess = max(excess, _rough_pulls(system, panel, resolution))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
 
 
-def _excess(
-    panel: Panel,
-    forces: FloatArray,
-    round_off: FloatArray,
-    moving: FloatArray,
-    resolution: Resolution,
-) -> float:
+class _Shown(NamedTuple):
+    """Largest values at the nodes of a panel, and sizes of the last Chebyshev coefficients.
+
+    Attributes:
+        q: Of the positions, shape (nv,).
+        v: Of the velocities, likewise.
+        a: Of the accelerations, likewise.
+        forces: Of the stop forces, shape (closed,).
+        tail_q: Last coefficients of the positions, shape (nv,).
+        tail_a: Of the accelerations, likewise.
+        tail_forces: Of the stop forces, shape (closed,).
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    forces: FloatArray
+    tail_q: FloatArray
+    tail_a: FloatArray
+    tail_forces: FloatArray
+
+    @classmethod
+    def of(cls, panel: Panel, forces: FloatArray) -> _Shown:
+        """Find all of them at once: the arrays are small, and each call costs more than its sums.
+
+        Args:
+            panel: The panel.
+            forces: Stop forces at its nodes, shape (N, closed).
+        """
+        nv = panel.q.shape[1]
+        columns = np.concatenate([panel.q, panel.v, panel.a, forces], 1)
+        sizes, tails = largest(columns), tail(columns)
+        places = slice(0, nv), slice(nv, 2 * nv), slice(2 * nv, 3 * nv), slice(3 * nv, None)
+        return cls(*(sizes[place] for place in places), *(tails[places[k]] for k in (0, 2, 3)))
+
+
+def _excess(h: float, shown: _Shown, round_off: FloatArray, resolution: Resolution) -> float:
     """Unresolved parts of positions and stop forces of a panel, in units of the tolerance.
 
     Stop forces are second derivatives: they are resolved less far than positions, and their roots
     are polished on the exact motion.
+
+    Args:
+        h: Length of the panel [s].
+        shown: What its nodes show.
+        round_off: Round-off of the positions, shape (nv,).
+        resolution: Number of nodes, and what they may leave unresolved.
     """
-    left_over = np.maximum(tail(panel.q) - round_off, 0.0)
-    rough = left_over / (resolution.tolerance * moving + SMALLEST)
-    size = largest(forces) + SMALLEST
-    rough_force = tail(forces) / (np.sqrt(resolution.tolerance) * size)
-    return float(max(item.max(initial=0.0) for item in (rough, rough_force)))
+    left_over = np.maximum(shown.tail_q - round_off, 0.0)
+    rough = left_over / (resolution.tolerance * h * shown.v + SMALLEST)
+    rough_force = shown.tail_forces / (math.sqrt(resolution.tolerance) * (shown.forces + SMALLEST))
+    return float(max(*rough.tolist(), *rough_force.tolist(), 0.0))
 
 
 def _rough_pulls(system: System, panel: Panel, resolution: Resolution) -> float:
@@ -107,7 +143,7 @@ def _rough_pulls(system: System, panel: Panel, resolution: Resolution) -> float:
 
 
 def _rough_accelerations(
-    h: float, v: FloatArray, a: FloatArray, round_off: FloatArray, resolution: Resolution
+    panel: Panel, shown: _Shown, round_off: FloatArray, resolution: Resolution
 ) -> FloatArray:
     """Unresolved part of the accelerations of a panel, in units of the tolerance, shape (nv,).
 
@@ -115,19 +151,19 @@ def _rough_accelerations(
     Near a dead centre they rise within the round-off of the positions.
 
     Args:
-        h: Length of the panel [s].
-        v: Velocities at the nodes, shape (N, nv).
-        a: Accelerations at the nodes, shape (N, nv).
+        panel: The panel.
+        shown: What its nodes show.
         round_off: Round-off of the positions, shape (nv,).
         resolution: Number of nodes, and what they may leave unresolved.
     """
-    changed = h * largest(v) + h**2 * largest(a) + SMALLEST
+    h, v = panel.h, panel.v
+    changed = h * shown.v + h**2 * shown.a + SMALLEST
     # The last coefficients of round-off may be small by chance, but rates, found without them, are
     # then not the integral of accelerations.
-    apart = largest(v - v[0] - h * product(nodes(len(v)).once, a))
+    apart = largest(v - v[0] - h * product(nodes(len(v)).once, panel.a))
     apart = np.maximum(h * apart - round_off, 0.0)
-    left_over = np.maximum(h**2 * tail(a), apart)
-    return np.asarray(left_over / (np.sqrt(resolution.tolerance) * changed))
+    left_over = np.maximum(h**2 * shown.tail_a, apart)
+    return np.asarray(left_over / (math.sqrt(resolution.tolerance) * changed))
 
 
 def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
@@ -141,13 +177,13 @@ def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
     if not split.dependent:
         return blocks
     # On one branch the determinant of the dependent columns keeps its sign.
-    volumes = np.linalg.det(blocks)
-    if volumes.min() <= 0.0 <= volumes.max():
+    volumes = np.linalg.det(blocks).tolist()
+    if min(volumes) <= 0.0 <= max(volumes):
         message = (
             "the motion passes through a dead centre, behind which the links can go either "
             "way; change the dimensions or the drive"
         )
-        raise SingularConfigurationError(message, volumes=volumes.tolist())
+        raise SingularConfigurationError(message, volumes=volumes)
     inverses = np.linalg.inv(blocks)
     # All nodes together bound the condition of each, and are found faster.
     if math.sqrt(np.vdot(blocks, blocks)) * math.sqrt(np.vdot(inverses, inverses)) < MAX_CONDITION:
@@ -163,9 +199,11 @@ def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
     return np.asarray(inverses)
 
 
-def _round_off(system: System, q: FloatArray, split: Partition, inverse: FloatArray) -> FloatArray:
+def _round_off(
+    system: System, largest_q: FloatArray, split: Partition, inverse: FloatArray
+) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
-    size = largest(q) + EPS
+    size = largest_q + EPS
     moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
     size[split.columns] += np.minimum(moved, MAX_AMPLIFICATION)
     return np.asarray(COORDINATE_ROUND_OFF * size)

@@ -57,7 +57,7 @@ for line in sys.stdin:
 class Version:
     """A checkout, and a process that runs it."""
 
-    def __init__(self, root: Path, speed_rpm: float, in_a_row: int) -> None:
+    def __init__(self, root: Path, speed_rpm: float, in_a_row: int = 1) -> None:
         """Start the process.
 
         Raises:
