@@ -13,7 +13,7 @@ from nipper_pin.study.identify.fitting.goodness import Verdict
 from nipper_pin.study.optimise.problem.problem import Aim, Limit, Parameter
 from nipper_pin.view.studies import identify_report
 
-PATHS = ("springs.a", "stops.b")
+PATHS = ("springs.a.rate_N_per_m", "stops.b")
 
 
 def identified(verdict: Verdict, **others: Any) -> Callable[[Console], None]:
@@ -58,7 +58,7 @@ LIMITS = (
 def design(scale: float, *, inside: bool = True) -> Any:
     return SimpleNamespace(
         values={"duration_s": 0.25 * scale, "rebound_amplitude_1": 3.0 * scale},
-        numbers={"springs.a.rate": 7.0 * scale, "springs.b.rate": 90.0 * scale,
+        numbers={"springs.a.rate": 7.0 * scale, "springs.b.rate_N_per_m": 90.0 * scale,
                  "stops.c": 0.5 * scale},
         inside=inside, slacks=np.array([0.5, -0.5, 0.0]),
     )  # fmt: skip
@@ -66,7 +66,7 @@ def design(scale: float, *, inside: bool = True) -> Any:
 
 def optimum(**others: Any) -> Any:
     """Three numbers, two quantities."""
-    names = ("springs.a.rate", "springs.b.rate", "stops.c")
+    names = ("springs.a.rate", "springs.b.rate_N_per_m", "stops.c")
     paths = (*names[:2], "springs.c.stiffness_N_per_m")
     targets: list[Any] = [SimpleNamespace(path=path) for path in paths]
     problem = SimpleNamespace(

@@ -47,9 +47,9 @@ def printed(write: Callable[[Console], None], width: int = 10_000) -> str:
 
 
 def cells(text: str, first: str) -> list[str]:
-    """Cells of the row that begins with a word; blanks part them."""
-    (line,) = (line for line in text.splitlines() if line.split()[:1] == [first])
-    return line.split()[1:]
+    """Cells of the row that begins with these words; blanks part them."""
+    (line,) = (line for line in text.splitlines() if line.startswith(f"{first}  "))
+    return line.removeprefix(first).split()
 
 
 # Identify.
@@ -63,7 +63,7 @@ def free(path: str, start: float, low: float, high: float) -> Any:
     return SimpleNamespace(path=path, start=start, low=low, high=high, width=high - low)
 
 
-PATHS = ("springs.a", "stops.b", "links.c")
+PATHS = ("springs.a.rate_N_per_m", "stops.b", "links.c")
 
 
 def fit(**others: Any) -> Any:
@@ -121,9 +121,9 @@ def test_identify_in_words() -> None:
     assert (
         "2 of 3 directions; singular values (sigmas over the whole range): 31.5, 4.25, 0.75" in text
     )
-    assert "less than half of their range: springs.a, stops.b\n" in text
-    assert "known: springs.a and links.c -0.963\n" in text.replace("-0.962", "-0.963")
-    assert "0.5 is one sigma = 0.625): 11.5: 0.72 (0.69), 12.25: 0.00 (0.00)" in text
+    assert "less than half of their range: rate of spring a, stops b\n" in text
+    assert "known: rate of spring a and links c -0.963\n" in text.replace("-0.962", "-0.963")
+    assert "0.5 is one sigma = 0.000625): 0.0115: 0.72 (0.69), 0.01225: 0.00 (0.00)" in text
     weak = told(known={**KNOWN, "strongest": lambda _: []})
     assert "correlated" not in weak
 
@@ -134,9 +134,11 @@ def test_tables_of_identify() -> None:
     assert cells(text, "one") == ["5.25", "0.12", "5.375", "+2.38", "%", "+2.00"]
     assert cells(text, "two") == ["80", "2.5", "76", "-5.00", "%", "-120!"]
     # Errors are shares of the range: of 16, 0.375 and 5.
-    assert cells(text, PATHS[0]) == ["11", "12.25", "0.24", "0.48", "4..20", "6%"]
-    assert cells(text, PATHS[1]) == ["0.25", "0.125*", "0.03", "0.075", "0.125..0.5", "31%"]
-    assert cells(text, PATHS[2]) == ["3.5", "6.75", "1.1", "1.5", "3..8", "88%?"]
+    assert cells(text, "rate of spring a [N/mm]") == [
+        "0.011", "0.01225", "0.00024", "0.00048", "0.004..0.02", "6%",
+    ]  # fmt: skip
+    assert cells(text, "stops b") == ["0.25", "0.125*", "0.03", "0.075", "0.125..0.5", "31%"]
+    assert cells(text, "links c") == ["3.5", "6.75", "1.1", "1.5", "3..8", "88%?"]
     assert "?: 50 % or more, not known" in text
 
 

@@ -155,6 +155,7 @@ def ball(e: float, lead_mm: float) -> dict[str, float]:
 BEFORE, BEST = ball(0.5, 1500.0), ball(0.05, 20.0)
 NAMES = ("stops.table.restitution", "drives.table.lead_mm_per_turn")
 WORDS = ("restitution of stop table", "lead of drive table")
+LEAD = f"{WORDS[1]} [mm/turn]"
 RANGES = ((0.05, 0.3), (20.0, 100.0))
 
 
@@ -185,8 +186,8 @@ def wrong_numbers(text: str) -> list[str]:
             SHOWN[name][0]: tuple(SHOWN[name][1] * values[name] for values in (BEFORE, BEST, BEST))
             for name in BEST
         },
-        NAMES[0]: (0.5, 0.05, 0.05),
-        NAMES[1]: (1500.0, 20.0, 20.0),
+        WORDS[0]: (0.5, 0.05, 0.05),
+        LEAD: (1500.0, 20.0, 20.0),
     }
     wrong = []
     for name, numbers in wanted.items():
@@ -211,7 +212,7 @@ def test_every_number_of_the_report_is_that_of_the_formulas(optimum: Optimum) ->
     text = printed(optimum)
     assert wrong_numbers(text) == []
     # Bounds as they are written in the file, and the points of every kind.
-    assert cells(text, NAMES[1])[0][3:] == ["20 to 100"]
+    assert cells(text, LEAD)[0][3:] == ["20 to 100"]
     flat = " ".join(text.split())
     count = sum(optimum.engines.values())
     assert f"{optimum.evaluations:,} points in" in flat

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from rich.console import Console
 
@@ -14,7 +15,7 @@ from ...study.identify.fitting.profiles import Profile
 from ...study.identify.problem.problem import Problem
 from ...study.identify.problem.targets import Condition, Target
 from ...study.identify.record import WORD
-from ...terms import Shown, named
+from ...terms import Shown, named, parameter_shown
 from ..console import headline, say, show_table
 
 _SAME = 1e-3
@@ -61,7 +62,7 @@ def print_fit(
         f"{known.identifiable_directions} of {len(known.paths)} directions; singular values "
         "(sigmas over the whole range): " + ", ".join(f"{x:.3g}" for x in known.singular_values),
     )
-    single = ", ".join(known.determined) or "none"
+    single = _names(known.determined) or "none"
     say(console, f"single numbers narrowed to less than half of their range: {single}")
     for item in profiles:
         _profile(item, console)
@@ -77,7 +78,7 @@ def _targets(fit: Fit, judged: Goodness, console: Console) -> None:
         mark = "!" if place in judged.outliers else " "
         rows.append(
             (
-                f"{target.name} [{term.unit}]" if term.unit else target.name,
+                term.label,
                 f"{wanted:.5g}",
                 f"{sigma:.2g}",
                 f"{found:.5g}",
@@ -101,7 +102,10 @@ def _terms(problem: Problem) -> Iterator[tuple[Target, Shown]]:
         if not gap:
             mechanism = problem.sources.build()
             gap = coordinate_unit(mechanism, mechanism.stop(mechanism.transition_stop).index)
-        yield target, named(target.quantity, gap)
+        term = named(target.quantity, gap)
+        # A target that was given no name has that of its quantity in files.
+        name = target.name.replace(target.quantity, term.words, 1)
+        yield target, replace(term, words=name)
 
 
 def _sigmas(value: float) -> str:
@@ -111,18 +115,21 @@ def _sigmas(value: float) -> str:
 def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) -> None:
     left, given = dict(known.ranked()), known.deviations
     scaled = known.scaled_deviations(judged.scale) if judged.scale else {}
-    rows = [
-        (
-            item.path,
-            f"{item.start:.5g}",
-            f"{fit.values[item.path]:.5g}{'*' if item.path in fit.at_bounds else ' '}",
-            f"{given[item.path] * item.width:.2g}",
-            f"{scaled[item.path] * item.width:.2g}" if scaled else "-",
-            f"{item.low:g}..{item.high:g}",
-            f"{100 * left[item.path]:.0f}%{' ' if left[item.path] < DETERMINED else '?'}",
+    rows = []
+    for item in fit.objective.problem.parameters:
+        term, path = parameter_shown(item.path), item.path
+        width = term.value(item.width)
+        rows.append(
+            (
+                term.label,
+                f"{term.value(item.start):.5g}",
+                f"{term.value(fit.values[path]):.5g}{'*' if path in fit.at_bounds else ' '}",
+                f"{given[path] * width:.2g}",
+                f"{scaled[path] * width:.2g}" if scaled else "-",
+                f"{term.value(item.low):g}..{term.value(item.high):g}",
+                f"{100 * left[path]:.0f}%{' ' if left[path] < DETERMINED else '?'}",
+            )
         )
-        for item in fit.objective.problem.parameters
-    ]
     headline(console, "Numbers of the model")
     show_table(console, ("number", "before", "found", "+-", "scaled", "bounds", "left"), rows)
     say(
@@ -132,18 +139,27 @@ def _free(fit: Fit, judged: Goodness, known: Determinability, console: Console) 
         f"{100 * DETERMINED:.0f} % or more, not known. *: at its bound",
     )
     if fit.at_bounds:
-        ends = ", ".join(f"{path} ({side})" for path, side in fit.at_bounds.items())
+        ends = ", ".join(
+            f"{parameter_shown(path).words} ({side})" for path, side in fit.at_bounds.items()
+        )
         say(
             console,
             f"at a bound of their ranges, so that bounds and not targets decide them: {ends}",
         )
 
 
+def _names(paths: Iterable[str], between: str = ", ") -> str:
+    """Numbers of the model in words."""
+    return between.join(parameter_shown(path).words for path in paths)
+
+
 def _correlations(known: Determinability, console: Console) -> None:
     strong = known.strongest(_STRONG)
     if not strong:
         return
-    pairs = "; ".join(f"{one} and {other} {size:+.3f}" for one, other, size in strong[:_PAIRS])
+    pairs = "; ".join(
+        f"{_names((one, other), ' and ')} {size:+.3f}" for one, other, size in strong[:_PAIRS]
+    )
     more = f"; and {len(strong) - _PAIRS} more" if len(strong) > _PAIRS else ""
     say(console, f"correlated, so that only a combination is well known: {pairs}{more}")
 
@@ -171,12 +187,13 @@ def _limits(fit: Fit, console: Console) -> None:
 
 
 def _profile(item: Profile, console: Console) -> None:
+    term = parameter_shown(item.path)
     pairs = ", ".join(
-        f"{value:.4g}: {cost:.2f} ({linear:.2f})"
+        f"{term.value(value):.4g}: {cost:.2f} ({linear:.2f})"
         for value, cost, linear in zip(item.values, item.cost, item.quadratic, strict=True)
     )
     say(
         console,
-        f"profile of {item.path} (rise of the cost; that of the linear model in brackets; 0.5 is "
-        f"one sigma = {item.sigma:.3g}): {pairs}",
+        f"profile of {term.label} (rise of the cost; that of the linear model in brackets; 0.5 is "
+        f"one sigma = {term.value(item.sigma):.3g}): {pairs}",
     )

@@ -8,7 +8,7 @@ from ...study.optimise.design import Design
 from ...study.optimise.problem.problem import Aim, Problem
 from ...study.optimise.result import CAUTION, Optimum
 from ...study.optimise.search.binding import Binding
-from ...terms import Shown
+from ...terms import Shown, parameter_shown
 from ..console import headline, paste, say, show_table
 from .problem_words import binding_words, limit_words, quantity_shown, room_shown
 
@@ -69,15 +69,12 @@ def _found(optimum: Optimum) -> str:
 
 def _numbers(optimum: Optimum, console: Console) -> None:
     headline(console, "Numbers of the model")
-    rows = [
-        (
-            item.name,
-            f"{item.start:.6g}",
-            f"{optimum.best.numbers[item.name]:.6g}",
-            f"{item.low:g} to {item.high:g}",
-        )
-        for item in optimum.problem.parameters
-    ]
+    rows = []
+    for item in optimum.problem.parameters:
+        term = parameter_shown(item.name)
+        values = item.start, optimum.best.numbers[item.name]
+        bounds = f"{term.value(item.low):g} to {term.value(item.high):g}"
+        rows.append((term.label, *(_six(term, value) for value in values), bounds))
     show_table(console, ("number", "before", "optimum", "bounds"), rows)
 
 
@@ -145,17 +142,15 @@ def _front(front: tuple[Design, ...], optimum: Optimum, console: Console) -> Non
     if len(front) == 1:
         say(console, f"No conflict: one design is the best by {one.words} and by {two.words}")
         return
-    names = [item.name for item in problem.parameters]
-    # Paths side by side are wider than a terminal; their last words do where they differ.
-    short = [name.rsplit(".", 1)[-1] for name in names]
+    numbers = [(item.name, parameter_shown(item.name)) for item in problem.parameters]
     headline(console, "Pareto front")
-    headings = short if len(set(short)) == len(short) else names
     rows = [
         (
             f"{one.value(item.values[problem.aims[0].quantity]):.5g}",
             f"{two.value(item.values[problem.aims[1].quantity]):.5g}",
-            *(f"{item.numbers[name]:.5g}" for name in names),
+            *(f"{term.value(item.numbers[name]):.5g}" for name, term in numbers),
         )
         for item in front
     ]
+    headings = [term.label for _, term in numbers]
     show_table(console, (one.label, two.label, *headings), rows, text=())

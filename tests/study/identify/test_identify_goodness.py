@@ -36,6 +36,14 @@ WORDS = {
 }
 
 
+QUANTITIES = re.compile(r"^rebound_(amplitude|time_s)_([12])(?=,)")
+
+
+def in_words(match: re.Match[str]) -> str:
+    """The quantity of a target without a name of its own, as people read it."""
+    return f"{('first', 'second')[int(match[2]) - 1]} rebound {match[1].removesuffix('_s')}"
+
+
 @dataclass(frozen=True)
 class Run:
     """One identification by the command: its status, document and printed report."""
@@ -184,7 +192,7 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
     for row, item in zip(targets, document["targets"], strict=False):
         name, wanted, sigma, value, deviation, sigmas = row
         named = re.fullmatch(r"(.*?)(?: \[(ms|mdeg|%)\])?", name)
-        if named is None or named[1] != item["name"]:
+        if named is None or named[1] != QUANTITIES.sub(in_words, item["name"]):
             wrong.append("target.name")
         # Heights in rad and times in s are read in other units, changes in none.
         factor = {"ms": 1e3, "mdeg": 180e3 / math.pi, "%": 100.0, None: 1.0}[named and named[2]]
@@ -200,7 +208,7 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
         wrong.append("free")
     for row, item in zip(free, document["parameters"], strict=False):
         path, before, value, plus, scaled, bounds, left = row
-        if path != item["path"]:
+        if path != WORDS[item["path"]][0]:
             wrong.append("free.path")
         hold("free.before", before, item["before"], digits(item["before"], 5))
         hold("free.found", value, item["identified"], digits(item["identified"], 5))
@@ -217,7 +225,9 @@ def printed_mistakes(report: str, document: dict[str, Any]) -> list[str]:
     if said is None:
         return [*wrong, "goodness"]
     for item in document["profiles"]:
-        line = re.search(rf"profile of {re.escape(item['path'])} .*? sigma = (\S+)\): (.*)", text)
+        line = re.search(
+            rf"profile of {re.escape(WORDS[item['path']][0])} .*? sigma = (\S+)\): (.*)", text
+        )
         if line is None:
             return [*wrong, "profile"]
         hold("profile.sigma", line[1], item["sigma"], digits(item["sigma"], 3))
