@@ -130,6 +130,7 @@ def test_content_is_on_the_disk_before_the_name(
     assert done == ["content", "renamed", "folder"]
 
 
+@pytest.mark.slow
 def test_threads_that_save_one_path_harm_nobody(tmp_path: Path) -> None:
     """Eight of them, thirty times each, and a reader: every file read is one that was saved."""
     runs = [simulate(load("e62"), Case(speed_rpm=650.0, max_collisions=n)) for n in (1, 2, 3)]

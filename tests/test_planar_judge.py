@@ -65,6 +65,7 @@ def test_other_combers(model: str, drive: str) -> None:
     agree(compare(MODELS / model, 300.0, drive), 10)
 
 
+@pytest.mark.slow
 @DRIVES
 def test_the_press_of_the_tutorial(tmp_path: Path, drive: str) -> None:
     assert main(["new", str(tmp_path / "press")]) == 0
@@ -191,6 +192,7 @@ def test_random_chains(seed: int) -> None:
     agree(compare(both(mechanism), 60.0, start_index=0.0), 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "number", [1, 3, 337, slow(0), slow(10), slow(253), slow(309), slow(411), slow(443)]
 )

@@ -233,6 +233,7 @@ def test_files_without_sources_have_no_copies(stored: Path) -> None:
     _same(read.segments, original.segments)
 
 
+@pytest.mark.slow
 def test_an_archive_that_would_grow_too_large_is_refused(tmp_path: Path) -> None:
     """A thousand times its size, by its directory; it is refused before it is decompressed."""
     path = tmp_path / "large.npz"

@@ -139,6 +139,7 @@ def test_energy_balances(run: Solution) -> None:
     assert run.checks.closure_m < 1e-12
 
 
+@pytest.mark.slow
 def test_nothing_is_violated(run: Solution) -> None:
     """What the stress campaign demands of every run: phase logic, impact law, motion, energy."""
     assert violations(run) == []

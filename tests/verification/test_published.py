@@ -289,6 +289,7 @@ def test_impact_oscillator_settles_on_its_closed_orbit() -> None:
     assert np.abs(roots - doubling).min() <= 1e-4
 
 
+@pytest.mark.slow
 def test_impact_oscillator_doubles_its_period_above() -> None:
     """Beyond 2.6533 the same oscillator alternates between two rates and repeats every other one.
 

@@ -477,6 +477,7 @@ def made_up() -> Benchmark:
     )
 
 
+@pytest.mark.slow
 def test_whole_turns_of_both_engines() -> None:
     """Two speeds at three tolerances; errors follow the tolerance and are not zero by accident."""
     rows = turn_rows(repeats=1)

@@ -31,6 +31,7 @@ def limits(source: Source) -> list[tuple[str, float]]:
     return [(what.split(" at ")[0], most) for each in said for what, _, most in each]
 
 
+@pytest.mark.slow
 def test_limits_of_a_mirror_image() -> None:
     """Of all elements; only round-off of the two motions is between them."""
     source = everything()

@@ -101,6 +101,7 @@ def test_a_folder_is_of_one_campaign(tmp_path: Path, capsys: pytest.CaptureFixtu
         run_campaign(1, SEED, 1, folder=tmp_path)
 
 
+@pytest.mark.slow
 def test_an_interrupt_counts_what_is_stored(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

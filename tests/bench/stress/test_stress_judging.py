@@ -132,6 +132,7 @@ def warned(_mechanism: Mechanism, _case: Case, solution: Solution, _run: int) ->
     return solution
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("item", "change", "kind"),
     [
