@@ -233,7 +233,7 @@ def test_new_writes_the_name_into_the_urdf_and_the_schema_beside_it(press: Mecha
         ("1st", "cannot name a model"),
         ("full", "is not empty"),
         ("file", "is not empty"),
-        ("file/press", "cannot be written"),
+        ("file/press", "cannot be made"),
     ],
 )
 def test_new_refuses_and_leaves_everything_as_it_was(

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, InputError, load, load_solution, simulate
+from nipper_pin.cli import main
 from nipper_pin.hybrid.files.npz import save
 from nipper_pin.outputs import check_file, complete_file, complete_folder, file, folder
 
@@ -305,3 +307,61 @@ def test_a_killed_process_leaves_one_whole_set(tmp_path: Path) -> None:
         (turn,) = {int(text) for text in found.values()}
         assert told <= turn <= told + 1
         assert sorted(found) == [f"f{k}" for k in range(4 + turn % 2)]
+
+
+@pytest.fixture(params=["tmpfs", "bind"])
+def mounted(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
+    """A folder where something is mounted: a file system of its own, or another folder."""
+    target, source = tmp_path / "out", tmp_path / "source"
+    target.mkdir()
+    source.mkdir()
+    how = ["-t", "tmpfs", "tmpfs"] if request.param == "tmpfs" else ["--bind", str(source)]
+    try:
+        done = subprocess.run(["mount", *how, str(target)], capture_output=True, check=False)
+    except FileNotFoundError:
+        pytest.skip("there is no mount here, so nothing can be mounted")
+    if done.returncode:
+        pytest.skip(f"nothing may be mounted here: {done.stderr.decode().strip()}")
+    yield target
+    subprocess.run(["umount", str(target)], check=True)
+
+
+def test_a_mount_point_is_written_in_itself(mounted: Path) -> None:
+    """It cannot be exchanged: what it holds is replaced, or stays if a file cannot come."""
+    for turn in ("1", "2"):
+        fill(mounted, {"a": turn, "b": turn} if turn == "1" else {"a": turn})
+        (mounted / "notes").write_text("mine")
+    assert content(mounted) == {"a": "2", "notes": "mine"}
+    (mounted / "b").mkdir()
+    with pytest.raises(InputError, match="b in it is a folder"):
+        fill(mounted, {"a": "3", "b": "3"})
+    assert content(mounted) == {"a": "2", "notes": "mine"}
+    assert sorted(item.name for item in mounted.parent.iterdir()) == ["out", "source"]
+    assert not [item for item in mounted.iterdir() if item.name.endswith(".partial")]
+
+
+def test_a_new_model_may_be_written_where_something_is_mounted(mounted: Path) -> None:
+    assert main(["new", str(mounted)]) == 0
+    assert load(str(mounted)).name == mounted.name
+    assert sorted(item.name for item in mounted.parent.iterdir()) == ["out", "source"]
+
+
+@pytest.mark.parametrize("moves", range(6))
+def test_old_files_come_back_where_a_new_one_cannot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moves: int
+) -> None:
+    """In a folder that stays, whichever move fails."""
+    target = tmp_path / "out"
+    fill(target, {"a": "1", "b": "1"})
+    monkeypatch.chdir(target)
+    replace, count = Path.replace, iter(range(100))
+
+    def failing(path: Path, other: Path) -> Path:
+        if next(count) == moves:
+            raise OSError(5, "the disk is broken")
+        return replace(path, other)
+
+    monkeypatch.setattr(Path, "replace", failing)
+    with pytest.raises(InputError, match="the disk is broken"):
+        fill(target, {"a": "2", "b": "2", "c": "2"})
+    assert content(target) == {"a": "1", "b": "1"}

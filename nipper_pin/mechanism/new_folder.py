@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
-from ..outputs import hidden_folder, synchronise
+from ..outputs import complete_folder
 from .load import known_models
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -73,20 +73,8 @@ def new_folder(folder: str | Path) -> Iterator[Path]:
     Raises:
         InputError: The folder is occupied or cannot be written.
     """
-    target = check_new_folder(folder)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # Beside it, since only within one file system is renaming one step.
-        with hidden_folder(target) as home:
-            partial = home / target.name
-            partial.mkdir()
-            yield partial
-            for item in (*partial.rglob("*"), partial):
-                synchronise(item)
-            partial.replace(target)
-        synchronise(target.parent)
-    except OSError as error:
-        raise _unwritable(target, error) from error
+    with complete_folder(check_new_folder(folder), ()) as partial:
+        yield partial
 
 
 def _unwritable(target: Path, error: OSError) -> InputError:

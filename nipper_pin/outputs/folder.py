@@ -7,7 +7,6 @@ import errno
 import fcntl
 import os
 import shutil
-import stat
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -18,15 +17,20 @@ from .file import synchronise
 from .hidden import hidden_folder
 
 _EXCHANGE, _HERE = 2, -100  # RENAME_EXCHANGE and AT_FDCWD of Linux
+_NO_EXCHANGE = {
+    errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EBUSY, errno.EXDEV, errno.EACCES, errno.EPERM,
+}  # fmt: skip
+_NOTHING = ".nipper-pin.there-is-none"
 
 
 @contextmanager
 def complete_folder(path: str | Path, ours: Collection[str]) -> Iterator[Path]:
     """Give an empty folder whose files take their place in a folder in one step.
 
-    What else lies in the folder stays; files of ``ours`` that are not written again go. If the
-    folder is the working directory of this process, or a mount point, it cannot be exchanged: then
-    the old files of ``ours`` go first, and the new ones come one by one, never beside old ones.
+    What else lies in the folder stays; files of ``ours`` that are not written again go. A folder
+    that is the working directory of this process, or where something is mounted, cannot be
+    exchanged: the new files are written in it, and take the place of the old ones one by one once
+    they are complete, never beside old ones.
 
     Args:
         path: The folder; it is made with those above it. A link is followed.
@@ -46,12 +50,13 @@ def complete_folder(path: str | Path, ours: Collection[str]) -> Iterator[Path]:
         raise _unwritable(path, error) from error
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with hidden_folder(target) as home:
-            new = home / "new"
+        stays = _stays(target)
+        with hidden_folder(target / target.name if stays else target) as home:
+            new = home / target.name
             new.mkdir()
             yield new
-            _placed(new, target, ours)
-        synchronise(target.parent)
+            _placed(new, target, ours, stays=stays)
+        synchronise(target if stays else target.parent)
     except InputError as error:
         # Of a file in it: where it was to be, not where it was written.
         if str(new) not in error.message:
@@ -62,17 +67,41 @@ def complete_folder(path: str | Path, ours: Collection[str]) -> Iterator[Path]:
         raise _unwritable(path, error) from error
 
 
-def _placed(new: Path, target: Path, ours: Collection[str]) -> None:
+def _stays(target: Path) -> bool:
+    """Whether a folder is there that cannot be exchanged for another one beside it."""
+    if not target.exists():
+        return False
+    if target in (Path.cwd(), *Path.cwd().parents) or not os.access(target.parent, os.W_OK):
+        return True
+    # Of all that is mounted, also of the same file system, the system tells only by what fails.
+    try:
+        os.rename(target.parent / _NOTHING, target / _NOTHING)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _placed(new: Path, target: Path, ours: Collection[str], *, stays: bool) -> None:
     """Let the files of a new folder take their place."""
-    written = [file.name for file in new.iterdir()]
-    for name in written:
-        synchronise(new / name)
-    synchronise(new)
+    for item in (*new.rglob("*"), new):
+        synchronise(item)
     with _alone(target.parent):
         if not target.exists():
             new.replace(target)
-        elif not _exchanged(new, target, {*ours, *written}):
-            _moved(new, target, ours, written)
+            return
+        replaced = {name for name in ours if not _is_folder(target / name)}
+        for item in new.iterdir():
+            if _is_folder(target / item.name) and not item.is_dir():
+                raise IsADirectoryError(errno.EISDIR, f"{item.name} in it is a folder")
+            replaced.add(item.name)
+        if stays or not _exchanged(new, target, replaced):
+            _moved(new, target, replaced)
+
+
+def _is_folder(path: Path) -> bool:
+    return path.is_dir() and not path.is_symlink()
 
 
 @contextmanager
@@ -88,12 +117,10 @@ def _alone(folder: Path) -> Iterator[None]:
 
 def _exchanged(new: Path, target: Path, replaced: Collection[str]) -> bool:
     """Put a new folder, with all else that the old one holds, in the place of the old one."""
-    if target == Path.cwd() or target in Path.cwd().parents or target.is_mount():
-        return False
     for item in target.iterdir():
         if item.name in replaced:
             continue
-        if item.is_dir() and not item.is_symlink():
+        if _is_folder(item):
             shutil.copytree(item, new / item.name, symlinks=True, copy_function=_linked)
         else:
             _linked(item, new / item.name)
@@ -120,19 +147,29 @@ def _swapped(one: Path, other: Path) -> bool:
     if done == 0:
         return True
     code = ctypes.get_errno()
-    if code in {errno.EINVAL, errno.ENOSYS, errno.ENOTSUP, errno.EBUSY, errno.EXDEV}:
+    if code in _NO_EXCHANGE:
         return False
     raise OSError(code, os.strerror(code))
 
 
-def _moved(new: Path, target: Path, ours: Collection[str], written: Collection[str]) -> None:
+def _moved(new: Path, target: Path, replaced: Collection[str]) -> None:
     """Replace the files of a folder that stays: the old ones go before the first new one comes."""
-    for name in ours:
-        with suppress(FileNotFoundError):
-            if stat.S_ISREG((target / name).lstat().st_mode):
-                (target / name).unlink()
-    for name in written:
-        (new / name).replace(target / name)
+    written = [name for name in replaced if os.path.lexists(new / name)]
+    old = new.parent.with_name("old")
+    old.mkdir()
+    try:
+        for name in replaced:
+            with suppress(FileNotFoundError):
+                (target / name).replace(old / name)
+        for name in written:
+            (new / name).replace(target / name)
+    except BaseException:
+        for name in written:
+            if not (new / name).exists():
+                (target / name).replace(new / name)
+        for file in old.iterdir():
+            file.replace(target / file.name)
+        raise
     synchronise(target)
 
 
