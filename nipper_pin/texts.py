@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from .errors import InputError
@@ -26,6 +27,17 @@ def is_path(text: str) -> bool:
     whole = text.encode("utf-8", "replace")
     longest = max(map(len, whole.split(b"/")))
     return b"\0" not in whole and len(whole) <= _LONGEST_PATH and longest <= _LONGEST_NAME
+
+
+def followed(path: str | Path) -> Path:
+    """A path with its links followed, whole and absolute; links in a circle stay in it.
+
+    `Path.resolve` refuses a circle up to Python 3.12, and no longer from 3.13 on.
+
+    Args:
+        path: The path; nothing need be there.
+    """
+    return Path(os.path.realpath(path))
 
 
 def read_text(file: Path, most: int, encoding: str = "utf-8") -> str:

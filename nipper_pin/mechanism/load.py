@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import AssemblyError, InputError, ModelError, UnknownNameError
-from ..texts import MOST_TEXT, read_text
+from ..texts import MOST_TEXT, followed, read_text
 from .mechanism import Mechanism
 
 
@@ -198,12 +198,12 @@ def find_model(model: str | Path) -> Path:
     if isinstance(model, str) and model in known:
         return known[model]
     try:
-        folder = Path(model).resolve()
+        folder = followed(model)
         if folder.suffix == ".toml" and folder.is_file():
             folder = _folder_of(folder)
         found = folder.is_dir()
-    except (OSError, RuntimeError, ValueError) as error:
-        # Links in a circle, or a name that no file can have.
+    except (OSError, ValueError) as error:
+        # A name that no file can have.
         raise UnknownNameError(
             kind="model or model folder", name=str(model), known=known, where=str(error)
         ) from error

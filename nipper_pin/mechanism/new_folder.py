@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..outputs import complete_folder
+from ..texts import followed
 from .load import known_models
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -26,7 +27,7 @@ def check_model_folder(folder: str | Path) -> Path:
     Raises:
         InputError: The name cannot be a model's, or belongs to one that comes with the package.
     """
-    target = Path(folder).resolve()
+    target = followed(folder)
     name = target.name
     if not _NAME.fullmatch(name):
         message = f"{name!r} cannot name a model: a letter, then letters, digits, _ and -"
@@ -49,7 +50,7 @@ def check_new_folder(folder: str | Path) -> Path:
     Raises:
         InputError: It is a file, is not empty, or cannot be looked at.
     """
-    target = Path(folder).resolve()
+    target = followed(folder)
     try:
         occupied = target.exists() and (not target.is_dir() or any(target.iterdir()))
     except OSError as error:

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from ..errors import InputError
+from ..texts import followed
 from .hidden import hidden_folder
 
 
@@ -18,10 +19,10 @@ def check_folder(path: str | Path) -> None:
     Raises:
         InputError: It, or what it would lie in, is no folder or cannot be written.
     """
-    target = Path(path)
-    place = next(item for item in (target.absolute(), *target.absolute().parents) if _there(item))
+    target, whole = Path(path), followed(path)
+    place = next(item for item in (whole, *whole.parents) if os.path.lexists(item))
     if not place.is_dir():
-        what = "is" if place == target.absolute() else f"cannot be made: {place} is"
+        what = "is" if place == whole else f"cannot be made: {place} is"
         message = f"{target} {what} not a folder; name another one"
         raise InputError(message, folder=str(target))
     try:
@@ -56,15 +57,14 @@ def check_file(path: str | Path) -> None:
             raise InputError(message, file=str(target))
         return
     try:
-        place = target.resolve()
-        # Only this tells links in a circle from one to a file that is yet to be made.
-        place.lstat()
+        target.stat()
     except FileNotFoundError:
+        # Also a link to a file that is yet to be made.
         pass
-    except (OSError, RuntimeError) as error:
-        message = f"{target} cannot be written ({error}); name another file"
+    except OSError as error:
+        message = f"{target} cannot be written ({error.strerror}); name another file"
         raise InputError(message, file=str(target)) from error
-    check_folder(place.parent)
+    check_folder(followed(target).parent)
 
 
 def _there(path: Path) -> bool:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import InputError
+from ..texts import followed
 from .hidden import hidden_file
 
 
@@ -31,10 +32,7 @@ def complete_file(path: str | Path) -> Iterator[Path]:
     Raises:
         InputError: The file cannot be written.
     """
-    try:
-        target = Path(path).resolve(strict=False)
-    except (OSError, RuntimeError) as error:
-        raise _unwritable(path, error) from error
+    target = followed(path)
     try:
         mode = _mode(target)
         with _place(target, mode) as partial:

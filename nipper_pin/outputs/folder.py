@@ -12,6 +12,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from ..errors import InputError
+from ..texts import followed
 from .check import check_folder
 from .file import synchronise
 from .hidden import hidden_folder
@@ -43,11 +44,7 @@ def complete_folder(path: str | Path, ours: Collection[str]) -> Iterator[Path]:
         InputError: The folder cannot be written.
     """
     check_folder(path)
-    target = Path(path)
-    try:
-        target = target.resolve(strict=False)
-    except (OSError, RuntimeError) as error:
-        raise _unwritable(path, error) from error
+    target = followed(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         stays = _stays(target)

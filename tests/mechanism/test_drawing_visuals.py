@@ -28,7 +28,7 @@ def shapes(link: str) -> dict[str, tuple[list[float], list[float], list[float], 
     root = ElementTree.fromstring(drawn_mechanism(drawing).urdf)
     found = {}
     for item in root.findall(f"link[@name='{link}']/visual"):
-        origin, solid = item.find("origin"), next(iter(item.find("geometry") or ()))
+        origin, solid = item.find("origin"), next(iter(item.findall("geometry/*")))
         assert origin is not None
         place, angles = (
             [float(word) for word in origin.attrib[key].split()] for key in ("xyz", "rpy")

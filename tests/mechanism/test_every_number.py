@@ -187,7 +187,7 @@ def test_every_mass_and_dimension(texts: tuple[dict[str, Any], str]) -> None:
     """
     document, urdf = texts
     layout = read_layout(parse_xml(urdf, "model.urdf"), document, "model.urdf")
-    links = [item.get("name") for item in layout.root.findall("link") if item.find("inertial")]
+    links = [item.get("name") for item in layout.root.findall("link[inertial]")]
     paths = [
         f"links.{name}.{key}"
         for name in links

@@ -15,6 +15,7 @@ from ...mechanism import known_models
 from ...mechanism.files.csv_tables import has_file
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_values import mesh_path, path_inside
+from ...texts import followed
 
 
 def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
@@ -63,7 +64,7 @@ def need_own_files(
                     f"{section}.{key} names a file, and a saved run holds its tables; save it again"
                 )
                 raise InputError(message, table=key)
-    if digests is None and folder.resolve() in {item.resolve() for item in known_models().values()}:
+    if digests is None and followed(folder) in map(followed, known_models().values()):
         return
     for mesh, digest in _found(name, urdf, folder):
         if digest != (digests or {}).get(mesh):

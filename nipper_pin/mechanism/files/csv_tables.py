@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError
-from ...texts import MOST_TABLE, is_path, read_text
+from ...texts import MOST_TABLE, followed, is_path, read_text
 from ..drives import Table
 from ..elements import Characteristic
 
@@ -79,7 +79,7 @@ def _read_csv(
     if (
         not isinstance(name, str)
         or not named
-        or not path.resolve().is_relative_to(folder.resolve())
+        or not followed(path).is_relative_to(followed(folder))
     ):
         raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
     if not path.is_file():

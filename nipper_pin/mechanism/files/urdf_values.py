@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...errors import ModelError
-from ...texts import is_path
+from ...texts import followed, is_path
 from ...tolerances.mechanics import URDF_TOLERANCE
 from .toml_types import LARGEST
 
@@ -271,8 +271,8 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     Raises:
         ModelError: The path leaves the folder or names no file.
     """
-    path = (mesh_folder / path_inside(filename, key, file)).resolve()
-    if not path.is_relative_to(mesh_folder.resolve()):
+    path = followed(mesh_folder / path_inside(filename, key, file))
+    if not path.is_relative_to(followed(mesh_folder)):
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     if not path.is_file():
         allowed = f"a mesh file in the model folder {mesh_folder}"

@@ -14,6 +14,7 @@ from ...mechanism.files.toml_writing import toml
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_values import path_inside
 from ...mechanism.new_folder import new_folder
+from ...texts import followed
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
 from .problem.parameters import with_values
@@ -33,7 +34,7 @@ def write_model(fit: Fit, judged: Goodness, folder: str | Path) -> Mechanism:
     Raises:
         InputError: The folder cannot be written, or holds something else; then nothing is written.
     """
-    target = Path(folder).resolve()
+    target = followed(folder)
     name = target.name
     problem = fit.objective.problem
     sources = with_values(problem.sources, fit.values)
