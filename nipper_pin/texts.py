@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from .errors import InputError
@@ -40,18 +41,21 @@ def followed(path: str | Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def read_text(file: Path, most: int, encoding: str = "utf-8") -> str:
-    """Return the text of a file.
+def read_text(
+    file: Path, most: int, encoding: str | Callable[[bytes], str] = "utf-8-sig"
+) -> str:
+    """Return the text of a file, without a byte order mark.
 
     Args:
         file: The file.
         most: Most bytes that it may have.
-        encoding: Its encoding.
+        encoding: Its encoding, or what tells that from its bytes.
 
     Raises:
         InputError: It is larger.
         OSError: It cannot be read.
-        UnicodeDecodeError: It is no such text.
+        UnicodeError: It is no such text.
+        LookupError: There is no such encoding.
     """
     # One byte more than allowed tells, also of a pipe, which has no size.
     with file.open("rb") as stream:
@@ -59,5 +63,5 @@ def read_text(file: Path, most: int, encoding: str = "utf-8") -> str:
     if len(content) > most:
         message = f"{file.name}: larger than {most / 2**20:g} MiB, the most that is read of it"
         raise InputError(message, file=str(file), most=most)
-    text = content.decode(encoding)
+    text = content.decode(encoding if isinstance(encoding, str) else encoding(content))
     return text.replace("\r\n", "\n").replace("\r", "\n")

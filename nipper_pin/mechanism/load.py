@@ -7,7 +7,7 @@ a load itself, so importing the package alone does not import them.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from ..errors import AssemblyError, InputError, ModelError, UnknownNameError
@@ -37,11 +37,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
     from .files.toml_text import read_toml
+    from .files.xml_text import encoding_of
 
     folder = find_model(model)
     name = folder.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
-    urdf = _read(folder / urdf_file)
+    urdf = _read(folder / urdf_file, encoding_of)
     data = read_toml(_read(folder / toml_file), toml_file)
     if overrides:
         from .edit.overrides import apply_overrides, by_path, with_tables
@@ -238,11 +239,14 @@ def _folder_of(file: Path) -> Path:
     return file.parent
 
 
-def _read(path: Path) -> str:
+def _read(path: Path, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:
     """Read a text file."""
     try:
-        return read_text(path, MOST_TEXT)
-    except (OSError, UnicodeDecodeError) as error:
+        return read_text(path, MOST_TEXT, encoding)
+    except (OSError, UnicodeError, LookupError) as error:
+        allowed = "a readable UTF-8 file"
+        if not isinstance(encoding, str):
+            allowed = "a readable file in the encoding that its first line declares, or in UTF-8"
         raise ModelError(
-            file=path.name, key="text", value=str(error), allowed="a readable UTF-8 file"
+            file=path.name, key="text", value=str(error), allowed=allowed
         ) from error

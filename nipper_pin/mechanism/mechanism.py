@@ -252,12 +252,13 @@ class Mechanism:
         initial_phase: Phase at the start of a cycle.
         starts: Joints whose coordinate and rate at that start are given.
         cylinder: The input shaft.
-        gravity_m_s2: Gravity along -z.
+        gravity_m_s2: Gravity along -z, as far as it acts in the plane.
         shortcuts: Short command-line names to value paths, for example "stiffness".
         provenance: Where the numbers come from, by path prefix.
         urdf: The URDF text.
         description: The TOML document as plain data, overrides applied.
         mesh_folder: Folder that relative mesh paths of the URDF start from.
+        side_view: How the URDF was turned into the side view; empty where it stands in it.
         model: Pinocchio model of the tree; read only.
     """
 
@@ -283,6 +284,7 @@ class Mechanism:
     urdf: str
     description: Mapping[str, object]
     mesh_folder: str
+    side_view: str
     model: pin.Model = field(repr=False, compare=False)
 
     def __repr__(self) -> str:

@@ -25,5 +25,5 @@ def collision_model(mechanism: Mechanism) -> tuple[pin.GeometryModel, dict[str, 
 
     file, folder = f"{mechanism.name}.urdf", Path(mechanism.mesh_folder)
     urdf = check_urdf(parse_xml(mechanism.urdf, file), file, folder)
-    geometry = collision_geometry(mechanism.model, mechanism.urdf, urdf, folder, file)
+    geometry = collision_geometry(mechanism.model, urdf, file)
     return geometry, dict(urdf.shapes)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from ..mechanism import Mechanism
+from ..mechanism.files.urdf import parse_xml
 
 # No machine of this kind has such a link. Shapes may be thinner than the part that they stand for:
 # 20 times denser than any metal is left for them, and grams are 1,000 times too many.
@@ -58,7 +59,7 @@ def link_masses(mechanism: Mechanism) -> tuple[LinkMass, ...]:
 
 def _volumes(mechanism: Mechanism) -> dict[str, float | None]:
     """Volume of every moving link's shapes, of what is fixed to it too; None with a mesh [m3]."""
-    root = ElementTree.fromstring(mechanism.urdf)
+    root = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     fixed = {}
     for joint in root.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")

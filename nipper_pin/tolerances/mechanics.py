@@ -75,8 +75,11 @@ RANK_TOLERANCE = 1e-8
 """[1] Singular values of rows of length one below which their rank is less. A choice: half the
 digits of a double."""
 URDF_TOLERANCE = 1e-9
-"""[1] Error of unit axes, rotations and the triangle inequality of inertias. A choice: files are
-written with nine digits and more."""
+"""[1] Error of the triangle inequality of inertias, and of their signs. A choice: files are written
+with nine digits and more."""
+IN_PLANE_RAD = 2e-3
+"""[rad] Largest angle by which the axis of a joint may miss the plane of the others, and frames the
+axes of the file. Files say 3.14 for half a turn, 0.0016 rad less."""
 TURN_ROUND_OFF = 1e-12
 """[1] By a turn: excess of the sum of a cam's sections that counts as none. A choice, far above the
 round-off of angles that are written in degrees, 1e-15."""

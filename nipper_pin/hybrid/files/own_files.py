@@ -14,7 +14,7 @@ from ...errors import InputError, ModelError
 from ...mechanism import known_models
 from ...mechanism.files.csv_tables import has_file
 from ...mechanism.files.urdf import parse_xml
-from ...mechanism.files.urdf_values import mesh_path, path_inside
+from ...mechanism.files.urdf_shapes import mesh_path, path_inside
 from ...texts import followed
 
 

@@ -16,7 +16,7 @@ from ...errors import ModelError, UnknownNameError
 from ...tolerances.mechanics import ACROSS_PLANE, DISTANCE_ACCURACY_M, TOUCH_STEP, TOUCH_TOLERANCE_M
 from ...units import MM_PER_M
 from ..files.description import ContactDescription
-from ..files.urdf import UrdfJoint
+from ..files.urdf_parts import UrdfJoint
 from ..mechanism import Contact
 from .placements import supports
 from .tree import Tree

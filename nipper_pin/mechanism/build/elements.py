@@ -14,7 +14,7 @@ from ...tolerances.mechanics import COINCIDENT_M
 from ...units import M_PER_MM, RAD_PER_DEG
 from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
-from ..files.urdf import Urdf
+from ..files.urdf_parts import Urdf
 from ..mechanism import Joint, Spring
 from .placements import joint_placements
 
@@ -82,7 +82,7 @@ def build_elements(
         UnknownNameError: A joint or frame does not exist.
         ModelError: Keys do not go together, or the values make no spring or damper.
     """
-    source = _Source(joints, urdf.links, model, file)
+    source = _Source(joints, tuple(urdf.links), model, file)
     found = [
         *(_spring(source, name, item) for name, item in description.springs.items()),
         *(_damper(source, name, item) for name, item in description.dampers.items()),

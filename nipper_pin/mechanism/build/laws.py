@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,15 +12,18 @@ import numpy as np
 from ...errors import InputError, ModelError, UnknownNameError
 from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
-from ..drives import DriveLaw, DriveTable, FollowingTable
+from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
 from ..files.description import CylinderDescription, Description
 
 
-def build_laws(drives: Mapping[str, DriveTable], file: str) -> dict[str, DriveLaw]:
+def build_laws(
+    drives: Mapping[str, DriveTable], clockwise: Set[str], file: str
+) -> dict[str, DriveLaw]:
     """Build the law of every drive.
 
     Args:
         drives: Descriptions by name.
+        clockwise: Hinges whose coordinates grow clockwise in the side view.
         file: Name of the TOML file, for messages.
 
     Raises:
@@ -28,7 +32,7 @@ def build_laws(drives: Mapping[str, DriveTable], file: str) -> dict[str, DriveLa
     """
     laws: dict[str, DriveLaw] = {}
     for name in drives:
-        _build(name, drives, laws, (), file)
+        _build(name, drives, laws, (), clockwise, file)
     return {name: laws[name] for name in drives}
 
 
@@ -37,6 +41,7 @@ def _build(
     drives: Mapping[str, DriveTable],
     laws: dict[str, DriveLaw],
     above: tuple[str, ...],
+    clockwise: Set[str],
     file: str,
 ) -> DriveLaw:
     """Build one law, after the laws that it is geared to."""
@@ -52,16 +57,21 @@ def _build(
         if drive.of in (*above, name):
             allowed = "a chain of gears must start at a drive that is not geared"
             raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
-        laws[name] = drive.build_on(_build(drive.of, drives, laws, (*above, name), file))
+        law = _build(drive.of, drives, laws, (*above, name), clockwise, file)
+        laws[name] = drive.build_on(law)
         return laws[name]
     try:
-        laws[name] = drive.build()
+        law = drive.build()
     except InputError as error:
         key, value = drive.culprit()
         raise ModelError(
             file=file, key=f"{where}.{key}", value=value, allowed=error.message
         ) from error
-    return laws[name]
+    if isinstance(law, OscillatingGuide) and drive.joint in clockwise:
+        # Its angle is one of the drawing; other laws give the coordinate itself.
+        law = replace(law, sense=-1.0)
+    laws[name] = law
+    return law
 
 
 def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float | None:

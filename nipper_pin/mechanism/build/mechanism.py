@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
-from xml.etree import ElementTree
-
 import numpy as np
 import pinocchio as pin
 
@@ -14,9 +12,10 @@ from ...errors import ModelError, UnknownNameError
 from ..drives import DriveLaw
 from ..files.describe import describe
 from ..files.description import Description
+from ..files.side_view import side_view_text
 from ..files.toml_text import need_plain_text
-from ..files.urdf import Urdf, check_urdf, flatten, parse_xml
-from ..files.urdf_values import spell_out
+from ..files.urdf import check_urdf, parse_xml
+from ..files.urdf_parts import Urdf
 from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
 from .drive_keys import check_drive
 from .elements import build_elements
@@ -29,7 +28,6 @@ from .touch_checks import check_assembly
 from .tree import (
     Tree,
     build_model,
-    check_masses,
     collision_geometry,
     tree_joints,
 )
@@ -60,9 +58,10 @@ def build_mechanism(
     need_plain_text(name, file, "name of the model")
     need_plain_text(data, file)
     description = describe(data, file)
-    urdf_text, tree = _tree(name, urdf_text, description, mesh_folder)
+    tree = _tree(name, urdf_text, description, mesh_folder)
     by_name = {joint.name: joint for joint in tree.joints}
-    laws = build_laws(description.drives, file)
+    clockwise = {joint.name for joint in tree.urdf.joints.values() if joint.axis[1] > 0.0}
+    laws = build_laws(description.drives, clockwise, file)
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
@@ -89,34 +88,29 @@ def build_mechanism(
         initial_phase=description.initial_phase,
         starts=build_starts(description.initial, by_name, drives, stops, file),
         cylinder=cylinder,
-        gravity_m_s2=description.gravity_m_s2,
+        gravity_m_s2=description.gravity_m_s2 * tree.urdf.plane.steepness,
         shortcuts=dict(description.shortcuts),
         provenance=dict(description.provenance),
         urdf=urdf_text,
         description=dict(data),
         mesh_folder=str(mesh_folder),
+        side_view=side_view_text(tree.urdf),
         model=tree.model,
     )
 
 
-def _tree(
-    name: str, urdf_text: str, description: Description, mesh_folder: Path
-) -> tuple[str, Tree]:
-    """Build the tree; its URDF is that of the file, with joints exactly in the plane."""
+def _tree(name: str, urdf_text: str, description: Description, mesh_folder: Path) -> Tree:
+    """Build the tree."""
     file, urdf_file = f"{name}.toml", f"{name}.urdf"
-    root = parse_xml(urdf_text, urdf_file)
-    urdf = check_urdf(root, urdf_file, mesh_folder)
-    if flatten(root) | spell_out(root):
-        urdf_text = ElementTree.tostring(root, encoding="unicode")
+    urdf = check_urdf(parse_xml(urdf_text, urdf_file), urdf_file, mesh_folder)
     check_frames(description.closures, urdf, file)
-    tree_text, urdf = with_blocks(urdf_text, urdf, description.closures, urdf_file)
-    model = build_model(tree_text, description.gravity_m_s2, urdf_file)
-    check_masses(model, urdf, urdf_file)
+    urdf = with_blocks(urdf, description.closures)
+    model = build_model(urdf, description.gravity_m_s2 * urdf.plane.steepness, urdf_file)
     geometry = pin.GeometryModel()
     if any(stop.contact for stop in description.stops.values()):
-        geometry = collision_geometry(model, urdf_text, urdf, mesh_folder, urdf_file)
+        geometry = collision_geometry(model, urdf, urdf_file)
     joints, placements = tree_joints(model, urdf), joint_placements(model)
-    return urdf_text, Tree(model, joints, placements, urdf, geometry, file, urdf_file)
+    return Tree(model, joints, placements, urdf, geometry, file, urdf_file)
 
 
 def _joint(name: str, joints: Mapping[str, Joint], where: str) -> Joint:

@@ -11,15 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from xml.etree import ElementTree
 
 import numpy as np
+import pinocchio as pin
 
 from ...errors import ModelError, UnknownNameError
-from ..edit.layout import read_layout
-from ..edit.points import text_of
 from ..files.description import ClosureDescription
-from ..files.urdf import Urdf, UrdfJoint, parse_xml
+from ..files.urdf_parts import Urdf, UrdfJoint, UrdfLink
 
 _AXES: dict[str, tuple[float, float, float]] = {"x": (1.0, 0.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -65,12 +63,7 @@ def check_frames(closures: Mapping[str, ClosureDescription], urdf: Urdf, file: s
             raise ModelError(file=file, key=key, value=name, allowed=allowed)
 
 
-def with_blocks(
-    text: str,
-    urdf: Urdf,
-    closures: Mapping[str, ClosureDescription],
-    file: str,
-) -> tuple[str, Urdf]:
+def with_blocks(urdf: Urdf, closures: Mapping[str, ClosureDescription]) -> Urdf:
     """Put the blocks of all slots into the tree.
 
     In the touch configuration a block stands where the line of its slot, through the origin of
@@ -78,43 +71,33 @@ def with_blocks(
     along the axis of ``frame_a``.
 
     Args:
-        text: The URDF.
-        urdf: The same, checked.
+        urdf: The URDF.
         closures: The closures, checked.
-        file: Name of the URDF file, for messages.
 
     Returns:
-        The URDF with a link and a prismatic joint for each slot, and its parts.
+        The URDF with a link and a prismatic joint for each slot.
     """
     slots = {name: item for name, item in closures.items() if item.slot_axis is not None}
     if not slots:
-        return text, urdf
-    root = parse_xml(text, file)
-    found = read_layout(root, {}, file)
-    links, joints = list(urdf.links), dict(urdf.joints)
-    shapes, masses = dict(urdf.shapes), dict(urdf.masses)
+        return urdf
+    places = {urdf.root: pin.SE3.Identity()}
+    for joint in urdf.downwards():
+        places[joint.child] = places[joint.parent] * joint.placement
+    links, joints = dict(urdf.links), dict(urdf.joints)
     for name, closure in slots.items():
         axis, block = _AXES[closure.slot_axis or "x"], block_of(name)
         frame = closure.frame_a
-        apart = found.turn[frame].T @ (found.place[closure.frame_b] - found.place[frame])
-        along = float(apart @ axis)
-        link = ElementTree.SubElement(root, "link", name=block)
-        inertial = ElementTree.SubElement(link, "inertial")
-        ElementTree.SubElement(inertial, "mass", value=repr(closure.block_mass_kg))
-        none = {f"i{part}": "0" for part in ("xx", "xy", "xz", "yy", "yz", "zz")}
-        ElementTree.SubElement(inertial, "inertia", none)
-        joint = ElementTree.SubElement(root, "joint", name=name, type="prismatic")
-        ElementTree.SubElement(joint, "parent", link=frame)
-        ElementTree.SubElement(joint, "child", link=block)
-        ElementTree.SubElement(joint, "origin", xyz=text_of(along * np.array(axis)), rpy="0 0 0")
-        ElementTree.SubElement(joint, "axis", xyz=text_of(np.array(axis)))
-        # A URDF requires limits; these are never reached.
-        ElementTree.SubElement(
-            joint, "limit", lower="-1e9", upper="1e9", effort="1e9", velocity="1e9"
+        apart = places[frame].actInv(places[closure.frame_b].translation)
+        along = float(apart @ axis) * np.array(axis)
+        links[block] = UrdfLink(
+            inertia=pin.Inertia(closure.block_mass_kg, np.zeros(3), np.zeros((3, 3)))
         )
-        links.append(block)
-        joints[name] = UrdfJoint(name=name, kind="prismatic", parent=frame, child=block, axis=axis)
-        shapes[block] = ()
-        masses[block] = closure.block_mass_kg or 0.0
-    changed = replace(urdf, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
-    return ElementTree.tostring(root, encoding="unicode"), changed
+        joints[name] = UrdfJoint(
+            name=name,
+            kind="prismatic",
+            parent=frame,
+            child=block,
+            placement=pin.SE3(np.eye(3), along),
+            axis=axis,
+        )
+    return replace(urdf, links=links, joints=joints)

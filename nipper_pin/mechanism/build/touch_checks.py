@@ -12,7 +12,7 @@ from ...errors import AssemblyError, ModelError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, DEPENDENT_SHARE, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
-from ..files.urdf import Urdf
+from ..files.urdf_parts import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
 from .placements import supports
 from .tree import Tree

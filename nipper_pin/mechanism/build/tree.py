@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import NamedTuple
-from xml.etree import ElementTree
 
 import coal
 import numpy as np
 import pinocchio as pin
 
 from ...errors import ModelError
-from ...tolerances.mechanics import URDF_TOLERANCE
 from ..files.meshes import check_corners, check_size
-from ..files.urdf import Urdf
-from ..files.urdf_values import mesh_path
+from ..files.urdf_parts import Urdf, UrdfJoint
+from ..files.urdf_shapes import UrdfShape
 from ..mechanism import Joint
+
+_ALONG_AXES = {
+    (1.0, 0.0, 0.0): pin.JointModelPX,
+    (0.0, 0.0, 1.0): pin.JointModelPZ,
+}
 
 
 class Tree(NamedTuple):
@@ -40,150 +43,138 @@ class Tree(NamedTuple):
     urdf_file: str
 
 
-def build_model(text: str, gravity_m_s2: float, file: str) -> pin.Model:
-    """Build the Pinocchio model of a checked URDF.
+def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
+    """Build the Pinocchio model of a URDF.
 
     Args:
-        text: The URDF.
+        urdf: The URDF, in the side view.
         gravity_m_s2: Gravity along -z [m/s2].
-        file: File name, for messages.
+        file: Name of the URDF file, for messages.
 
     Raises:
-        ModelError: Pinocchio refuses the URDF.
+        ModelError: A joint moves nothing that resists.
     """
-    if "continuous" in text:
-        # Pinocchio gives an unbounded hinge two coordinates, cosine and sine, not one angle.
-        text = _bounded(text)
-    try:
-        model = pin.buildModelFromXML(text)
-    except (ValueError, RuntimeError) as error:
-        raise ModelError(
-            file=file,
-            key="robot",
-            value=f"{len(text)} characters",
-            allowed=f"Pinocchio says: {error}",
-        ) from error
+    model = pin.Model()
+    model.name = urdf.root
+    body = pin.FrameType.BODY
+    places = {urdf.root: model.addFrame(pin.Frame(urdf.root, 0, 0, pin.SE3.Identity(), body))}
+    # Depth first: added in another order, joints give wrong dynamics without any error.
+    for joint in urdf.downwards():
+        above = model.frames[places[joint.parent]]
+        identity, at = above.parentJoint, above.placement * joint.placement
+        if joint.kind != "fixed":
+            identity = model.addJoint(identity, _joint_model(joint), at, joint.name)
+            at = pin.SE3.Identity()
+        inertia = urdf.links[joint.child].inertia
+        if inertia is not None:
+            model.appendBodyToJoint(identity, inertia, at)
+        frame = pin.Frame(joint.child, identity, places[joint.parent], at, body)
+        places[joint.child] = model.addFrame(frame, False)
+    _add_own_axes(model, urdf)
+    _check_bodies(model, urdf, file)
     model.gravity.linear = np.array([0.0, 0.0, -gravity_m_s2])
     model.gravity.angular = np.zeros(3)
     return model
 
 
-def check_masses(model: pin.Model, urdf: Urdf, file: str) -> None:
-    """Compare what Pinocchio has read with what was checked: the mass that each joint moves.
+def _add_own_axes(model: pin.Model, urdf: Urdf) -> None:
+    """Add the frames of links as the file has them, for what is only drawn."""
+    for link, axes in urdf.own_axes.items():
+        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+        at = frame.placement * pin.SE3(axes, np.zeros(3))
+        own = pin.Frame(link, frame.parentJoint, frame.parentFrame, at, pin.FrameType.OP_FRAME)
+        model.addFrame(own, False)
 
-    Args:
-        model: The Pinocchio model.
-        urdf: The checked URDF.
-        file: File name, for messages.
 
-    Raises:
-        ModelError: They differ; Pinocchio reads an inertial that it does not understand as none.
-    """
-    above = {joint.child: joint for joint in urdf.joints.values()}
-    moved = dict.fromkeys(model.names, 0.0)
-    for link, mass in urdf.masses.items():
-        joint = above.get(link)
-        while joint is not None and joint.kind == "fixed":
-            joint = above.get(joint.parent)
-        if joint is not None:
-            moved[joint.name] += mass
+def _joint_model(joint: UrdfJoint) -> pin.JointModel:
+    """Pinocchio's model of a joint that moves."""
+    if joint.kind == "revolute":
+        return pin.JointModelRevoluteUnaligned(np.array(joint.axis))
+    along = _ALONG_AXES.get(joint.axis)
+    return pin.JointModelPrismaticUnaligned(np.array(joint.axis)) if along is None else along()
+
+
+def _check_bodies(model: pin.Model, urdf: Urdf, file: str) -> None:
+    """Every joint moves links that resist; those fixed to one another are one body."""
     for name, inertia in zip(model.names, model.inertias, strict=True):
-        if name != "universe" and abs(inertia.mass - moved[name]) > URDF_TOLERANCE * moved[name]:
-            allowed = f"{moved[name]:g} kg, which the links behind joint {name} have in the file"
-            key = f"mass behind joint {name} in Pinocchio"
-            raise ModelError(file=file, key=key, value=inertia.mass, allowed=allowed)
-
-
-def _bounded(text: str) -> str:
-    """Turn continuous joints into revolute ones with limits that never act."""
-    root = ElementTree.fromstring(text)
-    for joint in root.findall("joint"):
-        if joint.get("type") != "continuous":
+        if name == "universe":
             continue
-        joint.set("type", "revolute")
-        limit = joint.find("limit")
-        if limit is None:
-            limit = ElementTree.SubElement(joint, "limit", effort="1e9", velocity="1e9")
-        limit.set("lower", "-1e9")
-        limit.set("upper", "1e9")
-    return ElementTree.tostring(root, encoding="unicode")
+        joint = urdf.joints[name]
+        if inertia.mass == 0.0:
+            allowed = "a moving link needs mass and inertia, its own or of links fixed to it"
+            raise ModelError(
+                file=file, key=f"link {joint.child} inertial", value=None, allowed=allowed
+            )
+        x, _, z = inertia.lever.tolist()
+        about_hinge = float(inertia.inertia[1, 1]) + inertia.mass * (x * x + z * z)
+        if joint.kind == "revolute" and about_hinge <= 0.0:
+            allowed = f"an inertia about the axis of joint {name} above 0 kg m2"
+            raise ModelError(
+                file=file, key=f"link {joint.child} inertia", value=about_hinge, allowed=allowed
+            )
 
 
 def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
     """Tree joints in the order of their coordinates.
 
     Args:
-        model: The Pinocchio model; it orders joints its own way.
-        urdf: The checked URDF.
+        model: The Pinocchio model.
+        urdf: The URDF.
     """
-    joints = []
-    for identity in range(1, model.njoints):
-        source = urdf.joints[model.names[identity]]
-        if source.kind == "fixed":
-            continue
-        joints.append(
-            Joint(
-                name=source.name,
-                kind=source.kind,
-                parent=source.parent,
-                child=source.child,
-                index=model.joints[identity].idx_v,
-            )
+    return tuple(
+        Joint(
+            name=source.name,
+            kind="prismatic" if source.kind == "prismatic" else "revolute",
+            parent=source.parent,
+            child=source.child,
+            index=model.joints[identity].idx_v,
         )
-    return tuple(sorted(joints, key=lambda joint: joint.index))
+        for identity in range(1, model.njoints)
+        if (source := urdf.joints[model.names[identity]])
+    )
 
 
-def collision_geometry(
-    model: pin.Model, text: str, urdf: Urdf, mesh_folder: Path, file: str
-) -> pin.GeometryModel:
+def collision_geometry(model: pin.Model, urdf: Urdf, file: str) -> pin.GeometryModel:
     """Collision shapes of all links.
 
     Args:
         model: The Pinocchio model.
-        text: The URDF, checked.
-        urdf: The checked URDF.
-        mesh_folder: Folder that relative mesh paths start from.
+        urdf: The URDF.
         file: File name, for messages.
 
     Returns:
         Geometry model whose objects carry the names of the collision elements.
+
+    Raises:
+        ModelError: A mesh cannot be read.
     """
-    # Pinocchio does not need meshes that are only drawn; their files may be missing.
-    solids = (part.partition("</collision>")[0] for part in text.split("<collision")[1:])
-    if any("<mesh" in solid for solid in solids):
-        text, paths = _absolute_meshes(text, mesh_folder, file)
-        check_size(paths, "collision meshes", file)
+    geometry = pin.GeometryModel()
+    paths = [shape.path for link in urdf.links.values() for shape in link.shapes if shape.path]
+    check_size(paths, "collision meshes", file)
+    for name, link in urdf.links.items():
+        identity = model.getFrameId(name, pin.FrameType.BODY)
+        frame = model.frames[identity]
+        for shape in link.shapes:
+            at = frame.placement * shape.placement
+            solid = _solid(shape, f"link {name} collision {shape.name}", file)
+            words = () if shape.path is None else (str(shape.path), np.array(shape.sizes))
+            geometry.addGeometryObject(
+                pin.GeometryObject(shape.name, frame.parentJoint, identity, at, solid, *words)
+            )
+    return geometry
+
+
+def _solid(shape: UrdfShape, key: str, file: str) -> coal.CollisionGeometry:
+    """The shape itself."""
+    if shape.path is None:
+        kinds = {"box": coal.Box, "cylinder": coal.Cylinder, "sphere": coal.Sphere}
+        return kinds[shape.kind](*shape.sizes)
     try:
-        geometry = pin.buildGeomFromUrdfString(model, text, pin.GeometryType.COLLISION)
+        mesh = coal.MeshLoader().load(str(shape.path), np.array(shape.sizes))
     except (ValueError, RuntimeError) as error:
         reason = str(error).partition("message: ")[2] or str(error)
         allowed = "collision meshes that can be read: STL, OBJ or DAE with vertices and faces"
         value = " ".join(reason.split())
         raise ModelError(file=file, key="collision mesh", value=value, allowed=allowed) from error
-    # Pinocchio numbers the shapes of each link in the order of the file.
-    for link, names in urdf.shapes.items():
-        for place, name in enumerate(names):
-            identity = geometry.getGeometryId(f"{link}_{place}")
-            if identity >= geometry.ngeoms:
-                allowed = (
-                    "a link whose shapes all can be read; the URDF parser left this one out, for "
-                    "a wrong attribute of a mesh or an element in the wrong place"
-                )
-                raise ModelError(
-                    file=file, key=f"link {link} collision", value=name, allowed=allowed
-                )
-            found = geometry.geometryObjects[identity]
-            found.name = name
-            if isinstance(found.geometry, coal.BVHModelBase):
-                check_corners(found.geometry.vertices(), f"link {link} collision {name}", file)
-    return geometry
-
-
-def _absolute_meshes(text: str, mesh_folder: Path, file: str) -> tuple[str, list[Path]]:
-    """Write absolute paths of collision meshes: Pinocchio resolves no others without a package."""
-    root = ElementTree.fromstring(text)
-    paths = []
-    for mesh in root.iterfind(".//collision//mesh"):
-        paths.append(mesh_path(mesh.get("filename", ""), mesh_folder, "mesh", file))
-        mesh.set("filename", str(paths[-1]))
-    return ElementTree.tostring(root, encoding="unicode"), paths
+    check_corners(mesh.vertices(), key, file)
+    return mesh

@@ -26,6 +26,7 @@ class OscillatingGuide:
         guide_axis: Axis of the guide (x, z) [m].
         guide_offset_m: Distance of the bar's line from the guide axis, positive to the left of the
             direction towards the pin [m].
+        sense: 1 if the law grows counter-clockwise, -1 if clockwise.
 
     Raises:
         InputError: The crank circle reaches the guide axis or its offset, so the guide would turn
@@ -36,6 +37,7 @@ class OscillatingGuide:
     crank_axis: tuple[float, float]
     guide_axis: tuple[float, float]
     guide_offset_m: float = 0.0
+    sense: float = 1.0
     knots_rad: ClassVar[tuple[float, ...]] = ()
     _distance: float = field(init=False, repr=False, compare=False)
     _direction: float = field(init=False, repr=False, compare=False)
@@ -77,9 +79,13 @@ class OscillatingGuide:
         value = np.arctan2(across, along + d) + self._direction
         first = (projected + r * r) / square
         second = (d * (r * r - d * d)) * across / (square * square)
-        if self.guide_offset_m == 0.0:
-            return value, first, second
-        return self._offset(value, first, second, square, d * across, projected)
+        if self.guide_offset_m != 0.0:
+            value, first, second = self._offset(
+                value, first, second, square, d * across, projected
+            )
+        if self.sense < 0.0:
+            return -value, -first, -second
+        return value, first, second
 
     def _offset(
         self,

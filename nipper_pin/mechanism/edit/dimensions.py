@@ -4,7 +4,7 @@
   that meets in the pin moves with it (:mod:`.points`);
 * ``points.<hinge or frame>.radius_mm`` and ``.angle_deg``: the same, seen from the hinge of the
   link that carries the point: the length of a link, an eccentricity and its angle (from x, ccw);
-* ``links.<link>.mass_kg`` and ``.inertia_kg_m2`` (about y through the centre of mass);
+* ``links.<link>.mass_kg`` and ``.inertia_kg_m2`` (across the plane, through the centre of mass);
 * ``links.<link>.com_x_mm`` and ``.com_z_mm``: centre of mass in the world at touch;
 * ``links.<link>.gyration_mm``: radius of gyration about it, sqrt(inertia / mass); with it the
   inertia goes with the mass, as that of a body of one shape does;
@@ -19,9 +19,12 @@ import math
 from collections.abc import Mapping, Sequence
 from xml.etree import ElementTree
 
+import numpy as np
+
 from ...errors import ModelError, UnknownNameError
+from ...tolerances.mechanics import IN_PLANE_RAD
 from ...units import M_PER_MM, MM_PER_M
-from ..files.urdf_values import numbers, origin
+from ..files.urdf_values import numbers, origin, rotation_from_rpy
 from .layout import Layout, read_layout
 from .points import move_points, write_origin
 from .urdf_paths import find_value, steps_of
@@ -33,7 +36,8 @@ _CARTESIAN = ("x_mm", "z_mm")
 _POLAR = ("radius_mm", "angle_deg")
 _COM = {"com_x_mm": 0, "com_z_mm": 2}
 _GYRATION = "gyration_mm"
-_MASS = {"mass_kg": ("mass", "value"), "inertia_kg_m2": ("inertia", "iyy")}
+_MASS = ("mass_kg", "inertia_kg_m2")
+_ALONG = ("ixx", "iyy", "izz")
 _LINK = (*_MASS, *_COM, _GYRATION)
 
 
@@ -109,9 +113,9 @@ def read_dimension(found: Layout, path: str, file: str) -> float:
         world = found.place[name] + found.turn[name] @ xyz
         return float(MM_PER_M * world[_COM[key]])
     if key == _GYRATION:
-        mass, inertia = (_number(inertial, item, path, file) for item in _MASS)
+        mass, inertia = (_number(found, name, item, path, file) for item in _MASS)
         return MM_PER_M * math.sqrt(inertia / mass)
-    return _number(inertial, key, path, file)
+    return _number(found, name, key, path, file)
 
 
 def _split(path: str, known: Sequence[str], kind: str) -> tuple[str, str]:
@@ -181,30 +185,44 @@ def _change_link(found: Layout, link: str, new: Mapping[str, float], file: str) 
         write_origin(inertial, found.turn[link].T @ (world - found.place[link]), None)
     for key in _MASS:
         if key in new:
-            _write_number(inertial, key, new[key], f"links.{link}.{key}", file)
+            _write_number(found, link, key, new[key], f"links.{link}.{key}", file)
     if _GYRATION in new:
         path = f"links.{link}.{_GYRATION}"
-        mass = _number(inertial, "mass_kg", path, file)
+        mass = _number(found, link, "mass_kg", path, file)
         inertia = mass * (M_PER_MM * new[_GYRATION]) ** 2
-        _write_number(inertial, "inertia_kg_m2", inertia, path, file)
+        _write_number(found, link, "inertia_kg_m2", inertia, path, file)
 
 
-def _number(inertial: ElementTree.Element, key: str, path: str, file: str) -> float:
+def _number(found: Layout, link: str, key: str, path: str, file: str) -> float:
     """Read mass or inertia."""
-    tag, attribute = _MASS[key]
-    return float(numbers(_part(inertial, tag, path, file), attribute, 1, None, path, file)[0])
+    element, attribute = _place_of(found, link, key, path, file)
+    return float(numbers(element, attribute, 1, None, path, file)[0])
 
 
 def _write_number(
-    inertial: ElementTree.Element, key: str, value: float, path: str, file: str
+    found: Layout, link: str, key: str, value: float, path: str, file: str
 ) -> None:
     """Write mass or inertia."""
-    tag, attribute = _MASS[key]
-    _part(inertial, tag, path, file).set(attribute, repr(float(value)))
+    element, attribute = _place_of(found, link, key, path, file)
+    element.set(attribute, repr(float(value)))
 
 
-def _part(inertial: ElementTree.Element, tag: str, path: str, file: str) -> ElementTree.Element:
+def _place_of(
+    found: Layout, link: str, key: str, path: str, file: str
+) -> tuple[ElementTree.Element, str]:
+    """Element and attribute that hold mass or inertia of a link."""
+    inertial = found.inertial(link, path)
+    tag = "mass" if key == "mass_kg" else "inertia"
     element = inertial.find(tag)
     if element is None:
         raise ModelError(file=file, key=path, value=None, allowed=f"the link has no <{tag}>")
-    return element
+    if tag == "mass":
+        return element, "value"
+    _, rpy = origin(inertial, path, file)
+    # The axis across the plane in those of the inertia, which may be turned in the plane.
+    across = np.abs((found.turn[link] @ rotation_from_rpy(rpy))[1])
+    place = int(np.argmax(across))
+    if across[place] < math.cos(IN_PLANE_RAD):
+        allowed = "an inertia whose axes are in the plane or across it; urdf. paths change others"
+        raise ModelError(file=file, key=path, value=rpy.tolist(), allowed=allowed)
+    return element, _ALONG[place]

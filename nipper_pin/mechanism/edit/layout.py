@@ -5,7 +5,7 @@ A *point* is a hinge or a named frame. Closures are cut pins, so two points can 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree
@@ -15,12 +15,13 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
 from ...units import MM_PER_M
-from ..files.urdf_values import origin, rotation_from_rpy
+from ..files.plane import JointAxis, find_plane
+from ..files.urdf_values import numbers, origin, rotation_from_rpy
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Places of links and points at touch.
+    """Places of links and points at touch, in the world of the side view.
 
     Attributes:
         root: The ``robot`` element.
@@ -137,6 +138,10 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
             loose = sorted(element_name(item) for item in joints if item not in order)
             allowed = "joints that hang from the frame, one a link"
             raise ModelError(file=file, key="joints", value=loose, allowed=allowed)
+    plane = find_plane(_axes(order, turn, file), file)
+    if plane.turned:
+        place = {link: plane.axes @ where for link, where in place.items()}
+        turn = {link: plane.axes @ rotation for link, rotation in turn.items()}
     return Layout(
         root=root,
         order=tuple(order),
@@ -145,6 +150,23 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
         points=points,
         meeting=_meeting(points, document),
     )
+
+
+def _axes(
+    order: Sequence[ElementTree.Element], turn: Mapping[str, FloatArray], file: str
+) -> list[JointAxis]:
+    """Axes of the joints that move; a joint without any direction has none."""
+    found = []
+    for joint in order:
+        name, kind, axis = element_name(joint), joint.get("type"), joint.find("axis")
+        local = np.array([1.0, 0.0, 0.0])
+        if axis is not None:
+            local = numbers(axis, "xyz", 3, "1 0 0", f"joint {name} axis", file)
+        length = np.linalg.norm(local)
+        if kind != "fixed" and length > 0.0:
+            direction = turn[end(joint, "child")] @ local / length
+            found.append(JointAxis(name, kind != "prismatic", direction, local.tolist()))
+    return found
 
 
 def _meeting(points: Mapping[str, str], document: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:

@@ -1,10 +1,8 @@
-"""Reading and checking a URDF before Pinocchio sees it."""
+"""Reading and checking a URDF: its links, joints and shapes, turned into the side view."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree
@@ -12,24 +10,19 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ModelError, UnknownNameError
-from ...texts import MOST_TEXT
-from ...tolerances.mechanics import URDF_TOLERANCE
+from .plane import Plane
+from .side_view import in_side_view
 from .toml_text import NAMES, is_name
-from .urdf_values import (
-    check_colours,
-    check_dynamics,
-    check_inertial,
-    check_shapes,
-    numbers,
-    origin,
-    rotation_from_rpy,
-)
+from .urdf_parts import Urdf, UrdfJoint, UrdfLink
+from .urdf_shapes import check_colours, read_shapes
+from .urdf_values import numbers, placement, read_damping, read_inertial
+from .xml_text import edit as edit
+from .xml_text import parse_xml as parse_xml
 
 # Parsers of URDF call themselves for each joint in a row.
 _DEEPEST = 500
 # Checks of closures solve dense equations in the coordinates of joints that move.
 _MOST_LINKS, _MOST_MOVING, _MOST_SHAPES = 2000, 500, 2000
-HINGE_AXIS = (0.0, -1.0, 0.0)
 _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
     "revolute": "revolute",
     "continuous": "revolute",
@@ -38,77 +31,8 @@ _KINDS: dict[str, Literal["revolute", "prismatic", "fixed"]] = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class UrdfJoint:
-    """One joint of the URDF.
-
-    Attributes:
-        name: Joint name.
-        kind: "revolute", "prismatic" or "fixed".
-        parent: Parent link.
-        child: Child link.
-        axis: Unit axis of rotation or translation in the joint frame; zero if fixed.
-        damping: Of its <dynamics> [N s/m or N m s/rad].
-    """
-
-    name: str
-    kind: Literal["revolute", "prismatic", "fixed"]
-    parent: str
-    child: str
-    axis: tuple[float, float, float]
-    damping: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Urdf:
-    """A checked URDF.
-
-    Attributes:
-        root: Name of the root link.
-        links: Names of all links.
-        joints: All joints by name.
-        shapes: Names of the collision elements of each link, in the order of the file; an element
-            without a name is called ``<link>_<place>``.
-        masses: Mass of each link [kg], zero without inertial.
-    """
-
-    root: str
-    links: tuple[str, ...]
-    joints: dict[str, UrdfJoint]
-    shapes: dict[str, tuple[str, ...]]
-    masses: dict[str, float]
-
-
-def parse_xml(text: str, file: str) -> ElementTree.Element:
-    """Parse URDF text, comments kept.
-
-    Args:
-        text: The URDF.
-        file: File name, for messages.
-
-    Raises:
-        ModelError: The text is not well-formed XML or not a URDF.
-    """
-    if len(text) > MOST_TEXT:
-        allowed = f"at most {MOST_TEXT} characters"
-        raise ModelError(file=file, key="length", value=len(text), allowed=allowed)
-    builder = ElementTree.TreeBuilder(insert_comments=True)
-    try:
-        root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
-    except (ElementTree.ParseError, ValueError) as error:
-        value = str(error)
-        raise ModelError(
-            file=file, key="XML", value=value, allowed="a URDF is well-formed XML"
-        ) from error
-    if root.tag != "robot":
-        raise ModelError(
-            file=file, key="root element", value=root.tag, allowed="a URDF starts with <robot>"
-        )
-    return root
-
-
 def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
-    """Check a URDF for errors that Pinocchio would not report, or not clearly.
+    """Read a URDF, check it, and turn it into the side view.
 
     Args:
         root: The ``robot`` element.
@@ -116,29 +40,37 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
         mesh_folder: Folder that mesh files must lie in.
 
     Returns:
-        Links, joints and collision elements.
+        Links and joints.
 
     Raises:
         ModelError: A value cannot belong to a planar mechanism.
         UnknownNameError: A joint names a link that does not exist.
     """
-    links = {_name(item, file): item for item in _unique(root.findall("link"), file)}
-    _check_count(len(links), _MOST_LINKS, "links", file)
+    elements = {_name(item, file): item for item in _unique(root.findall("link"), file)}
+    _check_count(len(elements), _MOST_LINKS, "links", file)
     joints = {}
     for item in _unique(root.findall("joint"), file):
-        joint = _check_joint(item, links, file)
+        joint = _read_joint(item, elements, file)
         joints[joint.name] = joint
-    top = _check_tree(links, joints, file)
-    moving = {joint.child for joint in joints.values() if joint.kind != "fixed"}
-    _check_count(len(moving), _MOST_MOVING, "joints that move", file)
-    shapes, masses = {}, {}
-    for name, link in links.items():
-        masses[name] = check_inertial(link, name, name in moving, file)
-        shapes[name] = check_shapes(link, name, file, mesh_folder)
-    _check_count(sum(map(len, shapes.values())), _MOST_SHAPES, "collision shapes", file)
-    _check_shape_names(shapes, file)
+    top = _check_tree(elements, joints, file)
+    count = sum(joint.kind != "fixed" for joint in joints.values())
+    _check_count(count, _MOST_MOVING, "joints that move", file)
+    if not count:
+        allowed = "a joint that moves: revolute, continuous or prismatic"
+        raise ModelError(file=file, key="joints that move", value=0, allowed=allowed)
+    still = _welded_to(top, joints)
+    links = {
+        name: UrdfLink(
+            inertia=read_inertial(link, name, name not in still, file),
+            shapes=read_shapes(link, name, file, mesh_folder),
+        )
+        for name, link in elements.items()
+    }
+    found = Urdf(root=top, links=links, joints=joints, plane=Plane(np.eye(3)), own_axes={})
+    _check_count(sum(map(len, found.shapes.values())), _MOST_SHAPES, "collision shapes", file)
+    _check_shape_names(found.shapes, file)
     check_colours(root, file)
-    return Urdf(root=top, links=tuple(links), joints=joints, shapes=shapes, masses=masses)
+    return in_side_view(found, file)
 
 
 def _check_count(count: int, most: int, what: str, file: str) -> None:
@@ -171,8 +103,8 @@ def _unique(elements: list[ElementTree.Element], file: str) -> list[ElementTree.
     return elements
 
 
-def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) -> UrdfJoint:
-    """Check type, links, placement and axis of a joint."""
+def _read_joint(element: ElementTree.Element, links: Iterable[str], file: str) -> UrdfJoint:
+    """Read type, links, placement and axis of a joint."""
     name = _name(element, file)
     key = f"joint {name}"
     kind = element.get("type", "")
@@ -188,16 +120,6 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
                 kind="link", name=link, known=links, where=f"{file}: {key} {side}"
             )
         ends.append(link)
-    _, rpy = origin(element, key, file)
-    rotation = rotation_from_rpy(rpy)
-    # The direction of y must be kept: a half turn about x keeps the plane but mirrors angles.
-    if abs(rotation[1, 1] - 1.0) > URDF_TOLERANCE:
-        raise ModelError(
-            file=file,
-            key=f"{key} origin rpy",
-            value=rpy.tolist(),
-            allowed="a rotation about y only, others leave the plane of the mechanism",
-        )
     if element.find("mimic") is not None:
         raise ModelError(
             file=file,
@@ -205,68 +127,34 @@ def _check_joint(element: ElementTree.Element, links: Iterable[str], file: str) 
             value=element.find("mimic").attrib,  # type: ignore[union-attr]
             allowed="no mimic; gear pairs are drives with law = 'geared' in the TOML file",
         )
-    axis = _check_axis(element, _KINDS[kind], key, file)
+    axis, written = _read_axis(element, _KINDS[kind], key, file)
     return UrdfJoint(
         name=name,
         kind=_KINDS[kind],
         parent=ends[0],
         child=ends[1],
+        placement=placement(element, key, file),
         axis=axis,
-        damping=check_dynamics(element, key, file),
+        damping=read_damping(element, key, file),
+        written=written,
     )
 
 
-def _check_axis(
+def _read_axis(
     element: ElementTree.Element, kind: str, key: str, file: str
-) -> tuple[float, float, float]:
-    """A hinge turns about -y, a slider moves in the plane; return the unit axis, exactly so."""
+) -> tuple[tuple[float, float, float], object]:
+    """Axis of a joint, of any length, and how the file has it; zero of a fixed joint."""
     if kind == "fixed":
-        return (0.0, 0.0, 0.0)
+        return (0.0, 0.0, 0.0), None
     axis = element.find("axis")
-    value = np.array([1.0, 0.0, 0.0])
-    if axis is not None:
-        value = numbers(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
-    length = float(np.linalg.norm(value))
-    allowed = ""
-    if length == 0.0:
+    if axis is None:
+        return (1.0, 0.0, 0.0), "none, which means 1 0 0"
+    value = numbers(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
+    if not value.any():
         allowed = "an axis has a direction"
-    elif kind == "revolute" and np.abs(value / length - HINGE_AXIS).max() > URDF_TOLERANCE:
-        allowed = "a hinge turns about 0 -1 0 (positive counter-clockwise in the side view)"
-    elif kind == "prismatic" and abs(value[1]) / length > URDF_TOLERANCE:
-        allowed = "a slider moves in the x-z plane, its axis has no y component"
-    if allowed:
         raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)
-    if kind == "revolute":
-        return HINGE_AXIS
-    length = float(np.hypot(value[0], value[2]))
-    return (float(value[0]) / length, 0.0, float(value[2]) / length)
-
-
-def flatten(root: ElementTree.Element) -> bool:
-    """Put the joints of a checked URDF exactly into the plane, in place; True if one was not.
-
-    Programs write half a turn about y as three angles, of which one may be pi but for round-off, or
-    angles of a few digits. A pin whose parts are not exactly parallel would pull across the plane.
-
-    Args:
-        root: The ``robot`` element.
-    """
-    changed = False
-    for joint in root.findall("joint"):
-        place, axis = joint.find("origin"), joint.find("axis")
-        if place is not None:
-            roll, pitch, yaw = (float(word) for word in place.get("rpy", "0 0 0").split())
-            if roll or yaw:
-                turn = rotation_from_rpy(np.array([roll, pitch, yaw]))
-                place.set("rpy", f"0 {math.atan2(turn[0, 2], turn[0, 0])!r} 0")
-                changed = True
-        if axis is not None and joint.get("type") != "fixed":
-            x, y, z = (float(word) for word in axis.get("xyz", "1 0 0").split())
-            sliding = _KINDS[joint.get("type", "")] == "prismatic"
-            if y if sliding else x or z:
-                axis.set("xyz", f"{x!r} 0 {z!r}" if sliding else f"0 {y!r} 0")
-                changed = True
-    return changed
+    x, y, z = value.tolist()
+    return (x, y, z), value.tolist()
 
 
 def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -> str:
@@ -299,6 +187,14 @@ def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -
     return roots[0]
 
 
+def _welded_to(top: str, joints: Mapping[str, UrdfJoint]) -> set[str]:
+    """The root link and all links that no joint moves."""
+    still, fixed = {top}, [joint for joint in joints.values() if joint.kind == "fixed"]
+    while more := {joint.child for joint in fixed if joint.parent in still} - still:
+        still |= more
+    return still
+
+
 def _check_shape_names(shapes: dict[str, tuple[str, ...]], file: str) -> None:
     """A contact names a link or a collision element, so these names must not clash."""
     seen: dict[str, str] = dict.fromkeys(shapes, "the link of that name")
@@ -312,16 +208,3 @@ def _check_shape_names(shapes: dict[str, tuple[str, ...]], file: str) -> None:
                     file=file, key=f"link {link} collision name", value=name, allowed=allowed
                 )
             seen[name] = f"a collision element of link {link}"
-
-
-def edit(text: str, change: Callable[[ElementTree.Element], None], file: str) -> str:
-    """Apply a change to URDF text, comments kept.
-
-    Args:
-        text: The URDF.
-        change: Called with the ``robot`` element.
-        file: File name, for messages.
-    """
-    root = parse_xml(text, file)
-    change(root)
-    return ElementTree.tostring(root, encoding="unicode")

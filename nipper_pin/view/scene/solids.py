@@ -19,16 +19,14 @@ import pinocchio as pin
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
 from ...mechanism.drives import OscillatingGuide
-from ...mechanism.files.urdf_values import (
-    mesh_path,
-    numbers,
-    origin,
-    path_inside,
-    rotation_from_rpy,
-)
+from ...mechanism.files.urdf import parse_xml
+from ...mechanism.files.urdf_shapes import mesh_path, path_inside
+from ...mechanism.files.urdf_values import numbers, origin, rotation_from_rpy
 from .colours import link_colour
 
 Colour = tuple[float, float, float]
+# Frames of links here, and as the file has them where the side view has others.
+_LINK, _OWN = pin.FrameType.BODY, pin.FrameType.OP_FRAME
 FIXED = -1
 CYLINDER = -2
 
@@ -80,7 +78,7 @@ def solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     Raises:
         ModelError: A shape of the URDF cannot be read.
     """
-    robot = ElementTree.fromstring(mechanism.urdf)
+    robot = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     colours = {
         item.get("name", ""): _colour(item)
         for item in robot.findall("material")
@@ -109,7 +107,7 @@ def plain_solids(mechanism: Mechanism) -> tuple[Solid, ...]:
     Raises:
         ModelError: A shape of the URDF cannot be read.
     """
-    robot = ElementTree.fromstring(mechanism.urdf)
+    robot = parse_xml(mechanism.urdf, f"{mechanism.name}.urdf")
     return tuple(
         item
         for link, body, frame in _links(mechanism, robot)
@@ -124,9 +122,9 @@ def _links(
     """Links of the URDF, the body that each moves with, and where it stands in that."""
     order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     for link in robot.findall("link"):
-        frame = mechanism.model.frames[
-            mechanism.model.getFrameId(link.get("name", ""), pin.FrameType.BODY)
-        ]
+        name, model = link.get("name", ""), mechanism.model
+        kind = _OWN if model.existFrame(name, _OWN) else _LINK
+        frame = model.frames[model.getFrameId(name, kind)]
         body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
         yield link, body, frame.placement
 
@@ -189,7 +187,7 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
     ends += [
         np.array(frame.placement.translation)
         for frame in model.frames
-        if frame.parentJoint == joint and frame.name in named
+        if frame.parentJoint == joint and frame.type == _LINK and frame.name in named
     ]
     thick = 0.02 * mechanism.reach_m
     ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]

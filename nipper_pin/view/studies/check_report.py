@@ -36,6 +36,8 @@ def print_report(
         f"{len(mechanism.closures)} cut joints, mobility {mechanism.degrees_of_freedom}, "
         f"{len(mechanism.drives)} of it driven",
     )
+    if mechanism.side_view:
+        say(console, f"axes: {mechanism.side_view}")
     _joints(report, console)
     _stops(report, console)
     headline(console, "Cycle")

@@ -64,7 +64,7 @@ def read_measured(path: str | Path, stiffness: str = _STIFFNESS[0]) -> tuple[Tar
         message = f"measured: {str(path)!r} is no path of a file"
         raise InputError(message, file=str(path))
     try:
-        text = read_text(file, MOST_TABLE, "utf-8-sig")
+        text = read_text(file, MOST_TABLE)
         heading = next((line for line in text.splitlines() if line.strip()), "")
         separator = ";" if ";" in heading and "," not in heading else ","
         lines = list(islice(_lines(text, separator, file.name), _MOST_LINES + 1))

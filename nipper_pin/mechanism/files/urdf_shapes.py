@@ -1,0 +1,168 @@
+"""Shapes and colours of a URDF, and where the files of meshes may lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+import pinocchio as pin
+
+from ...errors import ModelError
+from ...texts import followed, is_path
+from .urdf_values import finite, placement
+
+_PACKAGE = "package://"
+_INSIDE = "a path relative to the model folder that stays inside it"
+_ATTRIBUTES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class UrdfShape:
+    """A collision shape of a link.
+
+    Attributes:
+        name: Its name; without one in the file ``<link>_<place>``.
+        kind: "box", "cylinder", "sphere" or "mesh".
+        sizes: Box: edges; cylinder: radius and length; sphere: radius [m]; mesh: its scale [-].
+        path: Mesh file, or None.
+        placement: In the frame of the link.
+    """
+
+    name: str
+    kind: str
+    sizes: tuple[float, ...]
+    path: Path | None
+    placement: pin.SE3
+
+
+def check_colours(root: ElementTree.Element, file: str) -> None:
+    """Refuse colours that are no four numbers; a viewer would stumble over them."""
+    for colour in root.iter("color"):
+        finite(colour, "rgba", 4, None, "color", file)
+
+
+def read_shapes(
+    link: ElementTree.Element, name: str, file: str, mesh_folder: Path
+) -> tuple[UrdfShape, ...]:
+    """Read the collision shapes of a link; the visual ones are only checked.
+
+    Args:
+        link: The element.
+        name: Its name.
+        file: File name, for messages.
+        mesh_folder: Folder that mesh files must lie in.
+
+    Raises:
+        ModelError: A shape is none, or a mesh is not in the folder.
+    """
+    found = []
+    for tag in ("visual", "collision"):
+        for place, element in enumerate(link.findall(tag)):
+            shape = element.get("name") or f"{name}_{place}"
+            key = f"link {name} {tag} {shape}"
+            at = placement(element, key, file)
+            solid = _solid(element, key, file)
+            path = None
+            if solid.tag == "mesh":
+                filename = solid.get("filename", "")
+                sizes = finite(solid, "scale", 3, "1 1 1", f"{key} mesh scale", file)
+                if tag == "collision":
+                    path = mesh_path(filename, mesh_folder, key, file)
+                else:
+                    # Only a viewer opens it. A run, also one saved on another machine, does not
+                    # depend on pictures, and a load does not wait for the file system.
+                    path_inside(filename, key, file)
+            else:
+                sizes = _sizes(solid, key, file)
+            if tag == "collision":
+                found.append(
+                    UrdfShape(
+                        name=shape, kind=solid.tag, sizes=tuple(sizes), path=path, placement=at
+                    )
+                )
+    return tuple(found)
+
+
+def _solid(element: ElementTree.Element, key: str, file: str) -> ElementTree.Element:
+    """The one geometry of a shape; comments are none."""
+    geometry = element.find("geometry")
+    solids = [] if geometry is None else [item for item in geometry if isinstance(item.tag, str)]
+    if len(solids) != 1 or solids[0].tag not in (*_ATTRIBUTES, "mesh"):
+        found = [item.tag for item in solids]
+        allowed = f"one geometry out of {', '.join((*_ATTRIBUTES, 'mesh'))}"
+        raise ModelError(file=file, key=key, value=found, allowed=allowed)
+    return solids[0]
+
+
+def _sizes(solid: ElementTree.Element, key: str, file: str) -> list[float]:
+    """Sizes of a primitive, which are positive [m]."""
+    found = []
+    for attribute in _ATTRIBUTES[solid.tag]:
+        count = 3 if attribute == "size" else 1
+        sizes = finite(solid, attribute, count, None, f"{key} {attribute}", file)
+        if min(sizes) <= 0.0:
+            raise ModelError(
+                file=file, key=f"{key} {attribute}", value=sizes, allowed="sizes above 0 m"
+            )
+        found += sizes
+    return found
+
+
+def path_inside(filename: str, key: str, file: str) -> str:
+    """Path of a mesh in the model folder, for which a package stands.
+
+    Args:
+        filename: Path in the URDF.
+        key: Place in the URDF, for messages.
+        file: File name, for messages.
+
+    Raises:
+        ModelError: The path leaves the folder by its very words.
+    """
+    inner = filename
+    if filename.startswith(_PACKAGE):
+        inner = filename.removeprefix(_PACKAGE).partition("/")[2]
+    path = PurePosixPath(inner)
+    outside = path.is_absolute() or ".." in path.parts or ":" in inner or "\\" in inner
+    if not inner or outside or not is_path(inner):
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
+    return inner
+
+
+def _check_package(filename: str, mesh_folder: Path, key: str, file: str) -> None:
+    """Refuse a mesh of another package than that whose package.xml lies in the model folder."""
+    manifest = mesh_folder / "package.xml"
+    if not (filename.startswith(_PACKAGE) and manifest.is_file()):
+        return
+    try:
+        name = ElementTree.parse(manifest).findtext("name", "").strip()
+    except (OSError, ElementTree.ParseError) as error:
+        allowed = f"a package whose package.xml can be read: {error}"
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed) from error
+    if filename.removeprefix(_PACKAGE).partition("/")[0] != name:
+        allowed = f"a mesh of the package of the model folder, {_PACKAGE}{name}/..."
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+
+
+def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
+    """Path of a mesh, which must be a file inside the model folder.
+
+    Args:
+        filename: Path in the URDF, relative to the model folder; ``package://NAME/`` before it
+            stands for that folder.
+        mesh_folder: The model folder.
+        key: Place in the URDF, for messages.
+        file: File name, for messages.
+
+    Raises:
+        ModelError: The path leaves the folder or names no file.
+    """
+    path = followed(mesh_folder / path_inside(filename, key, file))
+    if not path.is_relative_to(followed(mesh_folder)):
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
+    if not path.is_file():
+        allowed = f"a mesh file in the model folder {mesh_folder}"
+        raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
+    _check_package(filename, mesh_folder, key, file)
+    return path
