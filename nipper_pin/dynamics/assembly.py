@@ -59,7 +59,7 @@ def partition(
     """Choose dependent coordinates.
 
     Args:
-        jacobian: Closure Jacobian G, shape (m, nv).
+        jacobian: Closure Jacobian G by coordinates in their units, G * units, shape (m, nv).
         given: Coordinates whose motion is prescribed; never dependent.
         preferred: Coordinates to keep independent, the most important first, as far as the
             closures allow it.
@@ -109,7 +109,7 @@ def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int
     """Condition number of the closures, and the coordinates of the nearest dead centre.
 
     Args:
-        jacobian: Closure Jacobian G, shape (m, nv).
+        jacobian: Closure Jacobian G by coordinates in their units, as for :func:`partition`.
         given: Coordinates whose motion is prescribed.
 
     Returns:
@@ -125,15 +125,22 @@ def weakest(jacobian: FloatArray, given: Sequence[int]) -> tuple[float, list[int
     return float(sizes[0] / sizes[-1]) if sizes[-1] > 0.0 else np.inf, chosen
 
 
-def inverted(matrix: FloatArray) -> tuple[float, FloatArray]:
+def inverted(matrix: FloatArray, units: FloatArray | None = None) -> tuple[float, FloatArray]:
     """Condition number and inverse of a square matrix; infinite if it is singular.
 
     The number is that in the Frobenius norm: at most the number of rows times that in the 2-norm.
+
+    Args:
+        matrix: Shape (m, m).
+        units: What its columns count by in the condition number, shape (m,); None for ones.
     """
     if not matrix.size:
         return 1.0, matrix
     inverse = inverse_of(matrix)
-    condition = math.sqrt(np.vdot(matrix, matrix)) * math.sqrt(np.vdot(inverse, inverse))
+    there, back = matrix, inverse
+    if units is not None:
+        there, back = matrix * units, inverse / units[:, None]
+    condition = math.sqrt(np.vdot(there, there)) * math.sqrt(np.vdot(back, back))
     if not math.isfinite(condition):
         return np.inf, np.full_like(matrix, np.nan)
     return condition, inverse

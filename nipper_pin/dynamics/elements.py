@@ -47,6 +47,7 @@ class Elements:
         self._free_length = np.array([strut.free_length for strut in self._struts])
         self._damping = np.array([strut.damping for strut in self._struts])
         self._directed = np.array([strut.directed for strut in self._struts], dtype=bool)
+        self.coincident_m = COINCIDENT_M * mechanism.unit_m
 
     def forces(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Generalised forces, shape (N, nv) [N or N m].
@@ -167,7 +168,7 @@ class Elements:
         return density[:, :, None] * line, jacobian, rate
 
     def _check_lengths(self, length: FloatArray, q: FloatArray) -> None:
-        short = self._directed & (length < COINCIDENT_M)
+        short = self._directed & (length < self.coincident_m)
         if short.any():
             row, place = (int(found[0]) for found in np.nonzero(short))
             strut = self._struts[place]

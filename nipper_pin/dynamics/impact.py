@@ -143,15 +143,18 @@ def _still(
     if len(chosen) == len(contacts):
         return []
     others = [i for i in range(len(contacts)) if i not in chosen]
-    after = [contacts[i].rate(v) + contacts[i].rate(delta) for i in others]
+    # Rates of hinges and slides are compared, so each counts by the unit of its coordinate.
+    units = [float(system.body.units[stop.index]) for stop in contacts]
+    after = [(contacts[i].rate(v) + contacts[i].rate(delta)) / units[i] for i in others]
     # At active contacts xi is zero by construction, up to round-off.
-    xi = [rate - wanted[i] for i, rate in zip(others, after, strict=True)]
-    fastest = max(abs(stop.rate(v)) for stop in contacts)
+    xi = [rate - wanted[i] / units[i] for i, rate in zip(others, after, strict=True)]
+    fastest = max(abs(stop.rate(v)) / unit for stop, unit in zip(contacts, units, strict=True))
     nothing = [STILL_GAP_RATE * fastest] * len(others)
     smallest = [min(abs(rate), abs(excess)) for rate, excess in zip(after, xi, strict=True)]
     if any(STILL_GAP_RATE * fastest < small <= FAINT_GAP_RATE * fastest for small in smallest):
         struck, beside = ([contacts[i].index for i in group] for group in (chosen, others))
         unknown = _round_off(system, q, jacobian, delta, struck, beside)
+        unknown = [found / units[i] for i, found in zip(others, unknown, strict=True)]
         nothing = [max(least, found) for least, found in zip(nothing, unknown, strict=True)]
     slack = RESTITUTION_SLACK * fastest
     if any(excess < -max(slack, least) for excess, least in zip(xi, nothing, strict=True)):
@@ -178,9 +181,10 @@ def _round_off(
 def _grazed(system: System, v: FloatArray, contacts: Sequence[Stop]) -> Impact:
     """Contact without approach: no impulse; a rate that is only round-off is none."""
     v_after = v.copy()
-    small = STILL_GAP_RATE * float(np.abs(v).max())
+    units = system.body.units
+    small = STILL_GAP_RATE * float(np.abs(v / units).max())
     for stop in contacts:
-        if stop.rate(v_after) <= small:
+        if stop.rate(v_after) <= small * units[stop.index]:
             v_after[stop.index] = 0.0
     still = no_impact(system, v_after)
     return replace(still, P_N={stop.name: 0.0 for stop in contacts})
@@ -334,7 +338,10 @@ def _impulses(
     for row, stop in enumerate(stops, start=m):
         rows[row, stop.index] = stop.sense
     delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
-    size, residual = _size(z), _size(product(rows, z + delta))
+    # What rows of closures leave is a rate of slides: it counts by the same unit.
+    lengths = np.array([system.mechanism.unit_m] * m + [system.body.units[i] for i in columns])
+    size = _size(z / system.body.units)
+    residual = _size(product(rows, z + delta) / lengths)
     for _ in range(_REFINEMENTS):
         if residual <= IMPACT_RESIDUAL * size:
             break
@@ -342,7 +349,7 @@ def _impulses(
         left = z + delta
         left[list(held)] = 0.0
         more, further = system.body.impulse_response(q, rows, left, system.drive_armature)
-        refined = _size(rows @ (left + more))
+        refined = _size(rows @ (left + more) / lengths)
         if not refined < residual:
             break
         delta, impulses, residual = delta + more, impulses + further, refined

@@ -91,7 +91,8 @@ class Multibody(OpenTree):
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
         mu = PROXIMAL_REGULARISATION / heaviest if heaviest > 0.0 else PROXIMAL_REGULARISATION
-        self._proximal = pin.ProximalSettings(PROXIMAL_RESIDUAL, PROXIMAL_CHANGE, mu, _ITERATIONS)
+        residual = PROXIMAL_RESIDUAL * mechanism.unit_m
+        self._proximal = pin.ProximalSettings(residual, PROXIMAL_CHANGE, mu, _ITERATIONS)
         self._planar_rows = np.array(
             [
                 3 * number + row

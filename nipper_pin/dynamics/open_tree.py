@@ -24,6 +24,8 @@ class OpenTree:
     Attributes:
         nv: Number of coordinates.
         reach_m: Largest extent of the mechanism [m].
+        units: Of each coordinate, as :attr:`Mechanism.units`, shape (nv,).
+        scaled: Whether any of them is not one.
         closure_rows: Number of closure equations, two a cut joint.
         cuts: Frames a and b of every cut joint.
 
@@ -36,6 +38,8 @@ class OpenTree:
         model = mechanism.model
         self.nv = int(model.nv)
         self.reach_m = mechanism.reach_m
+        self.units = mechanism.units
+        self.scaled = bool((self.units != 1.0).any())
         self._plain = pin.Model(model)
         self._plain_data = self._plain.createData()
         self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))

@@ -74,12 +74,12 @@ class System:
     ) -> Partition:
         """Dependent coordinates here: those of the last choice while well conditioned.
 
-        Arguments, value and errors are those of :func:`partition`.
+        Value and errors are those of :func:`partition`, and arguments, but for G itself.
         """
         key = given, preferred
         known = self._splits.get(key)
         if known is None or not self._serves(known, jacobian):
-            known = self._splits[key] = partition(jacobian, given, preferred)
+            known = self._splits[key] = partition(jacobian * self.body.units, given, preferred)
         return known
 
     def good_split(
@@ -87,12 +87,13 @@ class System:
     ) -> Partition:
         """Dependent coordinates of a flight: as :meth:`split`, others where ill-conditioned.
 
-        Arguments and errors are those of :func:`partition`.
+        Arguments and errors are those of :meth:`split`.
         """
         split = self.split(jacobian, given, preferred)
         if self.condition(split, jacobian) <= self.good_condition:
             return split
-        other = partition(jacobian, given, preferred, self.good_condition)
+        weighed = jacobian * self.body.units
+        other = partition(weighed, given, preferred, self.good_condition)
         allowed = REPARTITION_GAIN * self.condition(split, jacobian)
         return other if self.condition(other, jacobian) < allowed else split
 
@@ -150,7 +151,9 @@ class System:
         """
         place, dependent = self._checked
         if place is not jacobian or dependent != split.dependent:
-            self._condition, self._inverse = inverted(jacobian.take(split.columns, 1))
+            columns = split.columns
+            units = self.body.units.take(columns) if self.body.scaled else None
+            self._condition, self._inverse = inverted(jacobian.take(columns, 1), units)
             self._checked = jacobian, split.dependent
         return self._condition
 

@@ -58,7 +58,7 @@ def touch(body: Multibody, given: Sequence[int]) -> Touch:
     if key not in known:
         jacobian = body.closures(np.zeros((1, body.nv)))[1]
         jacobian.flags.writeable = False
-        split = partition(jacobian[0], given, [])
+        split = partition(jacobian[0] * body.units, given, [])
         units = np.eye(body.nv)[list(given)]
         known[key] = Touch(jacobian[0], split, close_velocities(units, jacobian, split).T)
     return known[key]
@@ -97,7 +97,7 @@ def _followed(body: Multibody, path: FloatArray, columns: list[int]) -> _Assembl
     jacobian, split, gaps = start.jacobian, start.split, np.zeros(body.closure_rows)
     before: FloatArray | None = None
     for target in path:
-        slopes, inverse, known = _slopes(jacobian, columns, split)
+        slopes, inverse, known = _slopes(body, jacobian, columns, split)
         if known != split:
             before, split = None, known
         bent = slopes if before is None else 1.5 * slopes - 0.5 * before
@@ -111,17 +111,18 @@ def _followed(body: Multibody, path: FloatArray, columns: list[int]) -> _Assembl
             q, (jacobian,) = close_positions(body, q, split, TRACKING_RESIDUAL)
             gaps = np.zeros(body.closure_rows)
     q, (jacobian,) = close_positions(body, q, split)
-    _, _, split = _slopes(jacobian, columns, split)
+    _, _, split = _slopes(body, jacobian, columns, split)
     jacobian.flags.writeable = False
     return _Assembled(path.copy(), tuple(columns), q[0], jacobian, split)
 
 
 def _slopes(
-    jacobian: FloatArray, given: list[int], split: Partition
+    body: Multibody, jacobian: FloatArray, given: list[int], split: Partition
 ) -> tuple[FloatArray, FloatArray, Partition]:
     """Dependent coordinates by the given ones and by gaps; the split, another if it is bad."""
-    condition, inverse = inverted(jacobian.take(split.columns, 1))
+    columns = split.columns
+    condition, inverse = inverted(jacobian.take(columns, 1), body.units.take(columns))
     if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
-        split = partition(jacobian, given, [])
+        split = partition(jacobian * body.units, given, [])
         _, inverse = inverted(jacobian.take(split.columns, 1))
     return -product(inverse, jacobian.take(given, 1)), inverse, split

@@ -20,6 +20,7 @@ from ..errors import UnknownNameError
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
+from .scale import reach, unit_of, units_of
 
 if TYPE_CHECKING:
     # Few machines have them.
@@ -306,8 +307,22 @@ class Mechanism:
     @cached_property
     def reach_m(self) -> float:
         """Length that the round-off of a closure gap is proportional to [m]."""
-        offsets = [placement.translation for placement in self.model.jointPlacements]
-        return float(sum(np.linalg.norm(offset) for offset in offsets)) or 1.0
+        return reach(self.model, self.joints, (*self.stops, *self.starts))
+
+    @cached_property
+    def unit_m(self) -> float:
+        """The reach as a power of two [m]."""
+        return unit_of(self.reach_m)
+
+    @cached_property
+    def units(self) -> NDArray[np.float64]:
+        """Of each coordinate: a radian, or ``unit_m`` of a slide, shape (nv,)."""
+        return units_of(self.joints, self.unit_m)
+
+    @cached_property
+    def extents(self) -> NDArray[np.float64]:
+        """The reach in units of each coordinate, shape (nv,)."""
+        return self.reach_m / self.unit_m * self.units
 
     @cached_property
     def drive_trains(self) -> tuple[tuple[DriveLaw, NDArray[np.float64]], ...]:

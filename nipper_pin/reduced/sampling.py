@@ -238,7 +238,7 @@ def _split(system: System, column: int, name: str) -> Partition:
     """Dependent coordinates with the transition stop independent."""
     driven = [int(index) for index in system.driven]
     _, jacobian = system.body.closures(np.zeros((1, system.body.nv)))
-    split = partition(jacobian[0], driven, [column])
+    split = partition(jacobian[0] * system.body.units, driven, [column])
     if column in split.dependent:
         message = f"stop {name!r} cannot move freely in the touch configuration"
         raise InputError(message, stop=name)

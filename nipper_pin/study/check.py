@@ -206,7 +206,7 @@ def _worst_condition(solution: Solution) -> Extreme:
     free = [i for i in range(solution.system.body.nv) if i not in solution.system.driven]
     if not jacobian.shape[1]:
         return Extreme(1.0, _index(solution, 0.0))
-    conditions = np.linalg.cond(jacobian[:, :, free])
+    conditions = np.linalg.cond((jacobian * solution.system.body.units)[:, :, free])
     worst = int(np.argmax(conditions))
     return Extreme(float(conditions[worst]), _index(solution, float(times[worst])))
 

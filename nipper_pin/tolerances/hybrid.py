@@ -34,11 +34,11 @@ SHALLOW_DIP = 0.25
 """[1] By the higher side of a dip: a bottom above, as a parabola has it, is above zero. A choice:
 of a resolved function the parabola errs by less."""
 GAP_ROUND_OFF = 1e-13
-"""[rad or m] Gap that counts as zero where closures determine it. It is 450 eps at lengths of
-one."""
+"""[1] By the unit of its coordinate: gap that counts as zero where closures determine it. It is 450
+eps."""
 ROOT_GAP_ROUND_OFF = 1e-14
-"""[rad or m] Gap at a root that was just found, up to which it is zero. It is 45 eps at lengths of
-one."""
+"""[1] By the unit of its coordinate: gap at a root that was just found, up to which it is zero. It
+is 45 eps."""
 SIMULTANEOUS = 1e-13
 """[1] By a turn: events that are nearer are one. It is 450 eps of a turn."""
 CLOSING_SHARE = 1e-3
@@ -97,9 +97,9 @@ A choice: a restitution of 0.9999 loses twice as much in twenty."""
 # Stated errors
 
 DIFFERENCE_STEP = 1e-6
-"""[rad or m, or a share of the largest rate] Step of difference quotients in stated errors. A
-choice between the square root of eps, best for one-sided ones, and its cube root, for central
-ones."""
+"""[1] By the unit of a coordinate, or by the largest rate: step of difference quotients in stated
+errors. A choice between the square root of eps, best for one-sided ones, and its cube root, for
+central ones."""
 LOCAL_ERROR_SAFETY = 8.0
 """[1] Factor on the estimated error of a panel. Measured over ten runs at six tolerances: true
 errors were up to 4.6 times the bare estimate, and up to 11 times with masses that differ by 1e8."""
@@ -136,11 +136,11 @@ DECISION_TOLERANCE = 1e-9
 """[1] Least tolerance of a run that only decides on the premise. A choice: its times are right to a
 thousandth of ``REST_BEFORE_TOUCH``."""
 SAME_ASSEMBLY = 1e-5
-"""[rad or m] Largest difference of positions in one assembly of the links. A choice: two assemblies
-differ by far more, and positions of one by far less."""
+"""[1] By units of coordinates: largest difference of positions in one assembly of the links. A
+choice: two assemblies differ by far more, and positions of one by far less."""
 SAME_POSITION = 1e-9
-"""[rad or m] Largest difference between the ends of a periodic turn. A choice, far above the
-round-off of closed positions."""
+"""[1] By units of coordinates: largest difference between the ends of a periodic turn. A choice,
+far above the round-off of closed positions."""
 SAME_RATE = 1e-6
 """[1] By the largest rate of the turn: the same of rates. A choice, far above amplified round-off
 and far below what an event changes."""

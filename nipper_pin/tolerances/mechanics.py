@@ -31,8 +31,8 @@ PROXIMAL_REGULARISATION = 1e-14
 """[1] By one over the heaviest mass: regularisation of the proximal iteration. A choice: it keeps
 dead rows from zero pivots, and is small beside the smallest eigenvalue of G M^-1 G'."""
 PROXIMAL_RESIDUAL = 1e-14
-"""[m/s^2 or rad/s^2] Residual of closures where the proximal iteration stops. It is 45 eps, so
-round-off of accelerations of about one; with larger ones ``PROXIMAL_CHANGE`` ends it."""
+"""[m/s^2] Residual of closures, of a machine of a metre, where the proximal iteration stops. It is
+45 eps, so round-off of accelerations of about one; with larger ones ``PROXIMAL_CHANGE`` ends it."""
 PROXIMAL_CHANGE = 1e-12
 """[1] By the multipliers: change by a proximal iteration that ends it, too. Each iteration divides
 what is missing by the same factor: where G M^-1 G' is above 1e-12, 3e-15 is left."""
@@ -64,13 +64,14 @@ so that only a failure exceeds it, such as a rank-deficient system."""
 # Models: what a folder is checked for
 
 COINCIDENT_M = 1e-9
-"""[m] Distance below which two points are one. A choice: a millionth of a millimetre is below any
-drawing and far above the round-off of a metre."""
+"""[m] Distance below which two points are one, of a machine of a metre. A choice: a millionth of a
+millimetre is below any drawing and far above the round-off of a metre."""
 ASSEMBLY_TOLERANCE_M = 1e-9
-"""[m] Largest gap of a closure in the touch configuration. A choice, as ``COINCIDENT_M``."""
+"""[m] Largest gap of a closure in the touch configuration, of a machine from a millimetre to a
+metre. A choice, as ``COINCIDENT_M``."""
 TOUCH_TOLERANCE_M = 1e-6
-"""[m] Largest gap or overlap of touching bodies in the touch configuration. A choice: a thousandth
-of a millimetre."""
+"""[m] Largest gap or overlap of touching bodies in the touch configuration, of a machine from a
+millimetre to a metre. A choice: a thousandth of a millimetre."""
 RANK_TOLERANCE = 1e-8
 """[1] Singular values of rows of length one below which their rank is less. A choice: half the
 digits of a double."""
@@ -90,15 +91,15 @@ ACROSS_PLANE = 1e-12
 """[1] Distance of a cosine from one up to which the axis of a cylinder is across the plane. A
 choice, far above the round-off of a unit axis; the angle is then at most 1.4e-6 rad."""
 DISTANCE_ACCURACY_M = 1e-12
-"""[m] Accuracy asked of distances between bodies in the touch configuration. A choice: a millionth
-of ``TOUCH_TOLERANCE_M``, where slopes of distances are taken."""
+"""[m] Accuracy asked of distances between bodies in the touch configuration, of a machine of a
+metre. A choice: a millionth of ``TOUCH_TOLERANCE_M``, where slopes of distances are taken."""
 TOUCH_STEP = 1e-13
-"""[rad or m] Last step of the search for the coordinate at which bodies touch. A choice: it is 450
-eps at lengths of one, and the limit of steps ends the search otherwise."""
+"""[1] By the unit of the coordinate: last step of the search for where bodies touch. A choice: it
+is 450 eps, and the limit of steps ends the search otherwise."""
 DRIVE_REPEATS = 1e-9
 """[rad or m] Largest error of the turn that a drive table spans, largest difference of places of a
-drive law a turn apart, and least motion of one that moves. A choice, far above the round-off of
-written numbers."""
+drive law of such a travel a turn apart, and least motion of one that moves, by its largest place. A
+choice, far above the round-off of written numbers."""
 DEPENDENT_SHARE = 1e-6
 """[1] Part in a dependence of unit rows from which a row is named in a message. A choice, which
 enters no equation."""

@@ -127,7 +127,7 @@ class LinearMaps:
             # the start, where it has not just opened, that of the closures.
             loose[free] = EPS * np.abs(panel.q[0, free])
             if panel is first:
-                loose[free] = independent_round_off(system)
+                loose[free] = independent_round_off(system)[free]
                 loose[touching] = 0.0
             own = own.joined(Deviations.independent(loose, np.zeros(nv)))
             try:

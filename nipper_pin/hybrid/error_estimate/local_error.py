@@ -23,18 +23,19 @@ from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
 
 
-def independent_round_off(system: System) -> float:
-    """Round-off of an independent position [rad or m], of the size that closures have."""
-    return INDEPENDENT_ROUND_OFF * system.body.reach_m
+def independent_round_off(system: System) -> FloatArray:
+    """Round-off of an independent position, of the size that closures have, (nv,) [rad or m]."""
+    return INDEPENDENT_ROUND_OFF * system.mechanism.extents
 
 
 def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
     """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
-    lever = np.ones(len(q))
+    found = independent_round_off(system)
     if split.dependent:
         _, jacobian = system.body.closures(q[None])
-        lever[split.columns] = np.abs(_opened(jacobian[0], split)).sum(axis=1)
-    return np.asarray(independent_round_off(system) * lever)
+        lever = np.abs(_opened(jacobian[0], split)).sum(axis=1)
+        found[split.columns] = INDEPENDENT_ROUND_OFF * system.body.reach_m * lever
+    return found
 
 
 def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> FloatArray:
@@ -53,13 +54,16 @@ def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> F
         (dq, dv), one column a closure or an independent position, shape (2 nv, nv).
     """
     split, nv = panel.split, len(q)
-    moved = np.eye(nv)
+    # A closure is open by as much as a slide; a hinge, in radians, by that in units of length.
+    moved = np.diag(system.body.units / system.mechanism.unit_m)
     if split.dependent:
         _, jacobian = system.body.closures(q[None])
         moved[np.ix_(split.columns, split.columns)] = _opened(jacobian[0], split)
-    _, jacobian = system.body.closures(q + DIFFERENCE_STEP * np.eye(nv))
-    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / DIFFERENCE_STEP
-    return np.vstack([moved, turned @ moved]) * independent_round_off(system)
+    steps = DIFFERENCE_STEP * system.body.units
+    _, jacobian = system.body.closures(q + np.diag(steps))
+    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / steps
+    round_off = INDEPENDENT_ROUND_OFF * system.body.reach_m
+    return np.vstack([moved, turned @ moved]) * round_off
 
 
 def _opened(jacobian: FloatArray, split: Partition) -> FloatArray:

@@ -7,10 +7,10 @@ import numpy as np
 from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import System
-from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, FORCE_SLOPE_STEP, SMALLEST
+from ...tolerances.hybrid import COORDINATE_ROUND_OFF, FORCE_SLOPE_STEP
 from ..motion.panel import Panel, forces_at
 from .local_error import of_closures
-from .variational import free_coordinates, tangents
+from .variational import fastest, free_coordinates, steps, tangents
 from .zonotope import Deviations
 
 
@@ -38,8 +38,8 @@ def release_error(
     q, v, nv = q[1:], v[1:], system.body.nv
     free = free_coordinates(phase, panel.split) if panel.integrated else []
     units, turned = (part[:, 0] for part in tangents(system, q, v, panel.split, free))
-    x = DIFFERENCE_STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
-    w = x * max(float(np.abs(v).max()), SMALLEST)
+    x = steps(system, units[:, None], free)[:, None]
+    w = x * fastest(system, v)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
     opened = of_closures(system, panel, q[0], v[0]).T
     places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
@@ -51,6 +51,6 @@ def release_error(
     there = multipliers(system, motion, moved, moving, a, jacobian, phase, panel.split)
     changes = there.la_N[:, column] - forces.la_N[1, column]
     wrong = float(np.abs(changes[: 2 * nv]).sum())
-    along = changes[2 * nv :] / np.repeat([x, w], len(free))
+    along = changes[2 * nv :] / np.concatenate([x, w])[:, 0]
     wrong += float(np.abs(along @ deviations.states[[*free, *(nv + k for k in free)]]).sum())
     return wrong / abs(slope) if slope else np.inf

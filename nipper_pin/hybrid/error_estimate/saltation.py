@@ -54,7 +54,8 @@ def impact_map(
     split = system.split(jacobian[0], system.held_coordinates, columns)
     y = list(split.independent)
     units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
-    steps = DIFFERENCE_STEP / np.maximum(np.abs(units).max(axis=1, keepdims=True), 1.0)
+    sizes = np.abs(units / system.body.units).max(axis=1, keepdims=True)
+    steps = DIFFERENCE_STEP / np.maximum(sizes, 1.0 / system.body.units[y, None])
     aside = np.vstack([q, q + steps * units])
     laws, impulses = _laws(system, aside, split, struck, restitution)
     neighbours = np.vstack([v, v + steps * turned])[:, :, None]

@@ -38,20 +38,25 @@ def left_out(system: System, rest: Event, remaining: float) -> FloatArray:
     q, v, u = rest.q, rest.v_after, -rest.delta / rate
     size = rate * ((1.0 - e_N) * remaining) ** 2 / (6.0 * (1.0 - e_N**3))
     # Places move along the closures, and rates stay those that belong to them.
-    aside = DIFFERENCE_STEP / max(float(np.abs(u).max()), 1.0)
+    units = system.body.units
+    aside = DIFFERENCE_STEP / max(_size(u / units), 1.0 / units[stop.index])
     moved = np.stack([q, q + aside * u])
     _, jacobians = system.body.closures(moved)
     split = system.split(jacobians[0], phase.given, (*phase.stops, *phase.yielding))
     turned = close_velocities(np.stack([v, v]), jacobians, split)[1]
-    speed = DIFFERENCE_STEP * max(float(np.abs(v).max()), abs(rate))
-    hurried = speed / max(float(np.abs(u).max()), SMALLEST)
+    speed = DIFFERENCE_STEP * max(_size(v / units), abs(rate) / units[stop.index])
+    hurried = speed / max(_size(u / units), SMALLEST)
     motion = system.shaft.driven(np.full(3, rest.t))
     a = system.accelerations(
         motion, np.stack([*moved, q]), np.stack([v, turned, v + hurried * u]), phase
     )
     by_place, by_rate = (a[1] - a[0]) / aside, (a[2] - a[0]) / hurried
-    again = speed / max(float(np.abs(by_rate).max()), SMALLEST)
+    again = speed / max(_size(by_rate / units), SMALLEST)
     motion = system.shaft.driven(np.full(2, rest.t))
     a = system.accelerations(motion, np.stack([q, q]), np.stack([v, v + again * by_rate]), phase)
     by_rates = (a[1] - a[0]) / again
     return np.asarray(size * np.concatenate([by_rate, by_place + by_rates]))
+
+
+def _size(vector: FloatArray) -> float:
+    return float(np.abs(vector).max())

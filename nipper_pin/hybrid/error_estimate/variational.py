@@ -45,6 +45,23 @@ def lifts(jacobian: FloatArray, split: Partition, columns: list[int]) -> FloatAr
     return close_velocities(units.reshape(-1, shape[2]), repeated, split).reshape(shape)
 
 
+def steps(system: System, units: FloatArray, columns: list[int]) -> FloatArray:
+    """Steps of difference quotients by the independent coordinates, shape (K,).
+
+    Args:
+        system: The system.
+        units: What :func:`lifts` gives, shape (K, N, nv).
+        columns: The independent ones that count, K of them.
+    """
+    sizes = np.abs(units / system.body.units).max(axis=(1, 2), initial=0.0)
+    return np.asarray(DIFFERENCE_STEP / np.maximum(sizes, 1.0 / system.body.units[columns]))
+
+
+def fastest(system: System, v: FloatArray) -> float:
+    """Largest rate in units of its coordinate [1/s], and never zero."""
+    return max(float(np.abs(v / system.body.units).max()), SMALLEST)
+
+
 def tangents(
     system: System, q: FloatArray, v: FloatArray, split: Partition, columns: list[int]
 ) -> tuple[FloatArray, FloatArray]:
@@ -61,8 +78,7 @@ def tangents(
         dq/dy = dv/dy' and dv/dy at independent rates held, shapes (K, N, nv).
     """
     units = lifts(system.body.closures(q)[1], split, columns)
-    size = np.abs(units).max(axis=(1, 2), keepdims=True, initial=0.0)
-    step = DIFFERENCE_STEP / np.maximum(size, 1.0)
+    step = steps(system, units, columns)[:, None, None]
     moved = (q + step * units).reshape(-1, q.shape[1])
     rates = np.tile(v, (len(columns), 1))
     followed = close_velocities(rates, system.body.closures(moved)[1], split)
@@ -116,8 +132,8 @@ def _slopes(
     """A and B at the nodes of a panel, each of shape (N, f, f) [1/s^2, 1/s]."""
     count, f, nv = panel.order, len(free), system.body.nv
     units, turned = along
-    x = DIFFERENCE_STEP / np.maximum(np.abs(units).max(axis=(1, 2)), 1.0)
-    w = x * max(float(np.abs(panel.v).max()), SMALLEST)
+    x = steps(system, units, free)
+    w = x * fastest(system, panel.v)
     aside, hurried = x[:, None, None] * units, w[:, None, None] * units
     still = np.zeros((1, count, nv))
     q = panel.q + np.concatenate([still, aside, 0.0 * units])

@@ -89,7 +89,9 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
         # at the instant at which a collision at another one reverses its rate.
         return panel.t
     if panel.integrated:
-        return _flight_root(panel, stop, gap, rate)
+        return _flight_root(
+            panel, stop, gap, rate, GAP_ROUND_OFF * float(system.body.units[stop.index])
+        )
     h, gaps = panel.h, stop.gaps(panel.q)
     series = interpolant(gaps)
     if series.positive:
@@ -116,7 +118,7 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
     return None if bracket is None else _polished(panel, bracket, series, exact)
 
 
-def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | None:
+def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: float) -> float | None:
     """Time at which a gap in flight falls through zero, or None.
 
     Dividing out the zero at the start leaves the next one as the only one, to full precision.
@@ -126,9 +128,10 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         stop: The open stop.
         gap: Its gap at the start of the panel [rad or m].
         rate: The rate of the gap there.
+        nothing: Gap that is round-off.
     """
     grid, h, a = nodes(panel.order), panel.h, panel.a[:, stop.index]
-    if -GAP_ROUND_OFF <= gap < 0.0 < rate:
+    if -nothing <= gap < 0.0 < rate:
         # It opens from where round-off of the last event has left it, and may close at once.
         gap = 0.0
     nearest = gap + h * min(rate, 0.0)
@@ -161,7 +164,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float) -> float | N
         # It was opened where its force only just touched zero, and is pressed shut again.
         return panel.t
     if closing:
-        if rate < 0.0 < gap <= GAP_ROUND_OFF:
+        if rate < 0.0 < gap <= nothing:
             # It closes within the round-off of its integral.
             return panel.t + min(-gap / rate, h)
         message = (

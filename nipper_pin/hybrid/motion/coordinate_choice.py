@@ -77,7 +77,8 @@ def suited_split(
     sizes = [system.condition(own, jacobian) for jacobian in jacobians]
     worst = jacobians[int(np.argmax(sizes))]
     try:
-        other = partition(worst, phase.given, preferred, system.good_condition)
+        weighed = worst * system.body.units
+        other = partition(weighed, phase.given, preferred, system.good_condition)
     except SingularConfigurationError:
         # A dead centre, whatever the choice.
         return own if _keeps_sign(jacobians, own) else None

@@ -54,7 +54,7 @@ def kinematic_panel(
     # The tangent at the start, along which the others follow the drives.
     guess[:, split.columns] += system.lift(jacobian, split, guess - q)[:, split.columns]
     q_nodes, jacobian = close_positions(system.body, guess, split)
-    inverse = _inverses(jacobian, split)
+    inverse = _inverses(system, jacobian, split)
     v_nodes = close_velocities(rates, jacobian, split, inverse)
     # Stops may lock links through closures, or all of them while drive trains wind up: what these
     # would have of the accelerations of the dynamics is round-off of the forces on them.
@@ -166,7 +166,7 @@ def _rough_accelerations(
     return np.asarray(left_over / (math.sqrt(resolution.tolerance) * changed))
 
 
-def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
+def _inverses(system: System, jacobian: FloatArray, split: Partition) -> FloatArray:
     """Inverses of the dependent blocks of the closures at the nodes, shape (N, m, m).
 
     Raises:
@@ -185,10 +185,14 @@ def _inverses(jacobian: FloatArray, split: Partition) -> FloatArray:
         )
         raise SingularConfigurationError(message, volumes=volumes)
     inverses = np.linalg.inv(blocks)
+    there, back = blocks, inverses
+    if system.body.scaled:
+        units = system.body.units.take(split.columns)
+        there, back = blocks * units, inverses / units[:, None]
     # All nodes together bound the condition of each, and are found faster.
-    if math.sqrt(np.vdot(blocks, blocks)) * math.sqrt(np.vdot(inverses, inverses)) < MAX_CONDITION:
+    if math.sqrt(np.vdot(there, there)) * math.sqrt(np.vdot(back, back)) < MAX_CONDITION:
         return np.asarray(inverses)
-    sizes = [np.einsum("nij,nij->n", matrices, matrices) for matrices in (blocks, inverses)]
+    sizes = [np.einsum("nij,nij->n", matrices, matrices) for matrices in (there, back)]
     condition = float(np.sqrt((sizes[0] * sizes[1]).max()))
     if not condition < MAX_CONDITION:
         message = (

@@ -71,7 +71,7 @@ def _of_lengths(system: System, q: FloatArray, v: FloatArray) -> FloatArray:
     if not system.mechanism.struts:
         return np.zeros_like(q)
     signs = (-1.0) ** np.arange(len(q))
-    moved = q + COORDINATE_ROUND_OFF * signs * (np.abs(q) + system.body.reach_m)
+    moved = q + COORDINATE_ROUND_OFF * signs * (np.abs(q) + system.mechanism.extents)
     forces = system.applied_forces(np.stack([q, moved]), np.stack([v, v]))
     return np.asarray(np.abs(forces[1] - forces[0]))
 

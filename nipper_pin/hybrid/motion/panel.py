@@ -274,7 +274,7 @@ def nearby(
     body, columns = system.body, split.columns
     signs = (-1.0) ** np.arange(body.nv)
     # The length of a strut is a difference of places.
-    size = np.abs(q) + (body.reach_m if system.mechanism.struts else 0.0)
+    size = np.abs(q) + (system.mechanism.extents if system.mechanism.struts else 0.0)
     q = q + COORDINATE_ROUND_OFF * signs * size
     if columns.size:
         g, jacobian = body.closures(q)

@@ -18,7 +18,6 @@ from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.elements import Elements
 from ...dynamics.system import System
 from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
-from ...tolerances.mechanics import COINCIDENT_M
 from .chebyshev import nodes
 from .panel import Panel, defect, nearby
 
@@ -81,7 +80,7 @@ def _in_line(elements: Elements, panel: Panel, damper: int, left: float, right: 
         sigma = np.array([left, 0.5 * (left + right), right])
         q, _ = panel.interpolate(panel.t + panel.h * sigma)
         lines = elements.damper_lines(q)[:, damper]
-        if np.linalg.norm(lines[1]) <= COINCIDENT_M:
+        if np.linalg.norm(lines[1]) <= elements.coincident_m:
             return True
         first, second = _turned(lines[:-1], lines[1:])
         if first == second or not left < sigma[1] < right:

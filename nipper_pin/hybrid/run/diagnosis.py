@@ -42,7 +42,7 @@ def located(error: SimulationError, system: System, state: State | None = None) 
         given = (*system.held_coordinates, *(phase.stops if phase is not None else ()))
         _, jacobian = system.body.closures(np.reshape(q, (-1, system.body.nv))[:1])
         if np.isfinite(jacobian).all():
-            condition, coordinates = weakest(jacobian[0], given)
+            condition, coordinates = weakest(jacobian[0] * system.body.units, given)
             names = [joint.name for joint in system.mechanism.joints if joint.index in coordinates]
             evidence |= {"condition": condition, "joints": names}
             if condition > _NEAR:

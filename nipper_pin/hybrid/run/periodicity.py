@@ -32,7 +32,7 @@ def winding(
         mechanism: The mechanism.
         start: Configuration, shape (nv,) [rad or m].
         end: Another one, likewise.
-        within: What positions of one assembly may differ by [rad or m].
+        within: What positions of one assembly may differ by, in units of coordinates.
 
     Returns:
         Multiples of 2 pi, zero for all other coordinates, shape (nv,) [rad]; None if the links
@@ -46,7 +46,8 @@ def winding(
     for joint in mechanism.joints:
         winds[joint.index] = joint.kind == "revolute" and joint.index not in bound
     wound = 2.0 * np.pi * winds * np.rint((end - start) / (2.0 * np.pi))
-    return wound if np.abs(end - start - wound).max(initial=0.0) <= within else None
+    apart = np.abs(end - start - wound) / mechanism.units
+    return wound if apart.max(initial=0.0) <= within else None
 
 
 def repeats(
@@ -76,8 +77,10 @@ def repeats(
     if not system.held or not comes_back(system):
         return None
     period = system.shaft.period
-    changed = float(np.abs(end.v - start.v).max())
-    fastest = max(float(np.abs(panel.v).max()) for part in current for panel in part.panels)
+    units = system.body.units
+    changed = float((np.abs(end.v - start.v) / units).max())
+    panels = [panel for part in current for panel in part.panels]
+    fastest = max(float((np.abs(panel.v) / units).max()) for panel in panels)
     if start.closed != end.closed or changed > SAME_RATE * fastest:
         return None
     # The links may have come to their other assembly, where rates may be the same.

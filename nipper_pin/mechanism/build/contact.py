@@ -18,6 +18,7 @@ from ...units import MM_PER_M
 from ..files.description import ContactDescription
 from ..files.urdf_parts import UrdfJoint
 from ..mechanism import Contact
+from ..scale import reach, unit_of, written
 from .placements import supports
 from .tree import Tree
 
@@ -53,6 +54,7 @@ class _Asked(NamedTuple):
         file: Name of that file.
         sense: 1 if the bodies part with a growing coordinate, -1 with a falling one.
         at: Coordinate at which the stop is closed [rad or m].
+        unit_m: The size of the machine [m].
     """
 
     pair: str
@@ -60,6 +62,7 @@ class _Asked(NamedTuple):
     file: str
     sense: float
     at: float
+    unit_m: float
 
 
 def find_contact(
@@ -88,10 +91,11 @@ def find_contact(
         raise ModelError(file=tree.file, key=key, value=value, allowed=allowed)
     frame = tree.placements[tree.model.getJointId(joint.name)]
     axis = frame.rotation @ np.array(joint.axis)
-    start = _nearest(lower, upper, _motion(at, joint, frame, axis))
-    closing, gap = _close(lower, upper, joint, frame, axis, sense=sense, at=at)
-    pair = f"{contact.lower} and {contact.upper}"
-    _check_touch(closing, start, joint, _Asked(pair, key, tree.file, sense, at))
+    pair, unit_m = f"{contact.lower} and {contact.upper}", unit_of(reach(tree.model, (), ()))
+    asked = _Asked(pair, key, tree.file, sense, at, unit_m)
+    start = _nearest(lower, upper, _motion(at, joint, frame, axis), unit_m)
+    closing, gap = _close(lower, upper, joint, frame, axis, asked)
+    _check_touch(closing, start, joint, asked)
     # The search ends at the closing coordinate, where the bodies have one common point.
     point = 0.5 * (gap.first + gap.second)
     point[1] = 0.0
@@ -165,11 +169,10 @@ def _velocity(point: FloatArray, joint: UrdfJoint, frame: pin.SE3, axis: FloatAr
     return np.cross(axis, point - frame.translation)
 
 
-def _nearest(lower: list[_Shape], upper: list[_Shape], motion: pin.SE3) -> _Gap:
+def _nearest(lower: list[_Shape], upper: list[_Shape], motion: pin.SE3, unit_m: float) -> _Gap:
     """Least signed distance of two bodies."""
     request = coal.DistanceRequest()
-    request.gjk_tolerance = DISTANCE_ACCURACY_M
-    request.epa_tolerance = DISTANCE_ACCURACY_M
+    request.gjk_tolerance = request.epa_tolerance = DISTANCE_ACCURACY_M * unit_m
     request.gjk_max_iterations = 1000
     request.epa_max_iterations = 1000
     best = _Gap(math.inf, np.zeros(3), np.zeros(3), np.zeros(3))
@@ -201,32 +204,32 @@ def _close(
     joint: UrdfJoint,
     frame: pin.SE3,
     axis: FloatArray,
-    *,
-    sense: float,
-    at: float,
+    asked: _Asked,
 ) -> tuple[float, _Gap]:
     """Move the upper body until it touches: Newton's method on the signed distance.
 
     Returns:
         Closing coordinate, NaN if the motion does not part or join the bodies, and the gap there.
     """
-    coordinate = at
-    gap = _nearest(lower, upper, _motion(at, joint, frame, axis))
+    coordinate, unit_m = asked.at, asked.unit_m
+    last = TOUCH_STEP * (unit_m if joint.kind == "prismatic" else 1.0)
+    gap = _nearest(lower, upper, _motion(coordinate, joint, frame, axis), unit_m)
     for _ in range(_ITERATIONS):
         slope = float(gap.normal @ _velocity(gap.second, joint, frame, axis))
-        if not sense * slope > 0.0:
+        if not asked.sense * slope > 0.0:
             return math.nan, gap
         step = -gap.distance / slope
         coordinate += step
-        gap = _nearest(lower, upper, _motion(coordinate, joint, frame, axis))
-        if abs(step) < TOUCH_STEP:
+        gap = _nearest(lower, upper, _motion(coordinate, joint, frame, axis), unit_m)
+        if abs(step) < last:
             break
     return coordinate, gap
 
 
 def _check_touch(closing: float, start: _Gap, joint: UrdfJoint, asked: _Asked) -> None:
     """Refuse bodies that do not touch where the stop is closed."""
-    if abs(start.distance) <= TOUCH_TOLERANCE_M and math.isfinite(closing):
+    within_m = TOUCH_TOLERANCE_M * written(asked.unit_m)
+    if abs(start.distance) <= within_m and math.isfinite(closing):
         return
     apart = MM_PER_M * start.distance
     value = f"{asked.pair}, {apart:.6g} mm apart at {joint.name} = {_place(asked.at, joint)}"
@@ -237,7 +240,7 @@ def _check_touch(closing: float, start: _Gap, joint: UrdfJoint, asked: _Asked) -
         )
     else:
         allowed = (
-            f"the bodies must touch within {MM_PER_M * TOUCH_TOLERANCE_M:g} mm where the "
+            f"the bodies must touch within {MM_PER_M * within_m:g} mm where the "
             f"coordinate is {_place(asked.at, joint)}; their shapes in the URDF touch at "
             f"{joint.name} = {_place(closing, joint)}"
         )

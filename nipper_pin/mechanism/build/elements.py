@@ -16,6 +16,7 @@ from ..elements import Characteristic, Damper, Strut, TabulatedSpring
 from ..files.description import DamperDescription, Description, SpringDescription
 from ..files.urdf_parts import Urdf
 from ..mechanism import Joint, Spring
+from ..scale import reach, unit_of
 from .placements import joint_placements
 
 
@@ -239,7 +240,8 @@ def _strut(
     first, second = (
         world[frame.parentJoint].act(frame.placement.translation)[[0, 2]] for frame in frames
     )
-    if strut.directed and np.hypot(*(second - first)) < COINCIDENT_M:
+    nothing = COINCIDENT_M * unit_of(reach(model, (), ()))
+    if strut.directed and np.hypot(*(second - first)) < nothing:
         allowed = (
             f"a point away from {strut.frame_a} at touch: between points that coincide a force "
             "has no direction"

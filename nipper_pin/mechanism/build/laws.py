@@ -14,6 +14,7 @@ from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
 from ..files.description import CylinderDescription, Description
+from ..scale import written
 
 
 def build_laws(
@@ -88,7 +89,8 @@ def extreme_angle(law: DriveLaw, kind: Literal["minimum", "maximum"]) -> float |
     grid = np.linspace(0.0, math.tau, 721)
     values = sign * law.evaluate(grid)[0]
     drift = abs(values[-1] - values[0])
-    if drift > DRIVE_REPEATS or np.ptp(values) < DRIVE_REPEATS:
+    travel = float(np.ptp(values))
+    if drift > DRIVE_REPEATS * written(travel) or travel <= DRIVE_REPEATS * np.abs(values).max():
         return None
     best = int(np.argmin(values))
     low, high = grid[best] - grid[1], grid[best] + grid[1]

@@ -14,6 +14,7 @@ from ...units import MM_PER_M
 from ..drives import OscillatingGuide
 from ..files.urdf_parts import Urdf
 from ..mechanism import Closure, Drive, Joint, Phase, Stop
+from ..scale import reach, unit_of, units_of, written
 from .placements import supports
 from .tree import Tree
 
@@ -119,8 +120,11 @@ def check_assembly(
             drives or stops contradict the closures.
     """
     model, joints, placements, file = tree.model, tree.joints, tree.placements, tree.file
-    _check_gaps(closures, closure_gaps(closures, model, placements), file)
+    unit_m = unit_of(reach(model, joints, stops))
+    within_m = ASSEMBLY_TOLERANCE_M * written(unit_m)
+    _check_gaps(closures, closure_gaps(closures, model, placements), within_m, file)
     jacobian = closure_jacobian(closures, joints, tree.urdf, model, placements)
+    jacobian *= units_of(joints, unit_m)
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
     redundant = dependent_rows(jacobian, names)
     if redundant:
@@ -132,15 +136,15 @@ def check_assembly(
             "depend on one another (a pin closed twice, or a dead centre)",
         )
     _check_mobility(joints, closures, degrees_of_freedom, file)
-    _check_guides(drives, joints, model, placements, file)
+    _check_guides(drives, tree, within_m)
     _check_drives(jacobian, names, drives, joints, file)
     _check_phases(jacobian, names, drives, stops, phases, file)
 
 
-def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> None:
+def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, within_m: float, file: str) -> None:
     """Refuse a closure whose frames do not meet."""
     for closure, gap in zip(closures, gaps, strict=True):
-        if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:
+        if np.hypot(*gap) > within_m:
             x, z = MM_PER_M * gap
             first, meet = closure.frame_a, "the frames meet"
             if closure.slot_frame is not None:
@@ -151,7 +155,7 @@ def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, file: str) -> Non
                 key=f"closures.{closure.name}",
                 value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first} to "
                 f"{closure.frame_b}",
-                allowed=f"{meet} within {MM_PER_M * ASSEMBLY_TOLERANCE_M:g} mm in the touch "
+                allowed=f"{meet} within {MM_PER_M * within_m:g} mm in the touch "
                 "configuration, where all joint coordinates are zero",
             )
 
@@ -191,28 +195,23 @@ def _check_mobility(
     )
 
 
-def _check_guides(
-    drives: Sequence[Drive],
-    joints: Sequence[Joint],
-    model: pin.Model,
-    placements: list[pin.SE3],
-    file: str,
-) -> None:
+def _check_guides(drives: Sequence[Drive], tree: Tree, within_m: float) -> None:
     """Refuse a guide whose axis is not that of the joint it drives."""
     for drive in drives:
         if not isinstance(drive.law, OscillatingGuide):
             continue
-        joint = joints[drive.index]
-        stands = placements[model.getJointId(joint.name)].translation[list(_PLANE)]
+        joint = tree.joints[drive.index]
+        identity = tree.model.getJointId(joint.name)
+        stands = tree.placements[identity].translation[list(_PLANE)]
         apart = float(np.hypot(*(np.array(drive.law.guide_axis) - stands)))
-        if apart > ASSEMBLY_TOLERANCE_M:
+        if apart > within_m:
             x, z = MM_PER_M * stands
             raise ModelError(
-                file=file,
+                file=tree.file,
                 key=f"drives.{drive.name}.guide_axis_mm",
                 value=[round(MM_PER_M * place, 9) for place in drive.law.guide_axis],
                 allowed=f"the place of the joint {joint.name} that the guide turns, "
-                f"[{x:.9g}, {z:.9g}], within {MM_PER_M * ASSEMBLY_TOLERANCE_M:g} mm; it stands "
+                f"[{x:.9g}, {z:.9g}], within {MM_PER_M * within_m:g} mm; it stands "
                 f"{MM_PER_M * apart:.6g} mm away; points.{joint.name}.x_mm and z_mm move both",
             )
 

@@ -15,6 +15,7 @@ from ...tolerances.mechanics import DRIVE_REPEATS, LEAST_TABLE_STEP
 from ...units import M_PER_MM
 from ..elements import MOST_ROWS
 from ..files.toml_types import LARGEST, Name
+from ..scale import written
 from .law import Evaluation
 from .tables import AnyTable
 
@@ -108,7 +109,7 @@ def check_table(cylinder_angle_rad: Sequence[float], coordinate: Sequence[float]
             "a drive table must span exactly one turn, first and last row 360 deg apart; it spans "
             f"{math.degrees(angles[-1] - angles[0]):g} deg"
         )
-    elif abs(values[-1] - values[0]) > DRIVE_REPEATS:
+    elif abs(values[-1] - values[0]) > DRIVE_REPEATS * written(float(np.ptp(values))):
         message = (
             "the first and the last row of a drive table are the same position and need the same "
             f"coordinate; found {values[0]:g} and {values[-1]:g} [rad or m]"

@@ -71,7 +71,7 @@ def sampler_at(
     """
     driven = [int(index) for index in system.driven]
     _, jacobian = system.body.closures(home[None])
-    split = partition(jacobian[0], driven, [stop.index])
+    split = partition(jacobian[0] * system.body.units, driven, [stop.index])
     if stop.index in split.dependent:
         message = f"stop {stop.name!r} cannot move freely: a dead centre is near"
         raise InputError(message, stop=stop.name)

@@ -162,7 +162,7 @@ class _Walk:
         self.stop = system.mechanism.stop(closed)
         self.rows = system.constraint_set(frozenset({closed}))
         _, jacobian = system.body.closures(np.zeros((1, system.body.nv)))
-        self.split = partition(jacobian[0], self.rows.given, [])
+        self.split = partition(jacobian[0] * system.body.units, self.rows.given, [])
         self._dt = _STEP_RAD / system.shaft.speed_rad_s
         self._known = {0: np.zeros(system.body.nv)}
 

@@ -1,0 +1,106 @@
+"""A machine of another size does the same at the same times: all lengths a power of two as long.
+
+Times, angles and masses stay, so that accelerations and weight, forces, moments and energies go
+with the length or its square. In binary such factors change no digit of a product or a quotient;
+what is left is the round-off of the units of the files and of additions in another order.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from scaled_machines import scaled
+from small_machines import hinge, link, machine, slide
+
+from nipper_pin import AssemblyError, Case, load, simulate, transition_table
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.mechanism.drawing import drawn_mechanism
+from nipper_pin.mechanism.gallery import GALLERY, drawn
+
+# From 60 nm to 4 km for a machine of a metre.
+SIZES = (-24, -16, -12, -4, 4, 12)
+# Of times up to a second that are sums of rounded flights.
+ROUND_OFF = 64.0 * sys.float_info.epsilon
+
+
+def both(mechanism: Mechanism, power: int, window: str) -> tuple[Solution, Solution]:
+    """The motion of a machine, and of one of another size."""
+    case = Case(speed_rpm=mechanism.cylinder.rated_speed_rpm, window=window)
+    return simulate(mechanism, case), simulate(scaled(mechanism, 2.0**power), case)
+
+
+def alike(one: Solution, other: Solution) -> None:
+    """The same events at the same stops and times."""
+    assert [(item.kind, item.stops) for item in one.events] == [
+        (item.kind, item.stops) for item in other.events
+    ]
+    times = [[item.t for item in solution.events] for solution in (one, other)]
+    assert np.abs(np.subtract(*times)).max(initial=0.0) <= ROUND_OFF
+
+
+@pytest.mark.parametrize("window", ["transition", "cycle"])
+@pytest.mark.parametrize("power", SIZES)
+def test_e62(power: int, window: str) -> None:
+    one, other = both(load("e62"), power, window)
+    alike(one, other)
+    stated = [[item.time for item in solution.errors] for solution in (one, other)]
+    assert np.allclose(*stated, rtol=1e-6)
+
+
+@pytest.mark.parametrize("power", [-24, -12, 12])
+@pytest.mark.parametrize("name", sorted(GALLERY))
+def test_gallery(name: str, power: int) -> None:
+    alike(*both(drawn_mechanism(drawn(name)), power, "cycle"))
+
+
+@pytest.mark.parametrize("power", SIZES)
+def test_one_slide(power: int) -> None:
+    """No link has a length: the height from which it falls tells the size."""
+    parts = [link("ball"), slide("height", "frame", "ball", (0.0, 1.0))]
+    ball = machine(
+        parts,
+        1,
+        gravity=9.81,
+        stops={"floor": {"joint": "height", "restitution": 0.5}},
+        initial={"height": {"at_mm": 400.0}},
+    )
+    alike(*both(ball, power, "cycle"))
+
+
+@pytest.mark.parametrize("power", [-24, 12])
+def test_reduced_engine(power: int) -> None:
+    e62 = load("e62")
+    speeds = [450.0, 650.0]
+    one, other = (
+        transition_table(mechanism, speed_rpm=speeds, engine="reduced")
+        for mechanism in (e62, scaled(e62, 2.0**power))
+    )
+    assert np.array_equal(one.collisions, other.collisions)
+    assert np.abs(one.time - other.time).max() <= ROUND_OFF
+    assert np.array_equal(one.premise_holds, other.premise_holds)
+
+
+@pytest.mark.parametrize(("size", "right"), [(1e-5, False), (1e-3, True), (1.0, True)])
+def test_a_gap_of_a_millionth_of_a_millimetre(size: float, right: bool) -> None:
+    """Files have as many places for small machines, but a hundred-thousandth of one is a gap."""
+    parts = [
+        link("crank"),
+        hinge("O", "frame", "crank"),
+        link("coupler"),
+        hinge("A", "crank", "coupler", (0.0, size)),
+        link("rocker"),
+        hinge("C", "frame", "rocker", (size, 0.0)),
+        f'<link name="end"/><joint name="Bc" type="fixed"><parent link="coupler"/>'
+        f'<child link="end"/><origin xyz="{size + 0.9e-9!r} 0 0"/></joint>',
+        f'<link name="other"/><joint name="Br" type="fixed"><parent link="rocker"/>'
+        f'<child link="other"/><origin xyz="0 0 {size!r}"/></joint>',
+    ]
+    tables = {"closures": {"B": {"frame_a": "end", "frame_b": "other"}}}
+    if right:
+        assert machine(parts, 1, **tables).closures
+    else:
+        with pytest.raises(AssemblyError, match="a gap of 9e-07 mm"):
+            machine(parts, 1, **tables)
