@@ -1,9 +1,11 @@
-"""Text files of other people: read as a whole, and not if they are too large."""
+"""Files of other people: regular ones alone, read as a whole, and not if they are too large."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+import stat
+from io import BufferedReader
 from pathlib import Path
 
 from .errors import InputError
@@ -41,9 +43,48 @@ def followed(path: str | Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def read_text(
-    file: Path, most: int, encoding: str | Callable[[bytes], str] = "utf-8-sig"
-) -> str:
+def opened(file: Path) -> BufferedReader:
+    """Open a file for reading; what is no file may never end, or never begin.
+
+    Args:
+        file: The file.
+
+    Raises:
+        OSError: It cannot be read, or is a pipe, a device or a folder.
+    """
+
+    def at_once(path: str, flags: int) -> int:
+        return os.open(path, flags | os.O_NONBLOCK)
+
+    stream = open(file, "rb", opener=at_once)  # noqa: SIM115
+    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+        stream.close()
+        message = "it is a pipe or a device, and only files are read"
+        raise OSError(message)
+    return stream
+
+
+def read_bytes(file: Path, most: int) -> bytes:
+    """Return the content of a file.
+
+    Args:
+        file: The file.
+        most: Most bytes that it may have.
+
+    Raises:
+        InputError: It is larger.
+        OSError: It cannot be read.
+    """
+    # One byte more than allowed tells, also of a file that grows.
+    with opened(file) as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        message = f"{file.name}: larger than {most / 2**20:g} MiB, the most that is read of it"
+        raise InputError(message, file=str(file), most=most)
+    return content
+
+
+def read_text(file: Path, most: int, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:
     """Return the text of a file, without a byte order mark.
 
     Args:
@@ -57,11 +98,6 @@ def read_text(
         UnicodeError: It is no such text.
         LookupError: There is no such encoding.
     """
-    # One byte more than allowed tells, also of a pipe, which has no size.
-    with file.open("rb") as stream:
-        content = stream.read(most + 1)
-    if len(content) > most:
-        message = f"{file.name}: larger than {most / 2**20:g} MiB, the most that is read of it"
-        raise InputError(message, file=str(file), most=most)
+    content = read_bytes(file, most)
     text = content.decode(encoding if isinstance(encoding, str) else encoding(content))
     return text.replace("\r\n", "\n").replace("\r", "\n")

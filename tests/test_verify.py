@@ -7,6 +7,7 @@ whole of the promise, so each is tried at places drawn at random.
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -127,6 +128,40 @@ def test_files_of_two_runs(saved: Path, capsys: pytest.CaptureFixture[str]) -> N
         assert status == 1
         assert said in err
         (saved / "run" / name).write_bytes(before)
+    assert answer(saved / "run", capsys)[0] == 0
+
+
+@pytest.mark.parametrize("how", ["missing", "a folder", "a link", "a link to nothing", "a pipe"])
+@pytest.mark.parametrize(
+    "name", ["collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv", "solution.npz",
+             "case.json"],
+)  # fmt: skip
+def test_a_run_without_one_of_its_files(
+    name: str, how: str, saved: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = saved / "run" / name
+    file.rename(saved / "elsewhere")
+    if how == "a folder":
+        file.mkdir()
+    elif how == "a pipe":
+        os.mkfifo(file)
+    elif how != "missing":
+        file.symlink_to(saved / ("elsewhere" if how == "a link" else "nothing"))
+    status, out, err = answer(saved / "run", capsys)
+    assert status == 1
+    assert "whole" not in out
+    assert f"{name} is {'missing' if how == 'missing' else 'no file of its own'}" in err
+
+
+def test_a_run_and_a_case_alone_are_whole(
+    saved: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where no tables are beside them: Python may have saved them."""
+    for file in (saved / "run").iterdir():
+        if file.name not in {"solution.npz", "case.json"}:
+            file.unlink()
+    assert answer(saved / "run", capsys)[0] == 0
+    (saved / "run/case.json").unlink()
     assert answer(saved / "run", capsys)[0] == 0
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import DamagedError
+from ..errors import DamagedError, InputError
+from ..texts import read_text
 from .arguments import check_outputs, write_json
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ def _run(options: argparse.Namespace) -> None:
         for item in found
         for problem in (*item.problems, *_other_tables(item))
     ]
+    if found[0].kind != "sweep":
+        from ..view.run.export import missing
+
+        problems += [f"{options.path}: {problem}" for problem in missing(Path(options.path))]
     if options.json is not None:
         write_json(_document(found, problems), options.json)
     if options.json != "-":
@@ -74,14 +79,14 @@ def _other_tables(item: Verified) -> list[str]:
     others = []
     for name, text in tables(item.solution):
         file = item.path.with_name(name)
-        if file.is_file() and not same_table(_text(file), text):
+        if file.is_file() and not same_table(_text(file, 2 * len(text)), text):
             others.append(f"{name} beside it is not the table of this run")
     return others
 
 
-def _text(file: Path) -> str:
-    """Content of a file; none if it is no text."""
+def _text(file: Path, most: int) -> str:
+    """Content of a file; none if it is no text, or longer than what it is compared with."""
     try:
-        return file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
+        return read_text(file, most)
+    except (OSError, InputError, UnicodeDecodeError):
         return ""

@@ -18,6 +18,7 @@ from ..hybrid.files.npz import load_case, load_solution, made_by
 from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..outputs.seal import is_as_written
+from ..texts import MOST_JSON, opened, read_text
 from .sweep.results.chunk_file import about, read_file
 from .sweep.results.chunk_table import DamageError
 from .sweep.results.record import read_document
@@ -64,7 +65,7 @@ def verify(path: str | Path) -> tuple[Verified, ...]:
     if (place / PLAN).is_file() or (place / CHUNKS).is_dir():
         return (_sweep(place),)
     if place.is_dir():
-        found = [place / name for name in ("case.json", "solution.npz") if (place / name).exists()]
+        found = [place / name for name in ("case.json", "solution.npz") if (place / name).is_file()]
         if not found:
             message = f"{place}: holds no saved run, case or sweep; name one, or its folder"
             raise InputError(message, folder=str(place))
@@ -79,7 +80,7 @@ def _run(file: Path) -> Verified:
     version = made_by(file)
     try:
         solution = load_solution(file)
-        with zipfile.ZipFile(file) as archive:
+        with opened(file) as stream, zipfile.ZipFile(stream) as archive:
             damaged = archive.testzip()
         need_sound(solution)
         asked = (solution.collisions, solution.phases, solution.transitions, solution.errors)
@@ -98,7 +99,7 @@ def _case(file: Path) -> Verified:
     version = made_by(file)
     try:
         mechanism, case = load_case(file)
-        whole = is_as_written(json.loads(file.read_text(encoding="utf-8")))
+        whole = is_as_written(json.loads(read_text(file, MOST_JSON)))
     except NipperError as error:
         return Verified(file, "case", version, "", (error.message,))
     text = f"{mechanism.name}, {case.speed_rpm:g} r/min, {case.window.value}"

@@ -185,3 +185,41 @@ def test_no_address_of_a_file_is_sent_to_the_live_page(tmp_path: Path) -> None:
     assert len(mesh.faces) == 4
     assert ADDRESS not in repr((mesh.metadata, mesh.visual, mesh.source))
     assert mesh.visual.kind is None
+
+
+PLY = b"ply\nformat ascii 1.0\nelement vertex 999999999\nproperty float x\nend_header\n0\n"
+OWN_NODES = "".join(
+    f'<node id="n{k}">' + f'<instance_node url="#n{k - 1}"/>' * 10 + "</node>" for k in range(1, 9)
+)
+COSTLY = {
+    "announced.ply": PLY, "announced.stl": PLY, "announced.obj": PLY,
+    "announced.dae": dae("1").replace(b'count="12"', b'count="999999999"'),
+    # A face of 600,000 corners; a mesh drawn 100,000,000 times; deeper than a stack.
+    "face.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf " + b"1 2 3 " * 200_000,
+    "repeated.dae": dae("1").replace(
+        b"<library_visual_scenes>",
+        b'<library_nodes><node id="n0"><instance_geometry url="#g"/></node>'
+        + OWN_NODES.encode() + b"</library_nodes><library_visual_scenes>",
+    ).replace(b'<node id="n">', b'<node id="n"><instance_node url="#n8"/>'),
+    "deep.dae": dae("1").replace(b'<node id="n">', b"<node>" * 50_000 + b'<node id="n">').replace(
+        b"</visual_scene>", b"</node>" * 50_000 + b"</visual_scene>"
+    ),
+    "long.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\n" + b"f 1 2 3\n" * 2_000_000,
+}  # fmt: skip
+
+
+# Their trial ends where a process may take no more.
+LONGEST = ("face.obj", "repeated.dae", "long.obj")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONGEST)) for name in COSTLY]
+)
+def test_meshes_that_cost_too_much_are_refused(name: str, tmp_path: Path) -> None:
+    """Whatever they announce or repeat: as one that touches and as one that is drawn."""
+    home = model(tmp_path, f'<mesh filename="{name}"/>', "collision")
+    (home / name).write_bytes(COSTLY[name])
+    with pytest.raises(ModelError, match="mesh"):
+        load(home)
+    with pytest.raises(InputError, match="mesh"):
+        read_mesh(home / name)

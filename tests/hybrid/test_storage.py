@@ -397,3 +397,27 @@ def test_what_could_not_be_read_is_not_written(
     assert (tmp_path / "run.npz").read_bytes() == old
     with pytest.raises(InputError):
         load_solution(tmp_path / "run.npz")
+
+
+def test_every_bit_of_the_begin_of_an_array(tmp_path: Path) -> None:
+    """A flipped one is told of as damage, whatever the begin then looks like."""
+    file = save(simulate(load("e62"), RUNS["transition"]), tmp_path / "run.npz")
+    with zipfile.ZipFile(file) as archive:
+        stored = {item: archive.read(item) for item in archive.namelist()}
+    begin = stored["events.npy"]
+    wrong = []
+    for place in range(128):
+        for bit in range(8):
+            flipped = bytearray(begin)
+            flipped[place] ^= 1 << bit
+            packing = io.BytesIO()
+            with zipfile.ZipFile(packing, "w") as archive:
+                archive.writestr("events.npy", bytes(flipped))
+            try:
+                packed.read_archive(packing)
+            except storage._DAMAGE:
+                continue
+            except Exception as error:
+                wrong.append((place, bit, repr(error)))
+    assert begin[:6] == b"\x93NUMPY"
+    assert not wrong

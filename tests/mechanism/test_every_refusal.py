@@ -519,7 +519,7 @@ def test_new_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         fails()
     assert not (tmp_path / "other").exists()
     with (
-        pytest.raises(InputError, match="cannot be made: .* is not a folder") as caught,
+        pytest.raises(InputError, match=r"cannot be made: .* is not a folder") as caught,
         new_folder.new_folder(target / "file" / "below"),
     ):
         pass

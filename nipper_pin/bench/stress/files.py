@@ -17,6 +17,7 @@ from ...hybrid.files.npz import FORMAT, READ, formats_read
 from ...hybrid.files.own_files import mesh_digests, need_own_files
 from ...outputs import complete_file
 from ...study.folders import make_folder
+from ...texts import MOST_JSON, read_text
 from .judging import Verdict
 from .machines.parts import Source
 from .space import Trial
@@ -62,7 +63,7 @@ def load_trial(path: str | Path) -> Trial:
         InputError: The file is missing, damaged or of another format.
     """
     try:
-        document: dict[str, Any] = json.loads(Path(path).read_text(encoding="utf-8"))
+        document: dict[str, Any] = json.loads(read_text(Path(path), MOST_JSON))
         known = document.get("stress", {})
         item = Trial(
             number=int(known.get("number", 0)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tokenize
 import zipfile
 from collections.abc import Mapping
 from typing import IO, Any
@@ -81,7 +82,11 @@ def _array(archive: zipfile.ZipFile, item: zipfile.ZipInfo) -> NDArray[Any]:
     with archive.open(item) as member:
         major = npy.read_magic(member)
         read = npy.read_array_header_1_0 if major == (1, 0) else npy.read_array_header_2_0
-        shape, by_columns, kind = read(member)
+        try:
+            shape, by_columns, kind = read(member)
+        except (SyntaxError, tokenize.TokenError) as error:
+            message = f"{item.filename} does not say what it holds ({error})"
+            raise ValueError(message) from error
         if kind.kind not in _KINDS or not item.filename.endswith(_SUFFIX):
             message = f"{item.filename} holds {kind}, which is no number and no text"
             raise ValueError(message)

@@ -26,7 +26,7 @@ from ...errors import InputError
 from ...mechanism import Mechanism, from_sources, model_folder
 from ...outputs import complete_file
 from ...outputs.seal import sealed
-from ...texts import MOST_JSON, read_text
+from ...texts import MOST_JSON, opened, read_text
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..case import Case, Resolution
 from ..event import Event, EventKind
@@ -127,7 +127,7 @@ def load_solution(path: str | Path) -> Solution:
     """
     try:
         # A file of our own is closed whatever is wrong with its content.
-        with Path(path).open("rb") as stream:
+        with opened(Path(path)) as stream:
             stored = read_archive(stream)
         text = str(stored.pop("document"))
         _check_format(text, path)
@@ -173,7 +173,7 @@ def made_by(path: str | Path) -> str:
     try:
         if Path(path).suffix != ".npz":
             return npz_schema.version_of(read_text(Path(path), MOST_JSON))
-        with Path(path).open("rb") as stream:
+        with opened(Path(path)) as stream:
             return npz_schema.version_of(str(read_archive(stream, "document")["document"]))
     except OSError as error:
         message = f"{path}: cannot be read ({error.strerror or error})"

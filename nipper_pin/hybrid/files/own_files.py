@@ -15,7 +15,7 @@ from ...mechanism import known_models
 from ...mechanism.files.csv_tables import has_file
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_shapes import mesh_path, path_inside
-from ...texts import followed
+from ...texts import followed, opened
 
 
 def mesh_digests(name: str, urdf: str, folder: Path) -> dict[str, str]:
@@ -84,7 +84,7 @@ def _found(name: str, urdf: str, folder: Path) -> Iterator[tuple[str, str]]:
             continue
         path = mesh_path(mesh, folder, "", file)
         try:
-            with path.open("rb") as stream:
+            with opened(path) as stream:
                 yield mesh, hashlib.file_digest(stream, "sha256").hexdigest()
         except OSError as error:
             value, allowed = str(error), "a mesh that can be read"

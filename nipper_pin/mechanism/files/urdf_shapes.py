@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pinocchio as pin
 
 from ...errors import ModelError
-from ...texts import followed, is_path
+from ...texts import MOST_TEXT, followed, is_path, read_text
 from .urdf_values import finite, placement
 
 _PACKAGE = "package://"
@@ -136,8 +136,8 @@ def _check_package(filename: str, mesh_folder: Path, key: str, file: str) -> Non
     if not (filename.startswith(_PACKAGE) and manifest.is_file()):
         return
     try:
-        name = ElementTree.parse(manifest).findtext("name", "").strip()
-    except (OSError, ElementTree.ParseError) as error:
+        name = ElementTree.fromstring(read_text(manifest, MOST_TEXT)).findtext("name", "").strip()
+    except (OSError, ValueError, ElementTree.ParseError) as error:
         allowed = f"a package whose package.xml can be read: {error}"
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed) from error
     if filename.removeprefix(_PACKAGE).partition("/")[0] != name:

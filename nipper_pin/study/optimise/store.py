@@ -7,7 +7,9 @@ from typing import TypeVar
 
 import msgspec
 
+from ...errors import InputError
 from ...outputs import complete_file
+from ...texts import MOST_JSON, read_bytes
 from ..folders import claim, make_folder
 from .problem.problem import Problem
 
@@ -50,8 +52,9 @@ class Store:
         if self._parts is None:
             return None
         try:
-            return msgspec.json.decode((self._parts / f"{name}.json").read_bytes(), type=kind)
-        except (OSError, msgspec.MsgspecError):
+            content = read_bytes(self._parts / f"{name}.json", MOST_JSON)
+            return msgspec.json.decode(content, type=kind)
+        except (OSError, InputError, msgspec.MsgspecError):
             return None
 
     def put(self, name: str, part: object) -> None:

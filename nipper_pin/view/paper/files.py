@@ -7,8 +7,10 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from ...errors import InputError
 from ...outputs import complete_folder
 from ...study.paper import PaperStudy
+from ...texts import MOST_JSON, opened, read_text
 from .report import material, report_html, study_plates
 from .supplements import Supplements
 
@@ -68,13 +70,18 @@ def _earlier(folder: Path) -> tuple[str, ...]:
     A document may name any file of the folder, so that its digest has to be right as well.
     """
     try:
-        digests = json.loads((folder / _DOCUMENT).read_text(encoding="utf-8"))["files"]
+        digests = json.loads(read_text(folder / _DOCUMENT, MOST_JSON))["files"]
         there = {file.name: file for file in folder.iterdir() if file.name in digests}
         return tuple(
-            name for name, file in there.items() if _digest(file.read_bytes()) == digests[name]
+            name for name, file in there.items() if _digest_of(file) == digests[name]
         )
-    except (OSError, ValueError, LookupError, TypeError):
+    except (OSError, InputError, ValueError, LookupError, TypeError):
         return ()
+
+
+def _digest_of(file: Path) -> str:
+    with opened(file) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _digest(data: bytes) -> str:

@@ -24,16 +24,20 @@ _FORCE_ON = {"m": "force_N", "rad": "torque_N_m"}
 _SAME_NUMBER = 1e-9
 
 
+TABLES = ("collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv")
+"""Names of the tables."""
+
+
 def tables(solution: Solution) -> Iterator[tuple[str, str]]:
     """Name and content of each table that :func:`export` writes.
 
     Args:
         solution: The solution.
     """
-    yield "collisions.csv", _csv(*_collisions(solution))
-    yield "phases.csv", _csv(_PHASE_HEADER, _phases(solution))
-    yield "link_velocities.csv", _csv(_LINK_HEADER, _links(solution))
-    yield "motion.csv", _csv(*_motion(solution))
+    yield TABLES[0], _csv(*_collisions(solution))
+    yield TABLES[1], _csv(_PHASE_HEADER, _phases(solution))
+    yield TABLES[2], _csv(_LINK_HEADER, _links(solution))
+    yield TABLES[3], _csv(*_motion(solution))
 
 
 def same_table(one: str, other: str) -> bool:

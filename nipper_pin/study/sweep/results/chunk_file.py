@@ -8,6 +8,7 @@ checksum of the whole file, too, taken with zeros in its own place.
 from __future__ import annotations
 
 import json
+import os
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
+from ....texts import opened
 from .chunk_table import DamageError, plain_table
 
 if TYPE_CHECKING:
@@ -157,11 +159,12 @@ def _place(content: bytes) -> int:
 
 def _content(file: Path) -> bytes:
     """Bytes of a file that is not too large."""
-    size = file.stat().st_size
-    if size > MOST_BYTES:
-        message = f"it has {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
-        raise DamageError(message)
-    return file.read_bytes()
+    with opened(file) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        if size > MOST_BYTES:
+            message = f"it has {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
+            raise DamageError(message)
+        return stream.read()
 
 
 def read_file(file: Path, columns: Sequence[str] | None = None) -> pa.Table:
