@@ -29,9 +29,7 @@ def is_path(text: str) -> bool:
     return b"\0" not in whole and len(whole) <= _LONGEST_PATH and longest <= _LONGEST_NAME
 
 
-def read_text(
-    file: Path, most: int, encoding: str | Callable[[bytes], str] = "utf-8-sig"
-) -> str:
+def read_text(file: Path, most: int, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:
     """Return the text of a file, without a byte order mark.
 
     Args:
