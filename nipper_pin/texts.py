@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 import stat
+from collections.abc import Callable
 from io import BufferedReader
 from pathlib import Path
 

@@ -247,6 +247,4 @@ def _read(path: Path, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> s
         allowed = "a readable UTF-8 file"
         if not isinstance(encoding, str):
             allowed = "a readable file in the encoding that its first line declares, or in UTF-8"
-        raise ModelError(
-            file=path.name, key="text", value=str(error), allowed=allowed
-        ) from error
+        raise ModelError(file=path.name, key="text", value=str(error), allowed=allowed) from error

@@ -11,7 +11,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from small_machines import SHAFT, hinge, link, machine
 
@@ -22,7 +21,7 @@ from nipper_pin.mechanism.build import contact, laws, tree
 from nipper_pin.mechanism.drawing import tree as drawn
 from nipper_pin.mechanism.drives import DriveTable, register_drive
 from nipper_pin.mechanism.edit import dimensions, layout, points
-from nipper_pin.mechanism.files import describe, schema, urdf, urdf_values
+from nipper_pin.mechanism.files import describe, schema, urdf, urdf_parts, urdf_shapes
 from nipper_pin.mechanism.files.description import CylinderDescription
 
 # The package has a function of the same name.
@@ -138,12 +137,15 @@ def test_reference_of_a_drive() -> None:
 
 
 def test_links_without_the_part_that_changes() -> None:
-    inertial = ElementTree.fromstring('<inertial><mass value="2"/></inertial>')
-    dimensions._write_number(inertial, "mass_kg", 3.5, "links.a.mass_kg", "x.urdf")
-    assert inertial.find("mass").get("value") == "3.5"  # type: ignore[union-attr]
+    urdf_text = (
+        '<robot name="r"><link name="a"><inertial><mass value="2"/></inertial></link></robot>'
+    )
+    found = layout.read_layout(urdf.parse_xml(urdf_text, "x.urdf"), {}, "x.urdf")
+    dimensions._write_number(found, "a", "mass_kg", 3.5, "links.a.mass_kg", "x.urdf")
+    assert found.root.find("link/inertial/mass").get("value") == "3.5"  # type: ignore[union-attr]
     with pytest.raises(ModelError, match="the link has no <inertia>") as caught:
-        dimensions._write_number(inertial, "inertia_kg_m2", 1.0, "links.a.inertia_kg_m2", "x.urdf")
-    assert refused(caught) == ("x.urdf", "links.a.inertia_kg_m2", None)
+        dimensions._write_number(found, "a", "inertia_kg_m2", 1.0, "links.a.inertia", "x.urdf")
+    assert refused(caught) == ("x.urdf", "links.a.inertia", None)
 
 
 @pytest.mark.parametrize(
@@ -158,24 +160,6 @@ def test_bodies_without_inertia(inertial: str, key: str, words: str) -> None:
     with pytest.raises(ModelError, match=words) as caught:
         machine(parts, 1)
     assert refused(caught) == ("small.urdf", key, None)
-
-
-def test_a_tree_that_pinocchio_refuses() -> None:
-    with pytest.raises(ModelError, match="Pinocchio says: ") as caught:
-        tree.build_model("<robot/>", 9.81, "x.urdf")
-    assert refused(caught) == ("x.urdf", "robot", "8 characters")
-
-
-def test_shapes_that_the_parser_leaves_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Refused with the link and the shape, and not taken for the next one."""
-    empty = pin.GeometryModel()
-    monkeypatch.setattr(tree.pin, "buildGeomFromUrdfString", lambda *_: empty)
-    urdf: Any = SimpleNamespace(shapes={"plain": (), "arm": ("horn",)})
-    with pytest.raises(ModelError, match="the URDF parser left this one out") as caught:
-        tree.collision_geometry(pin.Model(), "<robot/>", urdf, Path(), "x.urdf")
-    assert refused(caught) == ("x.urdf", "link arm collision", "horn")
-    urdf.shapes = {"plain": ()}
-    assert tree.collision_geometry(pin.Model(), "<robot/>", urdf, Path(), "x.urdf") is empty
 
 
 def test_contacts_of_links_without_shapes() -> None:
@@ -251,66 +235,76 @@ def test_links_that_are_no_tree(joints: Any, wrong: Any) -> None:
     assert refused(caught) == ("x.urdf", *wrong)
 
 
-JOINT = '<robot><joint name="j" type="{}"><origin rpy="{}"/><axis xyz="{}"/></joint></robot>'
+JOINTS = (
+    '<robot name="r"><link name="f"/><link name="a"><inertial><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1"/></inertial></link><link name="b"><inertial>'
+    '<mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>'
+    '<joint name="p" type="revolute"><parent link="f"/><child link="a"/><axis xyz="0 -1 0"/>'
+    "</joint>"
+    '<joint name="j" type="{}"><parent link="a"/><child link="b"/><origin rpy="{}"/>{}</joint>'
+    "</robot>"
+)
+
+
+def _read(kind: str, rpy: str, axis: str | None) -> urdf_parts.UrdfJoint:
+    written = "" if axis is None else f'<axis xyz="{axis}"/>'
+    root = urdf.parse_xml(JOINTS.format(kind, rpy, written), "x.urdf")
+    return urdf.check_urdf(root, "x.urdf", Path()).joints["j"]
 
 
 @pytest.mark.parametrize(
-    ("kind", "rpy", "xyz", "turn", "axis"),
+    ("kind", "rpy", "axis", "pitch", "wanted"),
     [
-        ("revolute", "0 0.5 0", "0 -1 0", None, None),
-        ("prismatic", "0 0.5 0", "3 0 4", None, None),
-        ("continuous", "0 0 0", "1e-12 -1 0", None, "0 -1.0 0"),
-        ("revolute", "0 0 0", "0 -1 1e-12", None, "0 -1.0 0"),
-        ("prismatic", "0 0 0", "3 1e-12 4", None, "3.0 0 4.0"),
-        ("fixed", "0 0 0", "3 1e-12 4", None, None),
-        # Half a turn about y, as three angles and as two.
-        ("revolute", f"{np.pi!r} 0.25 {np.pi!r}", "0 -1 0", np.pi - 0.25, None),
-        ("revolute", "1e-12 0.25 0", "0 -1 0", 0.25, None),
-        ("revolute", "0 0.25 1e-12", "0 -1 0", 0.25, None),
+        ("revolute", "0 0.5 0", "0 -1 0", 0.5, (0, -1, 0)),
+        ("prismatic", "0 0.5 0", "3 0 4", 0.5, (0.6, 0, 0.8)),
+        ("prismatic", "0 0 0", "3e-200 0 -4e-200", 0.0, (0.6, 0, -0.8)),
+        ("prismatic", "0 0 0", None, 0.0, (1, 0, 0)),
+        ("continuous", "0 0 0", "1e-12 -1 0", 0.0, (0, -1, 0)),
+        ("revolute", "0 0 0", "0 7 0.007", 0.0, (0, 1, 0)),
+        ("prismatic", "0 0 0", "3 1e-12 4", 0.0, (0.6, 0, 0.8)),
+        ("fixed", "0 0 0", "3 1e-12 4", 0.0, (0, 0, 0)),
+        # Half a turn about y, as three angles and as two, of sixteen digits and of three.
+        ("revolute", f"{np.pi!r} 0.25 {np.pi!r}", "0 -1 0", np.pi - 0.25, (0, -1, 0)),
+        ("revolute", "3.14 0.25 3.14", "0 -1 0", np.pi - 0.25, (0, -1, 0)),
+        ("revolute", "1e-12 0.25 0", "0 -1 0", 0.25, (0, -1, 0)),
+        ("revolute", "0 0.25 1e-12", "0 -1 0", 0.25, (0, -1, 0)),
+        # A half turn about x points the y axis of the frame out of the page.
+        ("revolute", f"{np.pi!r} 0 0", "0 1 0", 0.0, (0, -1, 0)),
+        ("revolute", f"{np.pi / 2!r} 0 0", "0 0 -2", 0.0, (0, 1, 0)),
+        ("prismatic", f"{np.pi / 2!r} 0 0", "0 3 0", 0.0, (0, 0, 1)),
     ],
 )
 def test_joints_are_put_into_the_plane(
-    kind: str, rpy: str, xyz: str, turn: float | None, axis: str | None
+    kind: str, rpy: str, axis: str | None, pitch: float, wanted: tuple[float, ...]
 ) -> None:
-    """Only what is not there exactly is written anew."""
-    root = ElementTree.fromstring(JOINT.format(kind, rpy, xyz))
-    assert urdf.flatten(root) is (turn is not None or axis is not None)
-    (origin,), (found,) = root.iter("origin"), root.iter("axis")
-    assert found.get("xyz") == (axis or xyz)
-    if turn is None:
-        assert origin.get("rpy") == rpy
-    else:
-        roll, pitch, yaw = (float(word) for word in str(origin.get("rpy")).split())
-        assert (roll, pitch, yaw) == (0.0, pytest.approx(turn), 0.0)
-    assert not urdf.flatten(root)
+    """Exactly: a hinge turns about y, a slide moves along x and z, frames turn about y alone."""
+    found = _read(kind, rpy, axis)
+    assert found.axis == pytest.approx(wanted, abs=1e-15)
+    assert found.axis[1] in (0.0, wanted[1])
+    turn = found.placement.rotation
+    assert (turn[1] == [0.0, 1.0, 0.0]).all()
+    assert (turn[:, 1] == [0.0, 1.0, 0.0]).all()
+    # An angle of three digits is followed to as many.
+    assert np.arctan2(turn[0, 2], turn[0, 0]) == pytest.approx(pitch, abs=3e-6)
 
 
 @pytest.mark.parametrize(
-    ("kind", "xyz", "wanted"),
+    ("kind", "axis", "wanted"),
     [
-        ("fixed", "9 9 9", (0.0, 0.0, 0.0)), ("prismatic", None, (1.0, 0.0, 0.0)),
-        ("prismatic", "3 0 -4", (0.6, 0.0, -0.8)), ("revolute", "0 -2 0", (0.0, -1.0, 0.0)),
-        ("prismatic", "3 1e-10 4", (0.6, 0.0, 0.8)),
-        ("revolute", "0 -1 1e-10", (0.0, -1.0, 0.0)),
         ("prismatic", "0 0 0", "an axis has a direction"),
         ("revolute", "0 0 0", "an axis has a direction"),
-        ("prismatic", "3 1e-8 4", "a slider moves in the x-z plane"),
-        ("prismatic", "3 -1e-8 4", "a slider moves in the x-z plane"),
-        ("revolute", "0 1 0", "a hinge turns about 0 -1 0"),
-        ("revolute", "0 -1 1e-8", "a hinge turns about 0 -1 0"),
-        ("revolute", None, "a hinge turns about 0 -1 0"),
+        ("prismatic", "3 1e-1 4", "an axis across y of the root link, as the plane of p has it"),
+        ("revolute", "0 -1 1e-2", "an axis along y of the root link, as the plane of p has it"),
+        ("revolute", None, "an axis along y of the root link"),
     ],
-)  # fmt: skip
-def test_axes_of_joints(kind: str, xyz: str | None, wanted: Any) -> None:
-    """Hinges turn about -y, slides move in the plane; both to a billionth."""
-    axis = "" if xyz is None else f'<axis xyz="{xyz}"/>'
-    element = ElementTree.fromstring(f'<joint name="j">{axis}</joint>')
-    if not isinstance(wanted, str):
-        assert urdf._check_axis(element, kind, "joint j", "x.urdf") == pytest.approx(wanted)
-        return
+)
+def test_axes_out_of_the_plane(kind: str, axis: str | None, wanted: str) -> None:
+    """Refused by the joint that leaves the plane of the others, with what the file has."""
     with pytest.raises(ModelError, match=wanted) as caught:
-        urdf._check_axis(element, kind, "joint j", "x.urdf")
-    value = [float(word) for word in (xyz or "1 0 0").split()]
+        _read(kind, "0 0 0", axis)
+    value: Any = "none, which means 1 0 0"
+    if axis is not None:
+        value = [float(word) for word in axis.split()]
     assert refused(caught) == ("x.urdf", "joint j axis", value)
 
 
@@ -394,16 +388,16 @@ def test_origins_that_are_written() -> None:
 )
 def test_meshes_outside_of_the_folder(name: str) -> None:
     with pytest.raises(ModelError) as caught:
-        urdf_values.path_inside(name, "link a", "x.urdf")
+        urdf_shapes.path_inside(name, "link a", "x.urdf")
     assert refused(caught) == ("x.urdf", "link a mesh", name)
 
 
 def test_meshes_of_packages(tmp_path: Path) -> None:
     """The model folder stands for its own package, and for no other that it names."""
-    assert urdf_values.path_inside("a/b.stl", "k", "f") == "a/b.stl"
-    assert urdf_values.path_inside("package://p/a/b.stl", "k", "f") == "a/b.stl"
+    assert urdf_shapes.path_inside("a/b.stl", "k", "f") == "a/b.stl"
+    assert urdf_shapes.path_inside("package://p/a/b.stl", "k", "f") == "a/b.stl"
     (tmp_path / "b.stl").write_text("", encoding="utf-8")
-    find = lambda name: urdf_values.mesh_path(name, tmp_path, "link a", "x.urdf")  # noqa: E731
+    find = lambda name: urdf_shapes.mesh_path(name, tmp_path, "link a", "x.urdf")  # noqa: E731
     assert find("package://any/b.stl") == find("b.stl") == (tmp_path / "b.stl").resolve()
     (tmp_path / "package.xml").write_text("<p><name> mine </name></p>", encoding="utf-8")
     assert find("package://mine/b.stl") == find("b.stl")
@@ -420,7 +414,7 @@ def test_meshes_of_packages(tmp_path: Path) -> None:
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "away.stl").symlink_to(tmp_path / "b.stl")
     with pytest.raises(ModelError) as caught:
-        urdf_values.mesh_path("away.stl", tmp_path / "inner", "link a", "x.urdf")
+        urdf_shapes.mesh_path("away.stl", tmp_path / "inner", "link a", "x.urdf")
     assert refused(caught) == ("x.urdf", "link a mesh", "away.stl")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
+
 import numpy as np
 import pinocchio as pin
 
@@ -106,6 +107,7 @@ def _tree(name: str, urdf_text: str, description: Description, mesh_folder: Path
     check_frames(description.closures, urdf, file)
     urdf = with_blocks(urdf, description.closures)
     model = build_model(urdf, description.gravity_m_s2 * urdf.plane.steepness, urdf_file)
+    model.name = name
     geometry = pin.GeometryModel()
     if any(stop.contact for stop in description.stops.values()):
         geometry = collision_geometry(model, urdf, urdf_file)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import NamedTuple
 
 import coal
@@ -55,7 +54,6 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
         ModelError: A joint moves nothing that resists.
     """
     model = pin.Model()
-    model.name = urdf.root
     body = pin.FrameType.BODY
     places = {urdf.root: model.addFrame(pin.Frame(urdf.root, 0, 0, pin.SE3.Identity(), body))}
     # Depth first: added in another order, joints give wrong dynamics without any error.
@@ -64,6 +62,7 @@ def build_model(urdf: Urdf, gravity_m_s2: float, file: str) -> pin.Model:
         identity, at = above.parentJoint, above.placement * joint.placement
         if joint.kind != "fixed":
             identity = model.addJoint(identity, _joint_model(joint), at, joint.name)
+            model.addJointFrame(identity)
             at = pin.SE3.Identity()
         inertia = urdf.links[joint.child].inertia
         if inertia is not None:

@@ -80,9 +80,7 @@ class OscillatingGuide:
         first = (projected + r * r) / square
         second = (d * (r * r - d * d)) * across / (square * square)
         if self.guide_offset_m != 0.0:
-            value, first, second = self._offset(
-                value, first, second, square, d * across, projected
-            )
+            value, first, second = self._offset(value, first, second, square, d * across, projected)
         if self.sense < 0.0:
             return -value, -first, -second
         return value, first, second

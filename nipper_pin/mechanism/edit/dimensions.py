@@ -199,9 +199,7 @@ def _number(found: Layout, link: str, key: str, path: str, file: str) -> float:
     return float(numbers(element, attribute, 1, None, path, file)[0])
 
 
-def _write_number(
-    found: Layout, link: str, key: str, value: float, path: str, file: str
-) -> None:
+def _write_number(found: Layout, link: str, key: str, value: float, path: str, file: str) -> None:
     """Write mass or inertia."""
     element, attribute = _place_of(found, link, key, path, file)
     element.set(attribute, repr(float(value)))

@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
 from ...units import MM_PER_M
-from ..files.plane import JointAxis, find_plane
+from ..files.plane import JointAxis, nearest_plane
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 
 
@@ -138,7 +138,8 @@ def read_layout(root: ElementTree.Element, document: Mapping[str, object], file:
             loose = sorted(element_name(item) for item in joints if item not in order)
             allowed = "joints that hang from the frame, one a link"
             raise ModelError(file=file, key="joints", value=loose, allowed=allowed)
-    plane = find_plane(_axes(order, turn, file), file)
+    # What has none is refused when it is built.
+    plane = nearest_plane(_axes(order, turn, file))
     if plane.turned:
         place = {link: plane.axes @ where for link, where in place.items()}
         turn = {link: plane.axes @ rotation for link, rotation in turn.items()}

@@ -72,22 +72,40 @@ def find_plane(axes: Sequence[JointAxis], file: str) -> Plane:
     Raises:
         ModelError: There is none; names the joint that leaves the plane of most others.
     """
+    normal, off = _nearest(axes)
+    if off.max() > IN_PLANE_RAD:
+        raise _spatial(axes, off, normal, file)
+    return Plane(_side_view(normal), float(off.max()))
+
+
+def nearest_plane(axes: Sequence[JointAxis]) -> Plane:
+    """The plane that most joints move in.
+
+    Args:
+        axes: Axes of the joints that move.
+    """
+    normal, off = _nearest(axes)
+    return Plane(_side_view(normal), float(off.max()))
+
+
+def _nearest(axes: Sequence[JointAxis]) -> tuple[FloatArray, FloatArray]:
+    """Direction across the plane that most joints move in, and the angle by which each misses it.
+
+    Angles [rad] have shape (joints,), or (1,) without any joint.
+    """
     if not axes:
-        return Plane(np.eye(3))
+        return _Y, np.zeros(1)
     directions = np.array([item.axis for item in axes])
     turns = np.array([item.turns for item in axes])
-    best, least = np.full(len(axes), math.inf), len(axes) + 1
-    normal = _Y
+    best, least = (_Y, np.zeros(1)), len(axes) + 1
     for candidate in _candidates(directions, turns):
         off = _off(directions, turns, candidate)
         outside = int(np.count_nonzero(off > IN_PLANE_RAD))
         if outside < least:
-            normal, best, least = candidate, off, outside
+            best, least = (candidate, off), outside
         if not outside:
             break
-    if least:
-        raise _spatial(axes, best, normal, file)
-    return Plane(_side_view(normal), float(best.max()))
+    return best
 
 
 def _off(directions: FloatArray, turns: FloatArray, normal: FloatArray) -> FloatArray:
@@ -144,9 +162,9 @@ def _spatial(
     inside = [other.joint for other, angle in zip(axes, off, strict=True) if angle <= IN_PLANE_RAD]
     others = ", ".join(inside[:3]) + (f" and {len(inside) - 3} more" if len(inside) > 3 else "")
     allowed = (
-        f"an axis {'along' if item.turns else 'across'} {direction_text(normal).lstrip('-')} of the "
-        f"root link, as the plane of {others} has it: in a planar machine all hinges are parallel "
-        "and all slides across them"
+        f"an axis {'along' if item.turns else 'across'} {direction_text(normal).lstrip('-')} of "
+        f"the root link, as the plane of {others} has it: in a planar machine all hinges are "
+        "parallel, and all slides across them"
     )
     return ModelError(
         file=file, key=f"joint {item.joint} axis", value=item.written, allowed=allowed

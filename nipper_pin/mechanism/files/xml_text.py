@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Callable
+from typing import NoReturn
 from xml.etree import ElementTree
 
 from ...errors import ModelError
@@ -54,7 +55,7 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
         root = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
     except (ElementTree.ParseError, ValueError) as error:
         if "<xacro:" in text:
-            raise _xacro("<xacro:", file) from error
+            _call_it_xacro("<xacro:", file)
         value = str(error)
         raise ModelError(
             file=file, key="XML", value=value, allowed="a URDF is well-formed XML"
@@ -83,20 +84,20 @@ def _refuse_xacro(root: ElementTree.Element, file: str) -> None:
         if isinstance(element.tag, str) and element.tag.startswith("{"):
             space, _, name = element.tag.partition("}")
             if "xacro" in space:
-                raise _xacro(f"<xacro:{name}>", file)
+                _call_it_xacro(f"<xacro:{name}>", file)
     for part in root:
         for element in part.iter() if part.tag in _READ else ():
             for value in element.attrib.values():
                 if _EXPRESSION.search(value):
-                    raise _xacro(value, file)
+                    _call_it_xacro(value, file)
 
 
-def _xacro(value: str, file: str) -> ModelError:
+def _call_it_xacro(value: str, file: str) -> NoReturn:
     allowed = (
         "a URDF; this is xacro that has not been expanded: write the URDF with "
         "'xacro MODEL.urdf.xacro -o MODEL.urdf'"
     )
-    return ModelError(file=file, key="xacro", value=value, allowed=allowed)
+    raise ModelError(file=file, key="xacro", value=value, allowed=allowed)
 
 
 def edit(text: str, change: Callable[[ElementTree.Element], None], file: str) -> str:
