@@ -103,11 +103,8 @@ def test_what_is_no_such_number_is_refused_by_name(name: str) -> None:
     call, wrong = CALLS[name]
     key = name.split()[-1]
     for value in wrong:
-        with pytest.raises(nip.InputError) as caught:
+        with pytest.raises(nip.InputError, match=f"{key} = .* cannot be used: "):
             call(value)
-            pytest.fail(f"{value!r} is taken")
-        assert f"{key} = " in caught.value.message, value
-        assert "cannot be used: " in caught.value.message, value
 
 
 @pytest.mark.parametrize("value", [450, 450.0, np.float64(450.0), np.float32(450.0), np.array(450)])
