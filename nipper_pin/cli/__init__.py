@@ -19,6 +19,7 @@ if "numpy" not in sys.modules:
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
 from ..errors import InputError, NipperError
+from ..given import read_number, read_whole
 
 _RIGHT = 0
 _NOT_SIMULATED = 1
@@ -140,6 +141,9 @@ def _parser(command: str | None = None) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (place, text) in _COMMANDS.items():
         of_command = commands.add_parser(name, help=text)
+        # Python's own take 1_0 and digits of other scripts for numbers.
+        of_command.register("type", float, read_number)
+        of_command.register("type", int, read_whole)
         if command in (None, name):
             import_module(place, __package__).add_arguments(of_command)
     return parser

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..dynamics.system import DriveMode
 from ..errors import InputError
+from ..given import read_number
 from ..hybrid.case import START_INDEX, Case, Window
 from ..mechanism import Mechanism
 from .arguments import speed
@@ -131,4 +132,4 @@ def _given(options: argparse.Namespace) -> dict[str, Any]:
 
 def _rest_rate(text: str) -> float | None:
     """A rate, or None for the limit."""
-    return None if text == LIMIT else float(text)
+    return None if text == LIMIT else read_number(text)

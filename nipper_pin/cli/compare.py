@@ -9,6 +9,7 @@ from typing import Any
 from ..dynamics.system import DriveMode
 from ..errors import InputError
 from ..extras import require
+from ..given import read_number
 from ..hybrid.case import Window
 from ..study.compare import Comparison, compare
 from .arguments import MODEL, check_outputs, refuse_beside, write_json
@@ -37,7 +38,7 @@ class _OneOrTwo(argparse.Action):
         Raises:
             ValueError: It is none.
         """
-        return float(word)
+        return read_number(word)
 
     def __call__(
         self,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import InputError
+from ..given import read_number
 from ..hybrid.case import Case, Window
 from ..hybrid.result.solution import Solution
 from .arguments import MODEL, overrides, refuse_beside
@@ -183,7 +184,7 @@ def _given(options: argparse.Namespace, place: int) -> tuple[tuple[str, object],
 
 def _number(value: object) -> float:
     try:
-        return float(str(value))
+        return read_number(str(value))
     except ValueError:
         message = f"speed={value}: write a number of revolutions per minute, as in speed=450"
         raise InputError(message, argument=_SPEED) from None

@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..errors import ElementError
 from ..mechanism import Mechanism
-from ..tolerances.mechanics import COINCIDENT_M, TABLE_END_OVERRUN
+from ..tolerances.mechanics import COINCIDENT_M, HEAT_ROUND_OFF, TABLE_END_OVERRUN
 from ..units import DEG_PER_RAD, MM_PER_M
 from .multibody import Multibody
 
@@ -151,6 +151,35 @@ class Elements:
                     t=float(t[row]),
                     q=q[row],
                 )
+
+    def check_heat(self, q: FloatArray, v: FloatArray, t: FloatArray) -> None:
+        """Refuse a motion on which a force law takes heat for work.
+
+        Args:
+            q: Configurations, shape (N, nv).
+            v: Velocities, shape (N, nv).
+            t: Their times [s], shape (N,).
+
+        Raises:
+            ElementError: Names the law, the time and the heat of the first such state.
+        """
+        for item in self._laws:
+            x, rate = q[:, item.index], v[:, item.index]
+            heat = np.broadcast_to(item.law.heat(x, rate), x.shape)
+            power = np.abs(item.law.force(x, rate) * rate)
+            wrong = ~(heat >= -HEAT_ROUND_OFF * power.max(initial=0.0))
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                kind = type(item.law).__name__
+                message = (
+                    f"force {item.name} ({kind}, law {item.kind!r}): at t = {t[row]:.6g} s its "
+                    f"heat is {heat[row]:.6g} W, and a force can turn work into heat but no heat "
+                    "into work: heat has to be at least 0; mend the law or its numbers"
+                )
+                raise ElementError(
+                    message, element=item.name, law=kind, heat=float(heat[row]), t=float(t[row]),
+                    q=q[row],
+                )  # fmt: skip
 
     def _pulls(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Forces T u on the points a, (N, struts, 2), G_d, (N, struts, 2, nv), and l_dot."""

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from ..dynamics.system import DriveMode
 from ..errors import InputError
+from ..given import LARGEST, flag, number, refuse, whole
 from ..tolerances.hybrid import LARGEST_TOLERANCE, LEAST_TOLERANCE
 
 # Faster ones overflow in squares of rates long before they mean anything.
-_FASTEST_RPM = 1e9
+FASTEST_RPM = 1e9
+"""Largest speed of a case [r/min]."""
 # Days of a machine; their events would fill the memory.
 _MOST_CYCLES = 1_000_000
+_MOST_EVENTS = 1_000_000_000
+# Shorter ones than by a turn and this are below the shortest of all.
+_MOST_PANELS = 1_000_000
+# Turns away, where an index still has ten digits of a turn.
+_FAR = 1e6
+_CASE = "case"
 START_INDEX = 24.0
 """Index at which turns start unless it is given."""
 
@@ -54,12 +62,21 @@ class Resolution:
     integrator: str = "picard"
 
     def __post_init__(self) -> None:
-        """Validate."""
-        allowed = LEAST_TOLERANCE <= self.tolerance <= LARGEST_TOLERANCE
-        _require(allowed, "tolerance", self.tolerance, "1e-14 to 1e-3")
+        """Validate and normalise."""
+        bounds = LEAST_TOLERANCE, LARGEST_TOLERANCE
+        tolerance = number(
+            "tolerance", self.tolerance, *bounds, allowed="1e-14 to 1e-3", where=_CASE
+        )
+        adaptive = flag("adaptive", self.adaptive, where=_CASE)
+        values = {"tolerance": tolerance, "adaptive": adaptive}
         for key in ("flight_nodes", "kinematic_nodes"):
-            _require(3 <= getattr(self, key) <= 64, key, getattr(self, key), "3 to 64")
-        _require(self.panels_per_turn >= 1, "panels_per_turn", self.panels_per_turn, "at least 1")
+            values[key] = whole(key, getattr(self, key), 3, 64, where=_CASE)
+        values["panels_per_turn"] = whole(
+            "panels_per_turn", self.panels_per_turn, 1, _MOST_PANELS, where=_CASE
+        )
+        if not isinstance(self.integrator, str):
+            refuse("integrator", self.integrator, "the name of an integrator", _CASE)
+        _normalise(self, values)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,18 +117,30 @@ class Case:
         except ValueError as error:
             message = f"{error}; windows: transition, cycle; drives: held, inertial"
             raise InputError(message, window=self.window, drive=self.drive) from error
-        _require(0.0 < self.speed_rpm <= _FASTEST_RPM, "speed_rpm", self.speed_rpm,
-                 f"a speed above 0 and up to {_FASTEST_RPM:g} r/min")  # fmt: skip
-        _require(1 <= self.cycles <= _MOST_CYCLES, "cycles", self.cycles,
-                 f"a whole number from 1 to {_MOST_CYCLES}")  # fmt: skip
-        _require(math.isfinite(self.start_index), "start_index", self.start_index, "a number")
-        _require(self.max_collisions >= 1, "max_collisions", self.max_collisions, "at least 1")
-        if self.rest_rate is not None:
-            _require(math.isfinite(self.rest_rate) and self.rest_rate > 0.0, "rest_rate",
-                     self.rest_rate, "a finite rate above 0, or none for the limit")  # fmt: skip
+        speed = number("speed_rpm", self.speed_rpm, 0.0, FASTEST_RPM, open_low=True, where=_CASE,
+                       allowed=f"a speed above 0 and up to {FASTEST_RPM:g} r/min")  # fmt: skip
+        rate = self.rest_rate
+        if rate is not None:
+            allowed = "a finite rate above 0, or none for the limit"
+            rate = number(
+                "rest_rate", rate, 0.0, LARGEST, open_low=True, allowed=allowed, where=_CASE
+            )
+        if not isinstance(self.resolution, Resolution):
+            refuse("resolution", self.resolution, "a Resolution, as Resolution()", _CASE)
+        values = {
+            "speed_rpm": speed,
+            "cycles": whole("cycles", self.cycles, 1, _MOST_CYCLES, where=_CASE),
+            "start_index": number("start_index", self.start_index, -_FAR, _FAR, where=_CASE),
+            "rest_rate": rate,
+            "reuse_cycles": flag("reuse_cycles", self.reuse_cycles, where=_CASE),
+            "max_collisions": whole(
+                "max_collisions", self.max_collisions, 1, _MOST_EVENTS, where=_CASE
+            ),
+        }
+        _normalise(self, values)
 
 
-def _require(right: bool, key: str, value: object, allowed: str) -> None:
-    if not right:
-        message = f"case: {key} = {value!r} cannot be used: {allowed}"
-        raise InputError(message, key=key, value=value, allowed=allowed)
+def _normalise(made: Case | Resolution, values: dict[str, Any]) -> None:
+    """Write checked values, numbers of numpy as those of Python."""
+    for key, value in values.items():
+        object.__setattr__(made, key, value)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, SupportsFloat
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..errors import UnknownNameError
+from ..errors import ImpactError, UnknownNameError
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
@@ -171,10 +171,23 @@ class Stop:
         return self.sense == 1.0 and self.at == 0.0
 
     def coefficient(self, rate: float) -> float:
-        """Return e_N of an approach with a rate of the gap, which is negative [rad/s or m/s]."""
+        """Return e_N of an approach with a rate of the gap, which is negative [rad/s or m/s].
+
+        Raises:
+            ImpactError: A law returns what is no coefficient.
+        """
         if self.law is None or rate >= 0.0:
             return self.restitution
-        return self.law.coefficient(self.restitution, -rate)
+        found = self.law.coefficient(self.restitution, -rate)
+        if isinstance(found, SupportsFloat) and 0.0 <= float(found) <= 1.0:
+            return float(found)
+        kind = type(self.law).__name__
+        message = (
+            f"the restitution law {kind} of stop {self.name!r} returns {found!r} at a rate of "
+            f"approach of {-rate:.6g}, and a coefficient of restitution is a number from 0 to 1: "
+            "more would make energy; mend the law or its numbers"
+        )
+        raise ImpactError(message, stops=self.name, law=kind, coefficient=found, rate=-rate)
 
     def rebound_slope(self, rate: float) -> float:
         """Return -d(rate after)/d(rate before) = e_N + |rate| de_N/d|rate|; as `coefficient`."""

@@ -1,14 +1,13 @@
-"""Parameters of cases, checked: numbers, columns of a batch, rows of spring values."""
+"""Parameters of cases, checked: what a call shares, speeds and rows of spring values."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
-from ..errors import InputError
+from ..given import LARGEST, column, number, numbers, refuse, whole
+from ..hybrid.case import FASTEST_RPM
 from ..tolerances.reduced import COARSEST_TOLERANCE, FINEST_TOLERANCE
 
 # Scratch of so many collisions takes 24 MB.
@@ -26,70 +25,39 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
     Raises:
         InputError: One of them is out of range.
     """
-    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE:
-        message = f"tolerance = {tolerance!r} cannot be used: 1e-13 to 1e-3"
-        raise InputError(message, tolerance=tolerance)
-    whole("max_collisions", max_collisions, _MOST_COLLISIONS)
-    if rest_rate is not None and not (math.isfinite(rest_rate) and rest_rate > 0.0):
-        message = f"rest_rate = {rest_rate!r} cannot be used: a finite rate above 0, or none"
-        raise InputError(message, rest_rate=rest_rate)
+    check_tolerance(tolerance)
+    whole("max_collisions", max_collisions, 1, _MOST_COLLISIONS)
+    if rest_rate is not None:
+        allowed = "a finite rate above 0, or none"
+        number("rest_rate", rest_rate, 0.0, LARGEST, open_low=True, allowed=allowed)
 
 
-def whole(key: str, value: int, most: int) -> None:
-    """Refuse what is no whole number from 1 to the largest one allowed."""
-    right = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not (right and 1 <= value <= most):
-        allowed = f"a whole number from 1 to {most:,}"
-        message = f"{key} = {value!r} cannot be used: {allowed}"
-        raise InputError(message, key=key, value=value, allowed=allowed)
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance that the reduced engine does not have."""
+    number("tolerance", tolerance, FINEST_TOLERANCE, COARSEST_TOLERANCE, allowed="1e-13 to 1e-3")
 
 
-def number(key: str, value: float, low: float, high: float, *, open_low: bool = False) -> float:
-    """Return one number; anything but a valid number is checked like a column of a batch."""
-    if isinstance(value, float) and low < value < high:
-        return value
-    return float(column(key, [value], low, high, open_low=open_low)[0])
+def speed_of(value: object) -> float:
+    """A cylinder speed [r/min], checked."""
+    return number("speed_rpm", value, 0.0, FASTEST_RPM, open_low=True)
+
+
+def speeds_of(value: ArrayLike) -> FloatArray:
+    """Cylinder speeds, one a case, checked, shape (1,) or (n,) [r/min]."""
+    return column("speed_rpm", value, 0.0, FASTEST_RPM, open_low=True)
 
 
 def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) -> FloatArray:
     """Values of all springs in one case, shape (springs,)."""
     if value is None:
         return default
-    if isinstance(value, float) and low <= value < math.inf:
-        return np.full(len(default), value)
-    given = _numbers(key, value)
+    if isinstance(value, float):
+        return np.full(len(default), number(key, value, low, LARGEST))
+    given = numbers(key, value)
     row: FloatArray = spring_rows(
         key, given if given.ndim == 0 else given[None], len(default), low
     )[0]
     return row
-
-
-def column(
-    key: str, value: ArrayLike, low: float, high: float, *, open_low: bool = False
-) -> FloatArray:
-    """One number a case, checked.
-
-    Args:
-        key: Name of the parameter, for messages.
-        value: A number or shape (n,).
-        low: Least value allowed, or the one above which all are with ``open_low``.
-        high: Largest value allowed.
-        open_low: Whether ``low`` itself is excluded.
-
-    Returns:
-        Shape (1,) or (n,).
-
-    Raises:
-        InputError: A value is out of range, or the array has another shape.
-    """
-    found = np.atleast_1d(_numbers(key, value))
-    right = np.isfinite(found) & (found <= high) & ((found > low) if open_low else (found >= low))
-    if found.ndim != 1 or not right.all():
-        bound = "above" if open_low else "from"
-        allowed = f"finite numbers {bound} {low:g} to {high:g}, one a case"
-        message = f"{key} = {value!r} cannot be used: {allowed}"
-        raise InputError(message, key=key, value=value, allowed=allowed)
-    return found
 
 
 def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatArray:
@@ -108,26 +76,13 @@ def spring_rows(key: str, value: ArrayLike, springs: int, low: float) -> FloatAr
     Raises:
         InputError: A value is out of range, or the array has another shape.
     """
-    found = _numbers(key, value)
+    of_each = f"one for each of {springs} springs"
+    allowed = f"finite numbers from {low:g} to {LARGEST:g}, {of_each}"
+    found = numbers(key, value, low, LARGEST, allowed=allowed)
     if found.ndim == 0:
         found = np.full((1, springs), float(found))
     elif found.ndim == 1:
         found = found[:, None] if springs == 1 else found[None]
-    if (
-        found.ndim != 2
-        or found.shape[1] != springs
-        or not np.isfinite(found).all()
-        or (found < low).any()
-    ):
-        allowed = f"finite numbers from {low:g}, one for each of {springs} springs"
-        message = f"{key} = {value!r} cannot be used: {allowed}"
-        raise InputError(message, key=key, value=value, allowed=allowed)
+    if found.ndim != 2 or found.shape[1] != springs:
+        refuse(key, value, allowed)
     return found
-
-
-def _numbers(key: str, value: ArrayLike) -> FloatArray:
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        message = f"{key} = {value!r} cannot be used: numbers"
-        raise InputError(message, key=key, value=value) from error

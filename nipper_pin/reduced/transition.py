@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from ..arrays import FloatArray
 from ..errors import InputError, NipperError, SimulationError
 from ..extras import require
+from ..given import LARGEST, column, number
 from ..units import S_PER_MIN
-from .inputs import check_run, column, number, one_row, spring_rows
+from .inputs import check_run, one_row, speed_of, speeds_of, spring_rows
 from .kernels.layout import COLUMNS, HOLDS, UNKNOWN
 from .model import ReducedModel
 from .results import REASONS, ReducedTransition, Status, TransitionBatch
@@ -67,10 +68,10 @@ def transition(
         model.tables,
         model.arrival.tables,
         model.arrival.turn,
-        number("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN),
+        speed_of(speed_rpm) * (math.tau / S_PER_MIN),
         number("restitution", e_N, 0.0, 1.0),
         one_row("stiffness", stiffness, model.stiffness, 0.0),
-        one_row("preload", preload, model.preload, -math.inf),
+        one_row("preload", preload, model.preload, -LARGEST),
         1.0 if gravity is None else float(_weight(model, gravity)[0]),
         0.0 if rest_rate is None else float(rest_rate),
         float(tolerance),
@@ -157,7 +158,7 @@ def _cases(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Speeds [rad/s], restitutions, spring rates, deflections and gravity of n cases."""
     springs = len(model.springs)
-    speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True)
+    speed = speeds_of(speed_rpm)
     e_N = column("restitution", model.restitution if restitution is None else restitution,
                   0.0, 1.0)  # fmt: skip
     weight = _weight(model, gravity)
@@ -165,7 +166,7 @@ def _cases(
         "stiffness", model.stiffness if stiffness is None else stiffness, springs, 0.0
     )
     lengths = spring_rows(
-        "preload", model.preload if preload is None else preload, springs, -math.inf
+        "preload", model.preload if preload is None else preload, springs, -LARGEST
     )
     try:
         (n,) = np.broadcast_shapes(speed.shape, e_N.shape, weight.shape, rates.shape[:1],

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import FloatArray
 from ..errors import InputError, UnknownNameError
+from ..given import LARGEST, column
 from ..hybrid.result.quantities import coordinate_unit
 from ..mechanism import Mechanism
-from ..reduced.inputs import column, spring_rows
+from ..reduced.inputs import speeds_of, spring_rows
 from ..units import M_PER_MM, RAD_PER_DEG
 
 # A linear spring that is wound further, or is stiffer, has its number in another unit.
@@ -72,10 +73,10 @@ def cases_of(
         stiffness = np.array([[spring.stiffness for spring in springs]])
     if preload is None:
         preload = np.array([[spring.preload for spring in springs]])
-    speed = column("speed_rpm", speed_rpm, 0.0, np.inf, open_low=True)
+    speed = speeds_of(speed_rpm)
     e_N = column("restitution", restitution, 0.0, 1.0)
     rates = spring_rows("stiffness", stiffness, len(springs), 0.0)
-    lengths = spring_rows("preload", preload, len(springs), -np.inf)
+    lengths = spring_rows("preload", preload, len(springs), -LARGEST)
     try:
         (n,) = np.broadcast_shapes(speed.shape, e_N.shape, rates.shape[:1], lengths.shape[:1],
                                    *(item.shape for item in others.values()))  # fmt: skip
@@ -144,7 +145,7 @@ def spring_values(
         if not places:
             message = f"{key}: {mechanism.name} has no spring on a joint that moves in {kind}"
             raise InputError(message, key=key, model=mechanism.name)
-        low = 0.0 if field == "stiffness" else -math.inf
+        low = 0.0 if field == "stiffness" else -LARGEST
         rows = spring_rows(key, value, len(places), low)
         most = _most(mechanism, kind, field) / scale
         if (np.abs(rows) > most).any():

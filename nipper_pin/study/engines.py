@@ -22,10 +22,10 @@ def check_engine(engine: str, drive: str) -> None:
     Raises:
         InputError: One of them is none.
     """
-    if engine not in ("auto", "direct", "reduced"):
+    if not isinstance(engine, str) or engine not in ("auto", "direct", "reduced"):
         message = f"engine = {engine!r} cannot be used: auto, direct or reduced"
         raise InputError(message, engine=engine)
-    if drive not in set(DriveMode):
+    if not isinstance(drive, str) or drive not in set(DriveMode):
         message = f"drive = {drive!r} cannot be used: held or inertial"
         raise InputError(message, drive=drive)
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import InputError, SimulationError
+from ..given import whole
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import INDEX_PER_TURN
-from ..reduced.inputs import whole
 from ..reduced.turns import (
     START_INDEX,
     TURN_REASONS,
@@ -178,7 +178,7 @@ def speed_limit(
 
 def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:
     """The speeds of a range, checked."""
-    whole("speeds", speeds, _MOST_SPEEDS)
+    whole("speeds", speeds, 1, _MOST_SPEEDS)
     if not 0.0 < low_rpm < high_rpm <= _FASTEST_RPM or speeds < 2:
         message = (
             f"speeds from {low_rpm!r} to {high_rpm!r} r/min, {speeds!r} of them, cannot be used: "

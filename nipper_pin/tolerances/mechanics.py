@@ -42,6 +42,9 @@ balance but for round-off accelerate it by eps / 1e-7 = 2e-9 of its acceleration
 TABLE_END_OVERRUN = 1e-9
 """[1] By the length of a table: overrun of its end that counts as none. A choice, far above the
 round-off of a root of a gap that lies at the end, and far below what a table resolves."""
+HEAT_ROUND_OFF = 1e-12
+"""[1] By the largest power of its force on a panel: heat of a law below zero that counts as none. A
+choice: 4500 eps, for laws that find it as a difference."""
 KNOT_ANGLE = 1e-9
 """[rad] Distance to a knot of a drive below which the next one is taken. It is 4e6 eps, round-off
 of a hundred thousand turns, and 2e4 times less than a thousandth of a degree."""

@@ -38,9 +38,9 @@ def test_a_value_out_of_range_is_named_with_what_is_allowed(key: str, value: flo
         ("tolerance", 0.0, "1e-14 to 1e-3"),
         ("tolerance", 0.1, "1e-14 to 1e-3"),
         ("tolerance", math.nan, "1e-14 to 1e-3"),
-        ("flight_nodes", 2, "3 to 64"),
-        ("kinematic_nodes", 65, "3 to 64"),
-        ("panels_per_turn", 0, "at least 1"),
+        ("flight_nodes", 2, "a whole number from 3 to 64"),
+        ("kinematic_nodes", 65, "a whole number from 3 to 64"),
+        ("panels_per_turn", 0, "a whole number from 1 to 1,000,000"),
     ],
 )
 def test_a_resolution_out_of_range_is_refused(key: str, value: float, allowed: str) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +26,14 @@ from nipper_pin.mechanism.drawing import (
     Stop,
     Tie,
     drawn_mechanism,
+    drawn_texts,
     flap,
     telescope,
     write_drawing,
 )
 from nipper_pin.mechanism.drawing.places import place, vector
 from nipper_pin.mechanism.files.toml_writing import toml
+from nipper_pin.mechanism.gallery import GALLERY, drawn
 from tests.small_machines import hinge, link, machine
 
 POINTS = {
@@ -257,3 +261,29 @@ def test_a_mechanism_in_a_line_and_on_a_page() -> None:
         "<Mechanism small: 1 joints, 0 closures, 0 drives, stops none, mobility 1>"
     )
     assert bare._repr_html_().count("none") == 3
+
+
+def _numpy(value: Any) -> Any:
+    """The same data with numbers and places of numpy."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.replace(
+            value,
+            **{item.name: _numpy(getattr(value, item.name)) for item in dataclasses.fields(value)},
+        )
+    if isinstance(value, Mapping):
+        return {key: _numpy(item) for key, item in value.items()}
+    if isinstance(value, tuple) and value and all(isinstance(item, float) for item in value):
+        return np.array(value)
+    if isinstance(value, tuple | list):
+        return type(value)(_numpy(item) for item in value)
+    kinds: dict[type, Any] = {bool: np.bool_, int: np.int64, float: np.float64, str: np.str_}
+    return kinds[type(value)](value) if type(value) in kinds else value
+
+
+@pytest.mark.parametrize("name", sorted(GALLERY))
+def test_numbers_of_numpy_are_written_as_plain_ones(name: str) -> None:
+    """Every value type of a drawing: the texts are those of the same drawing in plain numbers."""
+    drawing = drawn(name)
+    texts = drawn_texts(_numpy(drawing))
+    assert texts == drawn_texts(drawing)
+    assert not any("np." in text for text in texts.values())

@@ -133,7 +133,9 @@ def test_turns_that_the_waiting_stop_does_not_open() -> None:
 def test_stops_that_cannot_move_freely(monkeypatch: pytest.MonkeyPatch) -> None:
     """A coordinate that the closures and drives determine is none to sample over."""
     asked: list[Any] = []
-    body = SimpleNamespace(nv=3, closures=lambda _: (None, np.array([[1.0, 2.0, 3.0]])))
+    units = np.array([1.0, 0.5, 1.0])
+    jacobian = np.array([[1.0, 2.0, 3.0]])
+    body = SimpleNamespace(nv=3, units=units, closures=lambda _: (None, jacobian))
     system: Any = SimpleNamespace(driven=np.array([2]), body=body)
 
     def partition(jacobian: Any, driven: Any, more: Any) -> Any:
@@ -142,7 +144,7 @@ def test_stops_that_cannot_move_freely(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(sampling, "partition", partition)
     assert sampling._split(system, 0, "jaw").dependent == [1]
-    assert asked == [([1.0, 2.0, 3.0], [2], [0])]
+    assert asked == [([1.0, 1.0, 3.0], [2], [0])]
     with pytest.raises(InputError, match="stop 'jaw' cannot move freely") as caught:
         sampling._split(system, 1, "jaw")
     assert caught.value.evidence == {"stop": "jaw"}

@@ -302,7 +302,7 @@ def test_rows_of_springs(value: Any, springs: int, expected: Any) -> None:
         return
     with pytest.raises(InputError) as caught:
         inputs.spring_rows("key", value, springs, 0.0)
-    allowed = f"finite numbers from 0, one for each of {springs} springs"
+    allowed = f"finite numbers from 0 to 1e+15, one for each of {springs} springs"
     assert str(caught.value) == f"key = {value!r} cannot be used: {allowed}"
     assert caught.value.evidence["allowed"] == allowed
     assert (caught.value.evidence["key"], caught.value.evidence["value"]) == ("key", value)

@@ -140,9 +140,9 @@ def test_workers_of_a_sweep(tmp_path: Path) -> None:
         lambda: run.run_sweep(plan, tmp_path, workers=0),
         lambda: estimate.estimate(plan, workers=0),
     ):
-        with pytest.raises(InputError, match="workers = 0: at least 1") as caught:
+        with pytest.raises(InputError, match="workers = 0 cannot be used: a whole") as caught:
             act()
-        assert caught.value.evidence == {"workers": 0}
+        assert caught.value.evidence["key"] == "workers"
     with pytest.raises(InputError, match="and --scheduler has its own") as caught:
         run.run_sweep(plan, tmp_path, workers=1, scheduler="tcp://a")
     assert caught.value.evidence == {"workers": 1, "scheduler": "tcp://a"}

@@ -337,7 +337,7 @@ def test_arguments_that_cannot_be_used(e62: Mechanism) -> None:
     for keys, words in (
         ({"turns": 0}, "turns = 0"),
         ({"turns": 2.5}, "turns = 2.5"),
-        ({"turns": 10_001}, "1 to 10000"),
+        ({"turns": 10_001}, "1 to 10,000"),
         ({"least_force_N": -1.0}, "least_force_N"),
         ({"least_force_N": math.nan}, "least_force_N"),
         ({"restitution": {"steeve": 1.5}}, "restitution of steeve"),

@@ -82,6 +82,17 @@ class TableEnds(_Nothing):
         self.elements.check(panel.interpolate(times)[0], times)
 
 
+class HeatOfLaws(_Nothing):
+    """Heat of force laws, which may be those of a user: looked at where the motion is accepted."""
+
+    name = "heat of force laws"
+
+    def refuse(self, panel: Panel, t_end: float) -> None:
+        """Raise ElementError if a law takes heat for work."""
+        before = panel.times <= t_end
+        self.elements.check_heat(panel.q[before], panel.v[before], panel.times[before])
+
+
 class DamperTurns(_Nothing):
     """Points of a damper that pass one another closely between two nodes."""
 
@@ -120,6 +131,10 @@ def panel_checks(system: System, resolution: Resolution) -> tuple[PanelCheck, ..
     mechanism = system.mechanism
     with_tables = bool(mechanism.tabulated_springs)
     damped = any(strut.damping > 0.0 for strut in mechanism.struts)
-    kinds = ((TableEnds, with_tables), (DamperTurns, damped), (BetweenNodes, True))
+    with_laws = bool(mechanism.forces)
+    kinds = (
+        (TableEnds, with_tables), (HeatOfLaws, with_laws), (DamperTurns, damped),
+        (BetweenNodes, True),
+    )  # fmt: skip
     tolerance = resolution.tolerance
     return tuple(kind(system, elements, tolerance) for kind, needed in kinds if needed)

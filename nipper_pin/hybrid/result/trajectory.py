@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...errors import InputError
+from ...given import numbers
 from ..motion.panel import Panel, forces_at, state_at
 from ..segment import Segment
 
@@ -93,7 +94,7 @@ class Trajectory:
         Raises:
             InputError: A time lies outside the solution.
         """
-        times = np.atleast_1d(np.asarray(t, dtype=float))
+        times = np.atleast_1d(numbers("t", t))
         q = np.empty((len(times), self.system.body.nv))
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
@@ -105,7 +106,7 @@ class Trajectory:
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
         """Forces at all joints, cut joints, drives and stops; arguments as of ``evaluate``."""
         mechanism, body = self.system.mechanism, self.system.body
-        times = np.atleast_1d(np.asarray(t, dtype=float))
+        times = np.atleast_1d(numbers("t", t))
         count = len(times)
         a = np.empty((count, body.nv))
         wrenches = np.empty((count, len(mechanism.joints), 3))

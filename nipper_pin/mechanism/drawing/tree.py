@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from ...errors import InputError
+from ..files.plain import plain
 from .parts import FRAME, Body, Drawing, Joint, Pin, Place, Slide, Slot
 from .places import place
 
@@ -55,6 +56,7 @@ def grown(drawing: Drawing) -> Tree:
     Raises:
         InputError: A name is missing or given twice, or a body hangs on nothing.
     """
+    drawing = plain(drawing)
     bodies = {part.name: part for part in drawing.parts if isinstance(part, Body)}
     joints = named_joints(drawing)
     for name, joint in joints.items():

@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...errors import ModelError, UnknownNameError
+from ...given import read_number
 from ..files.describe import optional_numbers
 from .urdf_paths import steps_of
 
@@ -85,7 +86,7 @@ def number_from(value: object, path: str, file: str) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real | str):
         raise ModelError(file=file, key=path, value=value, allowed="a number")
     try:
-        return float(value)
+        return read_number(value) if isinstance(value, str) else float(value)
     except ValueError:
         raise ModelError(file=file, key=path, value=value, allowed="a number") from None
 

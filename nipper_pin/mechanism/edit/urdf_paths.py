@@ -21,11 +21,12 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from ...errors import ModelError, UnknownNameError
+from ...given import read_number
 
 _AXES = {"x": 0, "y": 1, "z": 2}
 _ANGLES = {"r": 0, "p": 1, "y": 2}
 _PLACED = ("joint", "inertial", "visual", "collision")
-_STEP = re.compile(r"[^.\[\]]+|\[\d+\]")
+_STEP = re.compile(r"[^.\[\]]+|\[[0-9]+\]")
 
 
 def steps_of(path: str) -> list[str]:
@@ -59,7 +60,7 @@ class UrdfValue:
         """
         text = self._parts()[self.place or 0]
         try:
-            return float(text)
+            return read_number(text)
         except ValueError:
             raise ModelError(
                 file=file, key=path, value=text, allowed="the path of a number"

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError
+from ...given import read_number
 from ...texts import MOST_TABLE, followed, is_path, read_text
 from ..drives import Table
 from ..elements import Characteristic
@@ -129,7 +130,7 @@ def _columns(reader: Reader, choices: Sequence[Columns], name: str) -> dict[str,
 def _number(text: str | None, file: str, key: str) -> float:
     """Convert one CSV field to a finite number."""
     try:
-        value = float(text or "")
+        value = read_number(text or "")
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typing
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
@@ -17,7 +18,7 @@ from .description import (
     SpringDescription,
     StopDescription,
 )
-from .refusal import Refusal, first_refusal, is_table, member_of
+from .refusal import Refusal, first_refusal, is_table
 from .register import DRIVES, FORCES, RESTITUTIONS, STOPS, Register
 from .toml_types import LARGEST, PlanePoint
 
@@ -85,19 +86,29 @@ def _stops(data: Mapping[str, object], file: str) -> dict[str, StopDescription]:
         plain[name] = entry
         if isinstance(entry, Mapping):
             laws[name] = {
-                key: _convert(entry[key], register.kind(_law(entry[key])),
-                              f"stops.{name}.{key}", file)
+                key: _with_law(register, entry[key], f"stops.{name}.{key}", file)
                 for key, register in _STOP_LAWS.items()
                 if key in entry
-            }  # fmt: skip
+            }
             plain[name] = {key: value for key, value in entry.items() if key not in laws[name]}
     stops = _entries({"stops": plain}, "stops", file)
     return {name: msgspec.structs.replace(stop, **laws[name]) for name, stop in stops.items()}
 
 
-def _law(table: object) -> object:
-    """The law that a table names."""
-    return table.get("law") if isinstance(table, Mapping) else None
+def _with_law(register: Register[Any], entry: object, prefix: str, file: str) -> Any:
+    """Convert an entry by the table of the law that it names; laws may be added at any time."""
+    if not isinstance(entry, Mapping):
+        raise ModelError(file=file, key=prefix, value=entry, allowed="a table with a law")
+    name = entry.get("law")
+    kind = register.kind(name)
+    if kind is None:
+        known = register.names()
+        near = get_close_matches(name, known, 1) if isinstance(name, str) else []
+        lacking = "" if "law" in entry else "a required key is missing; "
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        allowed = f"{lacking}one of {', '.join(known)}{hint}"
+        raise ModelError(file=file, key=f"{prefix}.law", value=name, allowed=allowed)
+    return _convert(entry, kind, prefix, file)
 
 
 def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, Any]:
@@ -106,16 +117,11 @@ def _entries(data: Mapping[str, object], section: str, file: str) -> dict[str, A
     if not isinstance(entries, Mapping):
         raise ModelError(file=file, key=section, value=entries, allowed="a table of tables")
     return {
-        name: _convert(entry, _kind(section, entry), f"{section}.{name}", file)
+        name: _with_law(_LAWS[section], entry, f"{section}.{name}", file)
+        if section in _LAWS
+        else _convert(entry, _SECTIONS[section], f"{section}.{name}", file)
         for name, entry in entries.items()
     }
-
-
-def _kind(section: str, entry: object) -> Any:
-    """Type of an entry of a section; laws may be added while the program runs."""
-    if section not in _LAWS:
-        return _SECTIONS[section]
-    return _LAWS[section].kind(_law(entry))
 
 
 def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, float]:
@@ -128,8 +134,9 @@ def optional_numbers(section: str, entry: Mapping[str, object]) -> dict[str, flo
     Returns:
         Defaults by key; 0 for a place that is not given. Empty for an unknown drive law.
     """
-    kind = member_of(_kind(section, entry), entry)
-    if not is_table(kind):
+    register = _LAWS.get(section)
+    kind = _SECTIONS[section] if register is None else register.kind(entry.get("law"))
+    if kind is None:
         return {}
     hints = typing.get_type_hints(kind)
     return {
@@ -183,12 +190,8 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         value = found[refusal.unknown] if isinstance(found, Mapping) else None
         key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
     elif refusal.missing is not None:
-        law = refusal.missing == "law" and known == "law"
-        choice = _laws(prefix) if law else f"known here: {known}"
         key, value = f"{key}.{refusal.missing}", None
-        allowed = f"a required key is missing; {choice}"
-    elif refusal.path[-1:] == ("law",):
-        value, allowed = found, _laws(prefix)
+        allowed = f"a required key is missing; known here: {known}"
     else:
         text = refusal.text
         value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]
@@ -200,7 +203,7 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
 def _keys(kind: Any) -> list[str]:
     """Keys that a table of this type may have."""
     if not is_table(kind):
-        return ["law"]
+        return []
     tag = kind.__struct_config__.tag_field
     return sorted([field.name for field in msgspec.structs.fields(kind)] + ([tag] if tag else []))
 
@@ -225,10 +228,3 @@ def _allowed(kind: Any) -> str:
     if meta.min_length is not None and arguments[0] is not str:
         return "a list that is not empty"
     return " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()
-
-
-def _laws(prefix: str) -> str:
-    """Names of the laws of a section, as a choice."""
-    section, _, rest = prefix.partition(".")
-    register = _LAWS.get(section) or _STOP_LAWS[rest.rpartition(".")[2]]
-    return f"one of {', '.join(register.names())}"

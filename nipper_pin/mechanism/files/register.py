@@ -7,7 +7,6 @@ file names it.
 from __future__ import annotations
 
 import functools
-import operator
 import pkgutil
 from collections.abc import Callable
 from importlib import import_module
@@ -84,7 +83,7 @@ class Register(Generic[_T]):
             wanted: Name of its law.
 
         Returns:
-            The table of that law; the union of all tables if there is none.
+            The table of that law; None if there is none.
 
         Raises:
             InputError: An installed extension cannot be imported.
@@ -94,7 +93,7 @@ class Register(Generic[_T]):
         if found is None and name:
             _import_extensions()
             found = self._table(name)
-        return found or functools.reduce(operator.or_, self.tables().values())
+        return found
 
     def _built_in(self) -> set[str]:
         modules = pkgutil.iter_modules(import_module(self._room).__path__)

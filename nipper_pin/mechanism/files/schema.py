@@ -44,9 +44,9 @@ def model_schema() -> dict[str, Any]:
     document = schema["$defs"]["Description"]["properties"]
     for key in ("drives", "forces"):
         document[key]["additionalProperties"] = choices[key]
-    schema["$defs"]["StopDescription"]["properties"]["restitution_law"] |= choices[
-        "restitution_law"
-    ]
+    of_stop = schema["$defs"]["StopDescription"]["properties"]
+    for key in ("restitution_law", "adjusted"):
+        of_stop[key] |= choices[key]
     for name, table in schema["$defs"].items():
         kind = tables.get(name) or getattr(description, name)
         table["description"] = _summary(kind)

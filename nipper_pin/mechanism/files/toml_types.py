@@ -7,10 +7,10 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
+from ...given import LARGEST as LARGEST
+
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
-LARGEST = 1e15
-"""Largest number of a model, in its unit: products and squares of larger ones overflow."""
 Stiffness = Annotated[float, Meta(gt=0.0, le=LARGEST)]
 Damping = Annotated[float, Meta(ge=0.0, le=LARGEST)]
 Length = Annotated[float, Meta(ge=0.0, le=LARGEST)]

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from .plain import plain
+
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -16,7 +18,7 @@ def toml(document: Mapping[str, Any]) -> str:
         document: Tables, lists of tables, and values.
     """
     lines: list[str] = []
-    _table(document, (), lines)
+    _table(plain(document), (), lines)
     return "\n".join(lines) + "\n"
 
 

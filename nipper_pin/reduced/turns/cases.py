@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from ...arrays import FloatArray
 from ...errors import InputError, UnknownNameError
+from ...given import LARGEST, column, whole
 from ...units import S_PER_MIN
-from ..inputs import column, spring_rows, whole
+from ..inputs import speeds_of, spring_rows
 from .model import TurnModel
 
 # Events of a turn that there is room for beyond its collisions.
@@ -35,7 +36,7 @@ def check_size(key: str, turns: int, most: int) -> None:
     Raises:
         InputError: It is no whole number, or too large.
     """
-    whole(key, turns, _MOST_TURNS)
+    whole(key, turns, 1, _MOST_TURNS)
     if turns * (most + BESIDE) > _MOST_EVENTS:
         message = (
             f"{key} = {turns} with max_collisions = {most} cannot be used: together at most "
@@ -59,7 +60,7 @@ def room_for(cases: int, last: int | None, columns: int) -> FloatArray:
         InputError: ``last`` is no whole number, or too large.
     """
     if last is not None:
-        whole("last", last, max(1, _MOST_NUMBERS // (columns * max(1, cases))))
+        whole("last", last, 1, max(1, _MOST_NUMBERS // (columns * max(1, cases))))
     return np.empty((cases, last or 1, columns))
 
 
@@ -104,7 +105,7 @@ def turn_cases(
     Raises:
         InputError: A number is out of range, or the arrays have different lengths.
     """
-    speed = column("speed_rpm", speed_rpm, 0.0, math.inf, open_low=True) * (math.tau / S_PER_MIN)
+    speed = speeds_of(speed_rpm) * (math.tau / S_PER_MIN)
     given = {} if restitution is None else by_stop(model, restitution)
     columns = [
         column(f"restitution of {name}", given.get(name, own), 0.0, 1.0)
@@ -114,7 +115,7 @@ def turn_cases(
     rates = spring_rows("stiffness", model.stiffness if stiffness is None else stiffness, springs,
                         0.0)  # fmt: skip
     lengths = spring_rows("preload", model.preload if preload is None else preload, springs,
-                          -math.inf)  # fmt: skip
+                          -LARGEST)  # fmt: skip
     try:
         (n,) = np.broadcast_shapes(speed.shape, *(item.shape for item in columns),
                                    rates.shape[:1], lengths.shape[:1])  # fmt: skip

@@ -5,7 +5,6 @@ They cost about as much as the turns themselves, so they are computed where they
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -16,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
 from ...extras import require
+from ...given import number
 from ...mechanism import Mechanism
-from ..inputs import check_run, number
+from ..inputs import check_run
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
 from .batch import widening
@@ -92,7 +92,7 @@ def turn_torques(
     """
     check_run(rest_rate, tolerance, max_collisions)
     check_size("turns", turns, max_collisions)
-    start_index = number("start_index", start_index, -math.inf, math.inf)
+    start_index = number("start_index", start_index)
     numbers = turn_cases(turn_model(mechanism, start_index), speed_rpm, restitution, stiffness,
                          preload)  # fmt: skip
     n = len(numbers[0])

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import FloatArray
+from ...given import number
 from ...mechanism import Mechanism
-from ..inputs import check_run, number
+from ..inputs import check_run
 from ..kernels import turn_layout as rows
 from ..results import ENGINE
 from .batch import Settings, follow_all
@@ -174,8 +175,8 @@ def turn_quantities(
     """
     check_run(rest_rate, tolerance, max_collisions)
     check_size("turns", turns, max_collisions)
-    start_index = number("start_index", start_index, -math.inf, math.inf)
-    least_force = number("least_force", least_force, -math.inf, math.inf)
+    start_index = number("start_index", start_index)
+    least_force = number("least_force", least_force)
     settings = Settings(turns, least_force, rest_rate or 0.0, tolerance, max_collisions)
     model = turn_model(mechanism, start_index)
     cases = turn_cases(model, speed_rpm, restitution, stiffness, preload)

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 from ...arrays import FloatArray
 from ...errors import SimulationError
 from ...extras import require
+from ...given import LARGEST, number
 from ...mechanism import Mechanism
 from ...units import S_PER_MIN
-from ..inputs import check_run, number, one_row
+from ..inputs import check_run, one_row, speed_of
 from ..kernels.layout import CASE_NUMBERS, LEFT_GAP, LEVELS, SCRATCH_ROWS, SIZES
 from ..kernels.turn_layout import END_COLUMNS, EVENT_COLUMNS, HOLD_COLUMNS, Charts, TurnWork
 from .cases import BESIDE, by_stop, check_size
@@ -98,7 +99,7 @@ def turns(
     """
     check_run(rest_rate, tolerance, max_collisions)
     check_size("cycles", cycles, max_collisions)
-    start_index = number("start_index", start_index, -math.inf, math.inf)
+    start_index = number("start_index", start_index)
     case = _Case(speed_rpm, cycles, restitution, stiffness, preload, rest_rate or 0.0, tolerance,
                  max_collisions)  # fmt: skip
     for room in ROOMS:
@@ -133,7 +134,7 @@ class _Case:
 def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
     """Follow the turns of a case on one model; returns the status, too."""
     follow, grids = _compiled()
-    speed = number("speed_rpm", case.speed_rpm, 0.0, math.inf, open_low=True)
+    speed = speed_of(case.speed_rpm)
     speed *= math.tau / S_PER_MIN
     chart, gap, rate, by_speed, closed = model.begin
     events = np.full((case.cycles * (case.max_collisions + BESIDE), EVENT_COLUMNS), np.nan)
@@ -144,7 +145,7 @@ def _followed(model: TurnModel, case: _Case) -> tuple[int, ReducedTurns]:
         speed,
         _restitutions(model, case.restitution),
         one_row("stiffness", case.stiffness, model.stiffness, 0.0),
-        one_row("preload", case.preload, model.preload, -math.inf),
+        one_row("preload", case.preload, model.preload, -LARGEST),
         1.0,
         float(case.rest_rate),
         float(case.tolerance),

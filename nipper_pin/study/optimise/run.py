@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ...errors import InputError, SimulationError
+from ...errors import SimulationError
+from ...given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
 from ..folders import alone_in
 from .control import control
 from .design import Design, design
@@ -71,15 +72,11 @@ def optimise(
 
 
 def _check_arguments(*, starts: int, seed: int, points: int, workers: int | None) -> None:
-    for name, value, least in (
-        ("starts", starts, 1),
-        ("seed", seed, 0),
-        ("points", points, 2),
-        ("workers", 1 if workers is None else workers, 1),
-    ):
-        if value < least:
-            message = f"{name} = {value}: at least {least}"
-            raise InputError(message, argument=name, value=value)
+    whole("starts", starts, 1, MOST_STARTS)
+    whole("seed", seed, 0, MOST_SEED)
+    whole("points", points, 2, MOST_STARTS)
+    if workers is not None:
+        whole("workers", workers, 1, MOST_WORKERS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from collections.abc import Generator, Iterable
 from functools import partial
 
 from ...arrays import FloatArray
-from ...errors import InputError
+from ...given import MOST_WORKERS, whole
 from ..processes import KEPT, Workers
 from .chunks import DefectError, run_chunk
 from .plan import Chunk
@@ -21,9 +21,8 @@ def check_workers(workers: int | None) -> None:
     Raises:
         InputError: It is below 1.
     """
-    if workers is not None and workers < 1:
-        message = f"workers = {workers}: at least 1"
-        raise InputError(message, workers=workers)
+    if workers is not None:
+        whole("workers", workers, 1, MOST_WORKERS)
 
 
 def on_this_machine(

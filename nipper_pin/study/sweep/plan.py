@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from ...arrays import FloatArray
 from ...errors import InputError
+from ...given import refuse, whole
 from ..transitions import REDUCED_PAYS_FROM
 from ..turns import TURNS_PAY_FROM
 from .axes import Axis
@@ -188,7 +189,9 @@ def chosen(chunks: list[Chunk], bounds: tuple[int, int] | None) -> list[Chunk]:
     """
     if bounds is None:
         return chunks
-    first, last = bounds
+    if not (isinstance(bounds, tuple | list) and len(bounds) == 2):
+        refuse("chunks", bounds, "two whole numbers, of the first and the last chunk")
+    first, last = (whole("chunks", item, 0, _MOST_CHUNKS) for item in bounds)
     if not 0 <= first <= last or first >= len(chunks):
         message = f"--chunks {first}-{last}: there are {len(chunks)} chunks, 0 to {len(chunks) - 1}"
         raise InputError(message, chunks=[first, last])

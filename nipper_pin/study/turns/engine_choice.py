@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from numpy.typing import ArrayLike
@@ -10,8 +9,9 @@ from numpy.typing import ArrayLike
 from ...dynamics.system import DriveMode
 from ...errors import InputError
 from ...extras import installed
+from ...given import LARGEST, flag, number, whole
 from ...mechanism import Mechanism, need_mechanism
-from ...reduced.inputs import check_run, number
+from ...reduced.inputs import check_run
 from ...reduced.turns import TurnModel, turn_model
 from ...reduced.turns.fit import unfit_turns
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
@@ -99,10 +99,9 @@ def turns_of(
     """
     check_engine(engine, settings.drive)
     check_run(settings.rest_rate, settings.tolerance, settings.max_collisions)
-    number("least_force_N", settings.least_force, 0.0, math.inf)
-    if not (isinstance(settings.turns, int) and 1 <= settings.turns <= MOST_TURNS):
-        message = f"turns = {settings.turns!r} cannot be used: a whole number, 1 to {MOST_TURNS}"
-        raise InputError(message, turns=settings.turns)
+    number("least_force_N", settings.least_force, 0.0, LARGEST)
+    whole("turns", settings.turns, 1, MOST_TURNS)
+    flag("torques", settings.torques)
     _need_clamp(mechanism)
     run = Run(mechanism, cases, settings)
     count = len(cases.speed_rpm)

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from ....arrays import FloatArray
-from ....errors import InputError, SimulationError
+from ....errors import SimulationError
+from ....given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
 from ...processes import mapped
 from ..problem.problem import Problem
 from ..problem.targets import premises
@@ -55,10 +56,10 @@ def identify(
         InputError: An argument is out of range.
         SimulationError: No start led to a machine that can be simulated.
     """
-    for name, value in (("starts", starts), ("workers", 1 if workers is None else workers)):
-        if value < 1:
-            message = f"{name} = {value}: at least 1"
-            raise InputError(message, argument=name, value=value)
+    whole("starts", starts, 1, MOST_STARTS)
+    whole("seed", seed, 0, MOST_SEED)
+    if workers is not None:
+        whole("workers", workers, 1, MOST_WORKERS)
     objective = Objective(problem)
     begins = list(_starts(objective, starts, seed))
     count = min(starts, workers if workers is not None else os.cpu_count() or 1)
