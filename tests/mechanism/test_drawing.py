@@ -15,10 +15,12 @@ from nipper_pin.mechanism.drawing import (
     Damper,
     Drawing,
     Drive,
+    Force,
     Pin,
     Slide,
     Slot,
     Spring,
+    Start,
     Stop,
     Tie,
     between,
@@ -32,6 +34,7 @@ from nipper_pin.mechanism.drawing import (
     write_drawing,
 )
 from nipper_pin.mechanism.drawing.masses import mass_of
+from nipper_pin.view.sketch import sketch
 
 POINTS = {"O": (0.0, 0.0), "A": (-15.0, -20.0), "B": (0.0, -132.0)}
 PARTS = (
@@ -45,6 +48,7 @@ PARTS = (
     Drive("O"),
     Stop("height"),
 )
+ENDS = ("ram B", "frame O")
 PRESS = Drawing("press", "a press", POINTS, PARTS, -126.87, -270.0, 120.0, closed=("rod",))
 
 
@@ -144,9 +148,29 @@ def test_every_kind_of_part() -> None:
     assert table["gravity_m_s2"] == 0.0
 
 
+def test_several_elements_on_one_joint() -> None:
+    """All of them are in the model, in its sketch too; one element has the name of its joint."""
+    law = {"c_N_s2_per_m2": 2.0}
+    more = (
+        Spring("rod", 5000.0, -3.0), Spring("rod", 1000.0), Damper("rod", 2.0), Damper("rod", 3.0),
+        Force("rod", "orifice", law), Force("rod", "orifice", law), Tie("rod", ENDS, 10.0, 9.0),
+    )  # fmt: skip
+    mechanism = drawn_mechanism(replace(PRESS, parts=(*PARTS, *more)))
+    found = {item.name: (item.stiffness, item.preload) for item in mechanism.springs}
+    assert found == {"rod": (20000.0, 0.01), "rod_2": (5000.0, -0.003), "rod_3": (1000.0, 0.0)}
+    assert [item.name for item in mechanism.struts] == ["rod_4"]
+    assert [(item.name, item.damping) for item in mechanism.dampers] == [("rod", 2.0), ("rod_2", 3)]
+    assert [item.name for item in mechanism.forces] == ["rod", "rod_2"]
+    nodes = {node.name: node.spring for node in sketch(mechanism).nodes}
+    assert nodes["rod"] == "rod, rod_2, rod_3"
+
+
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
+        ((*PARTS, Stop("height", "upper", 5.0)), "two stops are called 'height'"),
+        ((*PARTS, Drive("O")), "two drives are called 'O'"),
+        ((*PARTS, Start("height", 1.0), Start("height", 2.0)), "two starts are called 'height'"),
         ((*PARTS, Body("loose", "O B")), "loose hang on nothing"),
         ((*PARTS, Pin("A", "crank", "nobody")), "'nobody', which is no body"),
         ((*PARTS, Pin("Z", "frame", "ram")), "no point 'Z'"),

@@ -21,49 +21,45 @@ from nipper_pin.dynamics.system import System
 PRELOAD, DAMPING = 0.03, 1.3
 
 
-# The same oscillator, its spring and damper on the joint or between two points of the line.
-ON_A_SLIDE = f"""
-[springs.coil]
-joint = "x"
-stiffness_N_per_m = {STIFFNESS}
-preload_length_mm = {1e3 * PRELOAD}
-[dampers.oil]
-joint = "x"
-damping_N_s_per_m = {DAMPING}
-"""
-ON_A_HINGE = f"""
-[springs.coil]
-joint = "turn"
-stiffness_N_m_per_rad = {STIFFNESS}
-preload_deg = {math.degrees(PRELOAD)!r}
-[dampers.oil]
-joint = "turn"
-damping_N_m_s_per_rad = {DAMPING}
-"""
-ON_A_LINE = f"""
-[springs.coil]
-frame_a = "wall"
-frame_b = "link_x"
-stiffness_N_per_m = {STIFFNESS}
-free_length_mm = {1e3 * (0.4 - PRELOAD)!r}
-[dampers.oil]
-frame_a = "link_x"
-frame_b = "wall"
-damping_N_s_per_m = {DAMPING}
-"""
+def elements(kind: str, parts: int) -> str:
+    """Springs and dampers of an oscillator, on its joint or between two points of its line.
+
+    Args:
+        kind: "slide", "hinge" or "line".
+        parts: Number of springs, and of dampers; whatever it is they add up to the same.
+    """
+    joint = {"slide": 'joint = "x"\n', "hinge": 'joint = "turn"\n'}.get(kind, "")
+    line = 'frame_a = "{}"\nframe_b = "{}"\n'
+    found, left = [], (STIFFNESS, STIFFNESS * PRELOAD, DAMPING)
+    for part in range(parts):
+        # The first ones pull the other way, and the last one has what is then left.
+        k, push, c = left if part == parts - 1 else (25.0 + part, -1.5 - part, 0.3 + 0.1 * part)
+        left = (left[0] - k, left[1] - push, left[2] - c)
+        spring = {
+            "slide": f"stiffness_N_per_m = {k!r}\npreload_length_mm = {1e3 * push / k!r}",
+            "hinge": f"stiffness_N_m_per_rad = {k!r}\npreload_deg = {math.degrees(push / k)!r}",
+            "line": f"stiffness_N_per_m = {k!r}\nfree_length_mm = {1e3 * (0.4 - push / k)!r}",
+        }[kind]
+        unit = "N_m_s_per_rad" if kind == "hinge" else "N_s_per_m"
+        found += [
+            f"[springs.coil_{part}]\n{joint or line.format('wall', 'link_x')}{spring}\n",
+            f"[dampers.oil_{part}]\n{joint or line.format('link_x', 'wall')}"
+            f"damping_{unit} = {c!r}\n",
+        ]
+    return "".join(found)
 
 
+@pytest.mark.parametrize("parts", [1, 2, 3])
 @pytest.mark.parametrize("kind", ["slide", "hinge", "line"])
-def test_damped_oscillator(kind: str, tmp_path: Path) -> None:
+def test_damped_oscillator(kind: str, parts: int, tmp_path: Path) -> None:
     """x + p = p exp(-d t) (cos w t + d / w sin w t): motion, decrement and heat, to 1e-11.
 
     Some twenty panels at 1e-12 each. With a damping off by a thousandth the last of five swings
     would be wrong by half a per cent of itself; the decrement alone would not notice a wrong start.
     """
     joint = sprung.HINGE if kind == "hinge" else sprung.SLIDE_X
-    springs = {"slide": ON_A_SLIDE, "hinge": ON_A_HINGE, "line": ON_A_LINE}[kind]
     wall = {"wall": ("frame", -0.4, 0.0)}
-    mechanism = sprung.machine(tmp_path, [joint], springs, frames=wall)
+    mechanism = sprung.machine(tmp_path, [joint], elements(kind, parts), frames=wall)
     inertia = sprung.INERTIA if kind == "hinge" else sprung.MASS
     d = 0.5 * DAMPING / inertia
     square = STIFFNESS / inertia - d**2

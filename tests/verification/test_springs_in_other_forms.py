@@ -26,36 +26,66 @@ from nipper_pin import (
 from nipper_pin.mechanism import find_model
 from nipper_pin.reduced import unfit
 from nipper_pin.study.transitions import transition_table
+from nipper_pin.study.turns import turn_table
+
+
+def joint(stiffness: float, preload: float) -> str:
+    """A spring on the slide [N/m, mm]."""
+    return f'joint = "steeve"\nstiffness_N_per_m = {stiffness!r}\npreload_length_mm = {preload!r}'
+
+
+def points(stiffness: float, preload: float) -> str:
+    """The same between the two pins."""
+    free = math.hypot(67.38782025129913, 162.2487823687206) + preload
+    return (
+        'frame_a = "steeve_lower"\nframe_b = "steeve_upper"\n'
+        f"stiffness_N_per_m = {stiffness!r}\nfree_length_mm = {free!r}"
+    )
+
+
+def rows(stiffness: float, preload: float) -> str:
+    """The same as a table."""
+    places = (-5.0, 1.0, 2.5, 8.0, 40.0)
+    forces = [1e-3 * stiffness * (preload + x) for x in places]
+    return f'joint = "steeve"\ncoordinate_mm = {list(places)}\nforce_N = {forces}'
+
+
+FORMS = {
+    "points": [points(9000.0, 11.0)],
+    "table": [rows(9000.0, 11.0)],
+    "two springs": [joint(4000.0, -20.0), joint(5000.0, 35.8)],
+    "two lines": [points(4000.0, -20.0), points(5000.0, 35.8)],
+    "two tables": [rows(4000.0, -20.0), rows(5000.0, 35.8)],
+    "one of each": [joint(2000.0, -30.0), rows(3000.0, 40.0), points(4000.0, 9.75)],
+}
+"""Springs of the steeve whose sum is that of the E62."""
+BETWEEN_POINTS = {"points": (9000.0, 11.0), "two lines": (9000.0, 11.0),
+                  "one of each": (4000.0, 9.75)}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def steeves(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """The E62 three times: spring on its slide, between two points of it, and as a table.
+    """The E62 again and again, with its spring in other forms and of several parts.
 
     The slide lies along the line of the two pins, 175.7 mm apart at touch, and its coordinate is
-    what the line has lost; a free length 11 mm longer is the preload.
+    what the line has lost; a free length 11 mm longer is the preload. Parts have 9 N/mm and 99 N.
     """
-    line = math.hypot(67.38782025129913, 162.2487823687206)
-    texts = {
-        "points": 'frame_a = "steeve_lower"\nframe_b = "steeve_upper"\n'
-        f"stiffness_N_per_m = 9000.0\nfree_length_mm = {line + 11.0!r}",
-        "table": 'joint = "steeve"\ncoordinate_mm = [-5.0, 1.0, 2.5, 8.0, 40.0]\n'
-        f"force_N = {[9.0 * (11.0 + x) for x in (-5.0, 1.0, 2.5, 8.0, 40.0)]}",
-    }
-    old = 'joint = "steeve"\nstiffness_N_per_m = 9000.0\npreload_length_mm = 11.0 '
+    old = joint(9000.0, 11.0)
     found = {"joint": find_model("e62")}
-    for kind, text in texts.items():
+    for kind, (first, *others) in FORMS.items():
         folder = found[kind] = tmp_path_factory.mktemp(kind) / "e62"
         shutil.copytree(find_model("e62"), folder)
         path = folder / "e62.toml"
         lines = path.read_text(encoding="utf-8")
         assert old in lines
+        more = [f"\n[springs.other_{k}]\n{text}" for k, text in enumerate(others)]
+        text = "".join([first, *more])
         lines = lines.replace(old, text + " #").partition("[shortcuts]")[0]
         path.write_text(lines, encoding="utf-8")
     return found
 
 
-@pytest.mark.parametrize("kind", ["points", "table"])
+@pytest.mark.parametrize("kind", FORMS)
 @pytest.mark.parametrize("window", [Window.TRANSITION, Window.CYCLE])
 def test_same_spring_in_another_form(steeves: dict[str, Path], kind: str, window: Window) -> None:
     """Collisions of the E62 at 650 r/min agree to 1e-12 s, rates and impulses to 1e-9.
@@ -85,8 +115,23 @@ def test_same_spring_in_another_form(steeves: dict[str, Path], kind: str, window
             gone = np.linalg.norm((left - here.joints[name])[0])
             s = next(j.index for j in one.mechanism.joints if j.name == "steeve")
             stroke = one.trajectory.evaluate(times).q[0, s]
-            pull = 9000.0 * (0.011 + stroke) if (name, kind) == ("steeve", "points") else 0.0
+            k, p = BETWEEN_POINTS.get(kind, (0.0, 0.0)) if name == "steeve" else (0.0, 0.0)
+            pull = k * (1e-3 * p + stroke)
             assert gone == pytest.approx(pull, abs=1e-5)
+
+
+@pytest.mark.parametrize("of", ["transitions", "turns"])
+def test_two_springs_on_one_joint_in_tables(steeves: dict[str, Path], of: str) -> None:
+    """The reduced engine has functions of its own for each spring; their sum is that of one."""
+    compute = {"transitions": transition_table, "turns": turn_table}[of]
+    one, two = (
+        compute(load(steeves[kind]), speed_rpm=[500.0, 650.0], engine="reduced", rest_rate=1e-3)
+        for kind in ("joint", "two springs")
+    )
+    names = ("duration", "rebound_amplitude") if of == "transitions" else ("energy_lost",
+             "largest_clamping_force", "largest_gap", "closing_index")  # fmt: skip
+    for name in names:
+        np.testing.assert_allclose(getattr(two, name), getattr(one, name), rtol=1e-9)
 
 
 def test_damper_on_a_driven_joint_loads_its_drive_alone(steeves: dict[str, Path]) -> None:

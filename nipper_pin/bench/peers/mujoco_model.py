@@ -65,10 +65,11 @@ def mjcf(mechanism: Mechanism, integrator: str, limit: str = "") -> str:
         if index == stop and limit:
             attributes = {"limited": "true", "range": "0 3", "solreflimit": limit}
             joint.attrib.update(attributes, solimplimit=_IMPEDANCE)
-        for spring in mechanism.springs:
-            if spring.index == index:
-                joint.set("stiffness", repr(spring.stiffness))
-                joint.set("springref", repr(-spring.preload))
+        springs = [spring for spring in mechanism.springs if spring.index == index]
+        if stiffness := sum(spring.stiffness for spring in springs):
+            force = sum(spring.stiffness * spring.preload for spring in springs)
+            joint.set("stiffness", repr(stiffness))
+            joint.set("springref", repr(-force / stiffness))
     equality = SubElement(root, "equality")
     for closure in mechanism.closures:
         a, b = (model.frames[model.getFrameId(n)] for n in (closure.frame_a, closure.frame_b))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypeVar
 
 from ...errors import InputError
-from .parts import Damper, Drive, Force, Slot, Spring, Start, Stop, Tie
+from .parts import Damper, Drawing, Drive, Force, Slot, Spring, Start, Stop, Tie
 from .tree import Tree
 from .urdf_text import LINE, frame_name
+
+Entry = TypeVar("Entry")
 
 
 def document(tree: Tree) -> dict[str, Any]:
@@ -17,10 +20,15 @@ def document(tree: Tree) -> dict[str, Any]:
         tree: The drawing's tree.
 
     Raises:
-        InputError: A drive, spring, damper or stop is on a joint without a coordinate.
+        InputError: A drive, spring, damper or stop is on a joint without a coordinate, or there
+            are two drives, starts or stops of one name.
     """
     drawing = tree.drawing
-    stops = {part.name or part.joint: part for part in drawing.parts if isinstance(part, Stop)}
+    stops = _single(
+        drawing,
+        "stops",
+        [(part.name or part.joint, part) for part in drawing.parts if isinstance(part, Stop)],
+    )
     struck = drawing.struck or next(iter(stops), "")
     if missing := [name for name in (*drawing.closed, struck) if name and name not in stops]:
         message = f"{drawing.name}: {', '.join(missing)} are no stops; stops: {', '.join(stops)}"
@@ -44,11 +52,11 @@ def document(tree: Tree) -> dict[str, Any]:
         "drives": _drives(tree),
         "springs": springs,
         "dampers": _dampers(tree),
-        "forces": {
-            part.joint: {"joint": part.joint, "law": part.law, **part.keys}
+        "forces": _several(
+            (part.joint, {"joint": part.joint, "law": part.law, **part.keys})
             for part in drawing.parts
             if isinstance(part, Force)
-        },
+        ),
         "initial": _initial(tree),
         "stops": {name: _stop(tree, part) for name, part in stops.items()},
         "closures": _closures(tree),
@@ -63,58 +71,83 @@ def document(tree: Tree) -> dict[str, Any]:
     return {key: value for key, value in found.items() if value or key == "gravity_m_s2"}
 
 
+def _single(drawing: Drawing, kind: str, entries: Iterable[tuple[str, Entry]]) -> dict[str, Entry]:
+    """Entries by name, of which there is one each."""
+    found: dict[str, Entry] = {}
+    for name, entry in entries:
+        if name in found:
+            message = f"{drawing.name}: two {kind} are called {name!r}, and there can be one"
+            raise InputError(message, name=name)
+        found[name] = entry
+    return found
+
+
+def _several(entries: Iterable[tuple[str, Entry]]) -> dict[str, Entry]:
+    """Entries by name; the second one of a name is called ``NAME_2``."""
+    found: dict[str, Entry] = {}
+    for name, entry in entries:
+        own, number = name, 1
+        while own in found:
+            number += 1
+            own = f"{name}_{number}"
+        found[own] = entry
+    return found
+
+
 def _drives(tree: Tree) -> dict[str, Any]:
+    return _single(tree.drawing, "drives", [(part.joint, _drive(tree, part))
+                   for part in tree.drawing.parts if isinstance(part, Drive)])  # fmt: skip
+
+
+def _drive(tree: Tree, part: Drive) -> dict[str, Any]:
     return {
-        part.joint: {
-            "joint": part.joint,
-            "law": part.law,
-            **part.keys,
-            _unit(tree, part.joint, "reflected_mass_kg", "reflected_inertia_kg_m2"): part.inertia,
-            "shaft_frequency_hz": part.frequency_hz,
-            "shaft_damping_ratio": part.damping_ratio,
-        }
-        for part in tree.drawing.parts
-        if isinstance(part, Drive)
+        "joint": part.joint,
+        "law": part.law,
+        **part.keys,
+        _unit(tree, part.joint, "reflected_mass_kg", "reflected_inertia_kg_m2"): part.inertia,
+        "shaft_frequency_hz": part.frequency_hz,
+        "shaft_damping_ratio": part.damping_ratio,
     }
 
 
 def _springs(tree: Tree) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    found: list[tuple[str, dict[str, Any]]] = []
     for part in tree.drawing.parts:
         if isinstance(part, Spring):
             stiff = _unit(tree, part.joint, "stiffness_N_per_m", "stiffness_N_m_per_rad")
             preload = _unit(tree, part.joint, "preload_length_mm", "preload_deg")
-            found[part.joint] = {"joint": part.joint, stiff: part.stiffness, preload: part.preload}
+            entry = {"joint": part.joint, stiff: part.stiffness, preload: part.preload}
+            found.append((part.joint, entry))
         elif isinstance(part, Tie):
             ends = [end.split() for end in part.ends]
-            found[part.name] = {
+            entry = {
                 "frame_a": frame_name(*ends[0]),
                 "frame_b": frame_name(*ends[1]),
                 "stiffness_N_per_m": part.stiffness,
                 "free_length_mm": part.free_mm,
             }
-    return found
+            found.append((part.name, entry))
+    return _several(found)
 
 
 def _dampers(tree: Tree) -> dict[str, Any]:
-    return {
-        part.joint: {
-            "joint": part.joint,
-            _unit(tree, part.joint, "damping_N_s_per_m", "damping_N_m_s_per_rad"): part.damping,
-        }
+    keys = "damping_N_s_per_m", "damping_N_m_s_per_rad"
+    return _several(
+        (part.joint, {"joint": part.joint, _unit(tree, part.joint, *keys): part.damping})
         for part in tree.drawing.parts
         if isinstance(part, Damper)
-    }
+    )
 
 
 def _initial(tree: Tree) -> dict[str, Any]:
+    return _single(tree.drawing, "starts", [(part.joint, _start(tree, part))
+                   for part in tree.drawing.parts if isinstance(part, Start)])  # fmt: skip
+
+
+def _start(tree: Tree, part: Start) -> dict[str, Any]:
     return {
-        part.joint: {
-            _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
-            _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
-        }
-        for part in tree.drawing.parts
-        if isinstance(part, Start)
+        _unit(tree, part.joint, "at_mm", "at_deg"): part.at,
+        _unit(tree, part.joint, "rate_mm_per_s", "rate_rad_per_s"): part.rate,
     }
 
 

@@ -40,7 +40,7 @@ class Node:
         along: Direction of a slide or slot, shape (2,); zero for a pin.
         ground: Whether one of its links is the frame.
         driven: Name of the drive that moves it; empty without one.
-        spring: Name of a spring on it; empty without one.
+        spring: Names of the springs on it; empty without one.
     """
 
     name: str
@@ -135,8 +135,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     along, at = np.zeros(2), world[identity].translation[[0, 2]]
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, place, world)
-    springs = {item.index: item.name for item in mechanism.springs}
-    springs |= {item.index: item.name for item in mechanism.tabulated_springs}
+    springs = (*mechanism.springs, *mechanism.tabulated_springs)
     return Node(
         joint.name,
         "pin" if joint.kind == "revolute" else "slide",
@@ -144,7 +143,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         along,
         model.parents[identity] == 0,
         next((item.name for item in mechanism.drives if item.index == joint.index), ""),
-        springs.get(joint.index, ""),
+        ", ".join(item.name for item in springs if item.index == joint.index),
     )
 
 

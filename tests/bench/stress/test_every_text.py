@@ -193,10 +193,20 @@ def full() -> Source:
         "even": {"law": "constant_speed", "ratio": 2.0},
         "waves": {"law": "fourier", "mean_rad": 0.5, "cosine_rad": [1.0, -2.0], "sine_rad": [3.0]},
         "screw": {"law": "screw", "lead_mm_per_turn": 4.0},
+        "lobe": {"law": "cam", "joint": "turns", "lift_deg": 8.0, "rise_deg": 60.0},
+        "rows": {"law": "table", "coordinate_rad": [0.0, 0.5], "cylinder_angle_deg": [0.0, 180.0]},
+        "lift": {"law": "cam", "joint": "slides", "lift_mm": 3.0},
+        "gear": {"law": "geared", "of": "even", "ratio": -3.0},
     }
+    initial = {
+        "turns": {"at_deg": 3.0, "rate_rad_per_s": -2.0}, "slides": {"at_mm": 4.0},
+        "slot": {"rate_mm_per_s": 5.0},
+    }  # fmt: skip
+    cylinder = {"reference_drive": "lobe", "reference_extreme": "maximum"}
     closures = {"slot": {"slot_axis": "x"}, "upright": {"slot_axis": "z"}, "pin": {}}
     document: dict[str, Any] = {
         "springs": springs, "stops": stops, "drives": drives, "closures": closures,
+        "initial": initial, "cylinder": cylinder,
     }  # fmt: skip
     return Source("m", urdf, document, "there")
 
@@ -220,6 +230,11 @@ def test_mirror_image() -> None:
     wanted["drives"]["waves"] |= {
         "mean_rad": -0.5, "cosine_rad": [-1.0, 2.0], "sine_rad": [-3.0],
     }  # fmt: skip
+    wanted["drives"]["lobe"]["lift_deg"] = -8.0
+    wanted["drives"]["rows"]["coordinate_rad"] = [0.0, -0.5]
+    wanted["initial"]["turns"] = {"at_deg": -3.0, "rate_rad_per_s": 2.0}
+    wanted["initial"]["slot"]["rate_mm_per_s"] = -5.0
+    wanted["cylinder"]["reference_extreme"] = "minimum"
     assert image.description == wanted
     root = ElementTree.fromstring(image.urdf)
 

@@ -15,15 +15,20 @@ from ....mechanism.files.urdf import edit
 from .parts import Source
 
 _OTHER_SIDE = {"lower": "upper", "upper": "lower"}
-# Numbers of a drive that change their sign on a hinge; a screw's do not.
-_TURNING = {"constant_speed": ("ratio",), "fourier": ("mean_rad", "cosine_rad", "sine_rad")}
+_OTHER_EXTREME = {"minimum": "maximum", "maximum": "minimum"}
+# Numbers of a drive that change their sign on a hinge; those of a slide do not.
+_TURNING = {
+    "constant_speed": ("ratio",), "fourier": ("mean_rad", "cosine_rad", "sine_rad"),
+    "table": ("coordinate_rad",), "cam": ("lift_deg",),
+}  # fmt: skip
+_ALIKE = ("screw", "geared")
 
 
 def mirrored(source: Source) -> Source | None:
     """The mirror image of a model; None if it has shapes or drives of another kind."""
     description = copy.deepcopy(source.description)
-    drives = description.get("drives", {}).values()
-    if any(drive["law"] not in (*_TURNING, "screw") for drive in drives):
+    drives = description.get("drives", {})
+    if any(drive["law"] not in (*_TURNING, *_ALIKE) for drive in drives.values()):
         return None
     if any("contact" in stop for stop in description.get("stops", {}).values()):
         return None
@@ -37,12 +42,19 @@ def mirrored(source: Source) -> Source | None:
         name for name, item in description.get("closures", {}).items()
         if item.get("slot_axis") == "x"
     }  # fmt: skip
-    for drive in drives:
+    for drive in drives.values():
         _turn(drive, _TURNING.get(drive["law"], ()))
+    cylinder = description.get("cylinder", {})
+    if drives.get(cylinder.get("reference_drive"), {}).get("joint") in turned:
+        extreme = cylinder.get("reference_extreme", "minimum")
+        cylinder["reference_extreme"] = _OTHER_EXTREME[extreme]
     for stop in description.get("stops", {}).values():
         if stop["joint"] in turned:
             stop["side"] = _OTHER_SIDE[stop.get("side", "lower")]
             _turn(stop, ("at_deg", "at_mm"))
+    for joint, start in description.get("initial", {}).items():
+        if joint in turned:
+            _turn(start, ("at_deg", "at_mm", "rate_rad_per_s", "rate_mm_per_s"))
     for spring in description.get("springs", {}).values():
         if spring.get("joint") in turned:
             _turn(spring, ("preload_deg", "preload_length_mm"))
