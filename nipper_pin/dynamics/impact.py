@@ -1,4 +1,4 @@
-"""The impact law: Newton's restitution with complementarity, on Pinocchio's impulse dynamics.
+"""Newton's restitution with complementarity, on Pinocchio's impulse dynamics.
 
 M (v+ - v-) = G' P_g + W' P_N, G v+ = 0, and for every stop in contact
 xi_N = g_N_dot+ + e_N g_N_dot- >= 0, P_N >= 0, xi_N P_N = 0.
@@ -7,7 +7,7 @@ xi_N = g_N_dot+ + e_N g_N_dot- >= 0, P_N >= 0, xi_N P_N = 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -24,9 +24,13 @@ from ..tolerances.mechanics import (
     RESTITUTION_SLACK,
     STILL_GAP_RATE,
 )
+from .moving_mass import impact_condition, impulse_sizes, moving_mass
+from .pivoting import complementary, delassus
 from .system import System
 
 _REFINEMENTS = 3
+# Up to so many contacts all sets are tried: that is faster than pivoting.
+_TRIED = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +60,7 @@ def collide(
     contacts: Sequence[Stop],
     restitution: Sequence[float],
 ) -> Impact:
-    """Apply the impact law to the stops in contact.
+    """Apply Newton's law to stops in contact, all at once.
 
     Args:
         system: The system.
@@ -67,7 +71,8 @@ def collide(
         restitution: e_N of each.
 
     Returns:
-        The impact: the first set of stops, the smallest sets first, that satisfies the law.
+        The impact: of two stops the first set, the smallest first, that satisfies the law; of more
+        the one that pivoting finds.
 
     Raises:
         ImpactError: No set does: the stops jam the mechanism against its drives.
@@ -76,21 +81,42 @@ def collide(
     wanted = [-e_N * rate for e_N, rate in zip(restitution, before, strict=True)]
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
-    for size in range(1, len(contacts) + 1):
-        for chosen in combinations(range(len(contacts)), size):
-            solved = _impulses(system, q, jacobian, [contacts[i] for i in chosen],
-                               [wanted[i] - before[i] for i in chosen])  # fmt: skip
-            if solved is None or min(solved[2].tolist()) < 0.0:
-                continue
-            still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])
-            if still is not None:
-                return _outcome(v, contacts, chosen, wanted, solved, still)
+    jumps = [after - rate for after, rate in zip(wanted, before, strict=True)]
+    for chosen in _choices(system, q, jacobian, contacts, jumps):
+        struck = [contacts[i] for i in chosen]
+        solved = _impulses(system, q, jacobian, struck, [jumps[i] for i in chosen])
+        if solved is None or min(solved[2].tolist()) < 0.0:
+            continue
+        still = _still(system, q, jacobian, v, contacts, chosen, wanted, solved[0])
+        if still is not None:
+            return _outcome(v, contacts, chosen, wanted, solved, still)
     names = ", ".join(stop.name for stop in contacts)
     message = (
         f"no impulses at {names} satisfy the impact law: these stops jam the mechanism against "
         "its drives; check their sides, or let the drives be inertial"
     )
     raise ImpactError(message, stops=names, rates_before=before)
+
+
+def _choices(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    jumps: Sequence[float],
+) -> Iterator[tuple[int, ...]]:
+    """Sets of the contacts that may be struck, the smallest first."""
+    if len(contacts) <= _TRIED:
+        for size in range(1, len(contacts) + 1):
+            yield from combinations(range(len(contacts)), size)
+        return
+    matrix = delassus(system, q, jacobian, contacts)
+    impulses = complementary(matrix, -np.array(jumps))
+    if impulses is not None:
+        shares = impulses * np.sqrt(np.diag(matrix))
+        # An impulse that is only round-off may be none.
+        for least in (RESTITUTION_SLACK * float(shares.max()), 0.0):
+            yield tuple(np.flatnonzero(shares > least).tolist())
 
 
 def arrest(
@@ -173,7 +199,7 @@ def _round_off(
 ) -> list[float]:
     """Round-off of gap rates beside an impact: for each the same share of its energy."""
     lost = EPS * impact_condition(system, q, jacobian, struck)
-    moving, mass = _moving_mass(system, q)
+    moving, mass = moving_mass(system, q)
     given = math.sqrt(delta[moving] @ mass @ delta[moving])
     return [lost * given * size for size in impulse_sizes(system, q, beside).tolist()]
 
@@ -219,74 +245,6 @@ def drive_impulses(
     _, jacobian = system.body.closures(q[None])
     momentum = system.body.mass_matrix(q) @ delta - P_g @ jacobian[0]
     return np.asarray(momentum[system.driven])
-
-
-def impact_condition(
-    system: System, q: FloatArray, jacobian: FloatArray, stops: Sequence[int]
-) -> float:
-    """Condition number of the impact matrix A = J M^-1 J', J being closures and closed stops.
-
-    Rows and columns are scaled to a diagonal of ones, so units do not count. Accelerations,
-    impulses and forces of constraint lose that many digits: A is singular where the closures are,
-    and badly conditioned where bodies of very different mass pull at one another.
-
-    Args:
-        system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
-        jacobian: Closure Jacobian G at q, shape (m, nv).
-        stops: Coordinates of the closed stops.
-
-    Returns:
-        The condition number in the 2-norm; infinite if rows depend on one another, or the mass
-        matrix is singular.
-    """
-    moving, mass = _moving_mass(system, q)
-    rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
-    if not len(rows):
-        return 1.0
-    try:
-        matrix = rows @ np.linalg.solve(mass, rows.T)
-    except np.linalg.LinAlgError:
-        return np.inf
-    diagonal = np.diag(matrix)
-    if not (diagonal > 0.0).all():
-        # Round-off of a mass matrix that is singular in double precision has either sign.
-        return np.inf
-    size = np.sqrt(diagonal)
-    return float(np.linalg.cond(matrix / size / size[:, None]))
-
-
-def impulse_sizes(system: System, q: FloatArray, stops: Sequence[int]) -> FloatArray:
-    """Roots of the diagonal of M^-1 at stops, shape (stops,): they make impulses comparable.
-
-    An impulse times this is the root of twice the energy that it gives to a machine at rest whose
-    loops are open [sqrt(J)], whatever the unit of the coordinate is.
-
-    Args:
-        system: The system; held drives do not yield.
-        q: Configuration, shape (nv,).
-        stops: Coordinates of the stops.
-
-    Raises:
-        ImpactError: The mass matrix is singular.
-    """
-    moving, mass = _moving_mass(system, q)
-    rows = np.eye(system.body.nv)[list(stops)][:, moving]
-    try:
-        diagonal = np.einsum("ij,ji->i", rows, np.linalg.solve(mass, rows.T))
-    except np.linalg.LinAlgError as error:
-        message = "the mass matrix is singular: masses or inertias of the links are too different"
-        raise ImpactError(message, condition=np.inf) from error
-    return np.asarray(np.sqrt(np.maximum(diagonal, 0.0)))
-
-
-def _moving_mass(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
-    """Coordinates that impulses move, and their mass matrix with the inertia of the shafts."""
-    moving = [i for i in range(system.body.nv) if i not in system.held_coordinates]
-    mass = system.body.mass_matrix(q)[np.ix_(moving, moving)]
-    if not system.held:
-        mass[np.diag_indices(len(moving))] += system.drive_armature[moving]
-    return moving, mass
 
 
 def _outcome(

@@ -20,6 +20,7 @@ from ..errors import ConvergenceError, ElementError, SimulationError, SingularCo
 from ..mechanism import Stop
 from ..tolerances.hybrid import ROOT_GAP_ROUND_OFF, SHORTEST_PANEL
 from .case import Resolution
+from .contact.touching import touching
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.coordinate_choice import serves, suited_split
 from .motion.integrators import integrator
@@ -201,6 +202,9 @@ class _Way:
             for trigger in end.found
             if trigger.kind is TriggerKind.GAP
         ]
+        if hit:
+            names = closed.union(stop.name for stop in hit)
+            hit += touching(self._system, end.exact.q, end.exact.v, names)
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))
 

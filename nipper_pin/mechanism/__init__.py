@@ -13,7 +13,18 @@ from .load import (
     number_of,
     with_numbers,
 )
-from .mechanism import Closure, Contact, Drive, Joint, Mechanism, Phase, Spring, Start, Stop
+from .mechanism import (
+    Closure,
+    Contact,
+    Drive,
+    Joint,
+    Mechanism,
+    Phase,
+    Simultaneous,
+    Spring,
+    Start,
+    Stop,
+)
 from .shapes import collision_model
 
 __all__ = [
@@ -28,6 +39,7 @@ __all__ = [
     "Joint",
     "Mechanism",
     "Phase",
+    "Simultaneous",
     "Spring",
     "Start",
     "Stop",

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from .restitution.law import RestitutionLaw
 
 FloatArray = NDArray[np.float64]
+Simultaneous = Literal["newton", "sequential"]
+"""Laws of impacts at several stops that touch."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,6 +264,8 @@ class Mechanism:
         forces: Force elements on coordinates, each with a law of its own.
         stops: Unilateral stops.
         phases: Working phases.
+        simultaneous: Law of impacts at several stops that touch: "newton", all at once, or
+            "sequential", from contact to contact.
         transition_stop: Stop whose bouncing is "the transition".
         initial_phase: Phase at the start of a cycle.
         starts: Joints whose coordinate and rate at that start are given.
@@ -288,6 +292,7 @@ class Mechanism:
     forces: tuple[JointForce, ...]
     stops: tuple[Stop, ...]
     phases: tuple[Phase, ...]
+    simultaneous: Simultaneous
     transition_stop: str
     initial_phase: int
     starts: tuple[Start, ...]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.impact import impact_condition
+from ..dynamics.moving_mass import impact_condition
 from ..errors import NipperError
 from ..hybrid.case import START_INDEX, Case, Window
 from ..hybrid.event import EventKind

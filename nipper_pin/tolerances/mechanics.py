@@ -63,6 +63,15 @@ IMPACT_RESIDUAL = 1e-13
 MAX_IMPACT_RESIDUAL = 1e-9
 """[1] The same, beyond which an impact is refused. A choice: four digits above ``IMPACT_RESIDUAL``,
 so that only a failure exceeds it, such as a rank-deficient system."""
+EQUAL_APPROACH = 1e-10
+"""[1] By the fastest approach: contacts that are as fast and struck at the same time. A choice, far
+above the round-off of rates that symmetric machines have."""
+DEPENDENT_PIVOT = 1e-12
+"""[1] By the response of a stop alone: what other stops leave of it, below which it depends on
+them. A choice: it is 4500 eps, and masses that differ by 1e8 leave 1e-8."""
+EQUAL_RATIO = 16.0 * EPS
+"""[1] By the largest rate: ratios of a pivoting step that are equal. A choice: a few roundings of
+rows of the same size."""
 
 # Models: what a folder is checked for
 

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from planar_tree import PlanarTree, constrained
 
-from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses, impact_condition
+from nipper_pin.dynamics.impact import Impact, arrest, collide, drive_impulses
+from nipper_pin.dynamics.moving_mass import impact_condition
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import DriveMode, System
 from nipper_pin.errors import ImpactError

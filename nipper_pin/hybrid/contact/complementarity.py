@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import combinations
-from typing import NamedTuple
+from collections.abc import Iterable
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.constraint_set import ConstraintSet
-from ...dynamics.multipliers import multipliers
+from ...dynamics.moving_mass import force_size, impulse_sizes
+from ...dynamics.parts import apart
+from ...dynamics.pivoting import complementary, delassus, independent
 from ...dynamics.shaft import Driven
 from ...dynamics.system import System
-from ...errors import SimulationError, SingularConfigurationError
+from ...errors import SimulationError
 from ...mechanism import Stop
 from ...tolerances.hybrid import ACCELERATION_LOOKAHEAD, ACTIVE_SET_ROUND_OFF
 from ..motion.panel import Panel, one_state_at
@@ -46,9 +46,9 @@ def pressed(
 ) -> Closed:
     """Stops at rest (zero gap and rate) that stay closed, by complementarity of accelerations.
 
-    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest, solved by trying the sets of
-    stops that can stay closed together, the largest ones first: with W M^-1 W' positive definite
-    only one satisfies it. One stop alone pushes if it would close without a force.
+    g_N_ddot >= 0, la_N >= 0, g_N_ddot la_N = 0 for every stop at rest, in each part of the machine
+    by itself. A stop that neither opens nor is pressed, but for round-off, stays closed; of stops
+    that depend on one another as many close as can carry a force.
 
     Args:
         system: The system.
@@ -65,34 +65,24 @@ def pressed(
         SimulationError: No set satisfies the conditions.
     """
     stops = [stop for stop in system.mechanism.stops if stop.name in at_rest]
-    if len(stops) == 1:
-        free = system.constraint_set(frozenset())
-        if free.freedom > 0:
-            a = system.accelerations(motion, q[None], v[None], free)[0]
-            return at_rest if stops[0].rate(a) <= 0.0 else frozenset()
-    tried: list[_Held] = []
-    for size in range(len(stops), -1, -1):
-        for chosen in combinations(stops, size):
-            names = frozenset(stop.name for stop in chosen)
-            found = _held(system, motion, q, v, jacobian, names, stops)
-            if found is None:
-                continue
-            if min(found.forces.min(initial=0.0), found.leaving.min(initial=0.0)) >= 0.0:
-                return names
-            tried.append(found)
-    if tried:
-        force, leaving = (
-            ACTIVE_SET_ROUND_OFF * np.abs(values).max(axis=0)
-            for values in ([item.forces for item in tried], [item.leaving for item in tried])
-        )
-        for item in tried:
-            if (item.forces >= -force).all() and (item.leaving >= -leaving).all():
-                return item.names
-    message = (
-        f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
-        "either pulls or penetrates; check the sides of the stops"
-    )
-    raise SimulationError(message, stops=sorted(at_rest))
+    free = system.constraint_set(frozenset())
+    a = system.accelerations(motion, q[None], v[None], free)[0]
+    if len(stops) == 1 and free.freedom > 0 and stops[0].rate(a) <= 0.0:
+        return at_rest
+    size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a)
+    closed: list[Stop] = []
+    for group in apart(system, stops):
+        matrix = delassus(system, q, jacobian, group)
+        nothing = size * impulse_sizes(system, q, [stop.index for stop in group])
+        found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
+        if found is None:
+            message = (
+                f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
+                "either pulls or penetrates; check the sides of the stops"
+            )
+            raise SimulationError(message, stops=sorted(at_rest))
+        closed += [group[i] for i in found]
+    return frozenset(stop.name for stop in closed)
 
 
 def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Closed:
@@ -117,41 +107,25 @@ def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -
     return pressed(system, motion, q, v, jacobian, phase.closed)
 
 
-class _Held(NamedTuple):
-    """Forces and accelerations of the stops at rest for one choice of closed stops.
+def _held(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[int] | None:
+    """Places of the stops that stay closed.
 
-    Attributes:
-        names: The stops that are held closed.
-        forces: la_N of every stop at rest, zero of those that are not held, shape (stops,).
-        leaving: g_N_ddot likewise, zero of those that are held, shape (stops,).
+    Args:
+        matrix: The Delassus matrix.
+        leaving: g_N_ddot of each stop without any force.
+        nothing: Round-off of each of these.
+
+    Returns:
+        Places; None if no forces satisfy the conditions.
     """
-
-    names: Closed
-    forces: FloatArray
-    leaving: FloatArray
-
-
-def _held(
-    system: System,
-    motion: Driven,
-    q: FloatArray,
-    v: FloatArray,
-    jacobian: FloatArray,
-    names: Closed,
-    stops: Sequence[Stop],
-) -> _Held | None:
-    """Try one choice; None if these stops depend on one another, so that fewer hold as much."""
-    phase = system.constraint_set(names)
-    if phase.freedom < 0:
+    forces = complementary(matrix, np.where(np.abs(leaving) <= nothing, 0.0, leaving))
+    if forces is None:
         return None
-    try:
-        split = system.split(jacobian, phase.given, phase.yielding)
-    except SingularConfigurationError:
-        return None
-    a = system.accelerations(motion, q[None], v[None], phase)
-    la_N = multipliers(system, motion, q[None], v[None], a, jacobian[None], phase, split).la_N[0]
-    held = np.array([stop.name in names for stop in stops], dtype=bool)
-    forces = np.zeros(len(stops))
-    forces[held] = la_N
-    leaving = np.where(held, 0.0, [stop.rate(a[0]) for stop in stops])
-    return _Held(names, forces, leaving)
+    held = np.flatnonzero(forces > 0.0).tolist()
+    left = np.abs(matrix @ forces + leaving) <= nothing + ACTIVE_SET_ROUND_OFF * (
+        np.abs(matrix) @ forces
+    )
+    for place in np.flatnonzero(left).tolist():
+        if place not in held and independent(matrix, held, place):
+            held.append(place)
+    return sorted(held)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.impact import impact_condition, impulse_sizes
+from ...dynamics.moving_mass import impact_condition, impulse_sizes
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...mechanism import Stop

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from enum import StrEnum
 from functools import cache
@@ -11,10 +12,18 @@ import numpy as np
 
 from ...arrays import FloatArray, product
 from ...dynamics.constraint_set import ConstraintSet
+from ...dynamics.moving_mass import force_size
 from ...dynamics.system import System
 from ...errors import SimulationError
 from ...mechanism import Stop
-from ...tolerances.hybrid import CLOSING_SHARE, GAP_ROUND_OFF, RISING_FORCE, SIMULTANEOUS, SMALLEST
+from ...tolerances.hybrid import (
+    ACTIVE_SET_ROUND_OFF,
+    CLOSING_SHARE,
+    GAP_ROUND_OFF,
+    RISING_FORCE,
+    SIMULTANEOUS,
+    SMALLEST,
+)
 from ..motion.chebyshev import Series, interpolant, nodes
 from ..motion.panel import Panel, one_state_at, stop_forces_at
 from .roots import first_descent, polish
@@ -68,7 +77,7 @@ def triggers(
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
     for column, stop in enumerate(phase.shut):
         t = _force_root(system, phase, panel, forces[:, column], column)
-        if t is not None:
+        if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
             found.append(Trigger(t, TriggerKind.FORCE, stop.name))
     if not found:
         return ()
@@ -228,6 +237,18 @@ def _force_root(
             return _polished(panel, (left, right), series, exact)
         bracket = first_descent(samples[start:], values[start:], series.value)
     return None
+
+
+def _is_nothing(system: System, panel: Panel, stop: Stop, force: FloatArray) -> bool:
+    """True if the force of a closed stop is nothing but round-off: bodies that lie on one another.
+
+    They touch without pressing, as two that fall side by side, and stay in contact.
+    """
+    q, v, a = panel.q[0], panel.v[0], panel.a[0]
+    motion = system.shaft.driven_at(panel.t)
+    resists = math.sqrt(system.body.mass_matrix(q)[stop.index, stop.index])
+    nothing = ACTIVE_SET_ROUND_OFF * resists * force_size(system, motion, q, v, a)
+    return float(np.abs(force).max()) <= nothing
 
 
 def _surely_within(left: float, right: float, t: float, value: float, slope: float) -> bool:

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Set
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.impact import Impact, collide, no_impact
+from ...dynamics.impact import Impact, no_impact
+from ...dynamics.strike import strike
 from ...dynamics.system import System
 from ...errors import SimulationError
 from ..advance import advance
@@ -19,6 +20,7 @@ from ..contact.complementarity import (
     pressed,
     pressed_next,
 )
+from ..contact.touching import stilled, touching
 from ..event import Event, EventKind
 from ..event_location.guards import TriggerKind
 from ..motion.panel import Panel
@@ -66,20 +68,21 @@ class PhaseManager:
         A gap is watched from the moment it has opened, so one that starts at zero and closes would
         never be seen.
         """
-        state = self.state
-        rates = {
-            stop.name: stop.rate(state.v)
+        state, lying = self._lying(self.state)
+        hit = {
+            stop.name
             for stop in self.mechanism.stops
-            if stop.name not in state.closed and stop.gap(state.q) == 0.0
+            if stop.name not in state.closed | lying
+            and stop.gap(state.q) == 0.0
+            and stop.rate(state.v) < 0.0
         }
-        hit = {name for name, rate in rates.items() if rate < 0.0}
         if hit:
             self.collide(hit)
             return
-        still = frozenset(name for name, rate in rates.items() if rate == 0.0)
-        if not still:
+        if not lying:
             return
-        closed = self._pressed(state, state.v, state.closed | still)
+        self.state = state
+        closed = self._pressed(state, state.v, state.closed | lying)
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
@@ -127,29 +130,37 @@ class PhaseManager:
         return True
 
     def collide(self, hit: set[str]) -> None:
-        """Apply the impact law to the stops that have just closed and those closed before.
+        """Apply the impact law to the stops that have just closed and all that touch.
 
         Args:
             hit: Names of the stops that have just closed.
         """
-        state = self.state
+        state, lying = self._lying(self.state, hit)
         self.collisions += 1
-        contacts = [s for s in self.mechanism.stops if s.name in hit or s.name in state.closed]
-        restitution = [stop.coefficient(stop.rate(state.v)) for stop in contacts]
-        impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
+        meeting = hit | lying | state.closed
+        contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
+        impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
         self._log.record(EventKind.COLLISION, state, state.t, _struck(impact, hit), impact, closed)
         number = len(self.events)
         after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
-        newly = hit & closed
+        newly = (hit | lying) & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             self._close(after, newly, closed)
         self.state = after
         rebounding = [s for s in contacts if s.name in hit and rates[s.name] > 0.0]
         self._go_on(Struck(number, state, after, hit, rates, rebounding))
+
+    def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
+        """The state without the round-off of stops that touch beside those that close; these."""
+        found = touching(self.system, state.q, state.v, state.closed | hit)
+        if not found:
+            return state, frozenset()
+        v = stilled(self.system, state.v, state.jacobian, found)
+        return state._replace(v=v), {stop.name for stop in found}
 
     def _go_on(self, struck: Struck) -> None:
         """Go on with the series that a collision belongs to, or end it."""

@@ -85,6 +85,7 @@ def build_mechanism(
         forces=_forces(description, by_name, file),
         stops=stops,
         phases=phases,
+        simultaneous=description.simultaneous,
         transition_stop=description.transition_stop,
         initial_phase=description.initial_phase,
         starts=build_starts(description.initial, by_name, drives, stops, file),

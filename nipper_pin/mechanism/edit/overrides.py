@@ -13,7 +13,7 @@ from ..files.csv_tables import inline_tables
 from ..files.describe import describe
 from ..files.urdf import parse_xml
 from .dimensions import HEADS, change_dimensions
-from .toml_paths import number_at, number_from, replace_value
+from .toml_paths import UNWRITTEN, number_at, number_from, replace_value
 from .urdf_paths import steps_of
 
 # Squares and products of larger numbers overflow before they can be checked.
@@ -36,7 +36,7 @@ def by_path(
     """
     table = data.get("shortcuts")
     shortcuts = table if isinstance(table, Mapping) else {}
-    known = {*shortcuts, *data, *HEADS}
+    known = {*shortcuts, *data, *HEADS, *UNWRITTEN}
     found: dict[str, object] = {}
     names: dict[str, str] = {}
     for name, value in overrides.items():

@@ -18,6 +18,9 @@ from ...given import read_number
 from ..files.describe import optional_numbers
 from .urdf_paths import steps_of
 
+UNWRITTEN = {"simultaneous": "newton"}
+"""Texts at the top of a document that need not be written, and what they are then."""
+
 _OPTIONAL = ("drives", "stops", "initial")
 
 
@@ -63,6 +66,8 @@ def replace_value(document: dict[str, object], path: str, value: object, file: s
         starts[steps[1]] = {}  # type: ignore[index]
     holder: Any = _holder(document, steps, path, where)
     old: object = _unwritten(holder, steps).get(steps[-1])
+    if old is None and len(steps) == 1:
+        old = {**UNWRITTEN, **document}.get(path)
     if old is None:
         old = _item(holder, steps, where)
     if isinstance(old, dict):

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, field
 
+from ..mechanism import Simultaneous
 from .toml_types import (
     Damping,
     Index,
@@ -184,6 +185,8 @@ class Description(TomlTable, frozen=True, kw_only=True):
         title: What the model is, in a few words.
         degrees_of_freedom: Mobility with all stops open, drives counted.
         gravity_m_s2: Gravity along -z [m/s2].
+        simultaneous: Law of impacts at several stops that touch: all at once by Newton's law, or in
+            a sequence from contact to contact.
         transition_stop: Stop whose bouncing is the transition; may be missing without stops.
         initial_phase: Phase at the start of a cycle.
         cylinder: The input shaft.
@@ -203,6 +206,7 @@ class Description(TomlTable, frozen=True, kw_only=True):
     title: Name
     degrees_of_freedom: Annotated[int, Meta(ge=1)]
     gravity_m_s2: NotNegative
+    simultaneous: Simultaneous = "newton"
     transition_stop: str = ""
     initial_phase: int
     cylinder: CylinderDescription

@@ -1,0 +1,136 @@
+"""Impulses that pass from contact to contact: the limit of small gaps between touching stops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import FloatArray
+from ..errors import ImpactError
+from ..mechanism import Stop
+from ..tolerances.mechanics import EQUAL_APPROACH, STILL_GAP_RATE
+from .impact import Impact
+from .moving_mass import moving_mass
+from .pivoting import complementary, delassus
+from .system import System
+
+# A row of forty balls on a wall that stick together needs 600,000, in a second and a half.
+_MOST_STRIKES = 1_000_000
+
+
+def in_sequence(
+    system: System, q: FloatArray, v: FloatArray, jacobian: FloatArray, contacts: Sequence[Stop]
+) -> Impact:
+    """Strike one contact after the other, each as if it were alone, until none approaches.
+
+    It is the turn of the contact whose approach has the largest energy; of equally fast ones all
+    are struck together, so that no order of names counts and mirrored machines stay mirrored.
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        v: Velocity before, G v = 0, shape (nv,).
+        jacobian: Closure Jacobian G at q, shape (m, nv).
+        contacts: Stops with zero gap: the colliding ones and those that touch.
+
+    Returns:
+        The sum of all strikes. A series that does not end has its limit: rates that have fallen to
+        round-off of the first ones are zero.
+
+    Raises:
+        ImpactError: The strikes do not become slower: the stops jam the mechanism.
+    """
+    before = np.array([stop.rate(v) for stop in contacts])
+    matrix = delassus(system, q, jacobian, contacts)
+    found = _struck(matrix, before, contacts)
+    if found is None:
+        names = ", ".join(stop.name for stop in contacts)
+        message = (
+            f"the impulses at {names} pass to and fro without an end: these stops jam the "
+            "mechanism; give it room, let them lose more (restitution), or choose simultaneous = "
+            '"newton"'
+        )
+        raise ImpactError(message, stops=names, rates_before=before.tolist())
+    impulses, after = found
+    delta, closure_impulses = _response(system, q, jacobian, contacts, impulses)
+    v_after = v + delta
+    for stop, rate in zip(contacts, after.tolist(), strict=True):
+        v_after[stop.index] = stop.sense * rate
+    P_N = {stop.name: P for stop, P in zip(contacts, impulses.tolist(), strict=True)}
+    lost = -0.5 * float(impulses @ (before + after))
+    return Impact(v_after, delta, closure_impulses, P_N, lost)
+
+
+def _struck(
+    matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop]
+) -> tuple[FloatArray, FloatArray] | None:
+    """Impulses and gap rates after all strikes; None if there is no end of them."""
+    own = np.diag(matrix)
+    with np.errstate(divide="ignore"):
+        per_root = 1.0 / np.sqrt(own)
+    rates, impulses = before.copy(), np.zeros(len(contacts))
+    approach = -rates * per_root
+    nothing = STILL_GAP_RATE * float(np.abs(approach).max())
+    columns, responses = list(matrix.T.copy()), own.tolist()
+    for _ in range(_MOST_STRIKES):
+        first = int(approach.argmax())
+        fastest = approach[first]
+        if fastest <= nothing:
+            rates[np.abs(approach) <= nothing] = 0.0
+            return impulses, rates
+        if not responses[first] > 0.0:
+            return None
+        if np.count_nonzero(approach >= (1.0 - EQUAL_APPROACH) * fastest) == 1:
+            rate = float(rates[first])
+            impulse = -(1.0 + contacts[first].coefficient(rate)) * rate / responses[first]
+            impulses[first] += impulse
+            rates += columns[first] * impulse
+        else:
+            given = _together(matrix, rates, contacts, approach >= (1.0 - EQUAL_APPROACH) * fastest)
+            if given is None:
+                return None
+            impulses += given
+            rates += matrix @ given
+        np.multiply(rates, -per_root, out=approach)
+    return None
+
+
+def _together(
+    matrix: FloatArray, rates: FloatArray, contacts: Sequence[Stop], chosen: NDArray[np.bool_]
+) -> FloatArray | None:
+    """Impulses of contacts that are struck at the same time, by Newton's law."""
+    places = np.flatnonzero(chosen).tolist()
+    wanted = [(1.0 + contacts[i].coefficient(float(rates[i]))) * rates[i] for i in places]
+    given = complementary(matrix[np.ix_(places, places)], np.array(wanted))
+    if given is None:
+        return None
+    impulses = np.zeros(len(contacts))
+    impulses[places] = given
+    return impulses
+
+
+def _response(
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    impulses: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Change of velocity and closure impulses that impulses at the contacts make."""
+    pushed = np.zeros(system.body.nv)
+    np.add.at(
+        pushed,
+        [stop.index for stop in contacts],
+        impulses * [stop.sense for stop in contacts],
+    )
+    moving, mass = moving_mass(system, q)
+    delta = np.zeros(system.body.nv)
+    delta[moving] = np.linalg.solve(mass, pushed[moving])
+    if not len(jacobian):
+        return delta, np.zeros(0)
+    closed, closure_impulses = system.body.impulse_response(
+        q, jacobian, delta, system.drive_armature
+    )
+    return delta + closed, closure_impulses

@@ -1,0 +1,88 @@
+"""Impacts at several stops: each part of the machine by itself, by the law of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..arrays import FloatArray
+from ..errors import ImpactError
+from ..mechanism import Simultaneous, Stop
+from .impact import Impact, collide, no_impact
+from .parts import apart, parts
+from .sequence import in_sequence
+from .system import System
+
+
+def strike(
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    law: Simultaneous | None = None,
+) -> Impact:
+    """Return the impact of the stops in contact.
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        v: Velocity before, G v = 0, shape (nv,).
+        jacobian: Closure Jacobian G at q, shape (m, nv).
+        contacts: Stops with zero gap: the colliding ones and those that touch.
+        law: Law of contacts that share a motion; by default that of the mechanism.
+
+    Raises:
+        ImpactError: No impulses satisfy the law.
+    """
+    law = law or system.mechanism.simultaneous
+    groups = apart(system, contacts)
+    if len(groups) == 1:
+        return _of_part(system, q, v, jacobian, contacts, law)
+    none, part = no_impact(system, v.copy()), np.array(parts(system))
+    v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
+    P_N: dict[str, float] = {}
+    for group in groups:
+        own = _of_part(system, q, v, jacobian, group, law)
+        mine = part == part[group[0].index]
+        v_after[mine] = own.v_after[mine]
+        delta, P_g, lost = delta + own.delta, P_g + own.P_g, lost + own.energy_lost
+        P_N |= own.P_N
+    return Impact(v_after, delta, P_g, {stop.name: P_N[stop.name] for stop in contacts}, lost)
+
+
+def same_by_every_law(v: FloatArray, contacts: Sequence[Stop], impact: Impact) -> bool:
+    """Whether one contact alone approached and took the impulse, and none approaches then.
+
+    Args:
+        v: Velocity before, shape (nv,).
+        contacts: Stops in contact.
+        impact: Their impact by Newton's law.
+    """
+    approaching = sum(stop.rate(v) < 0.0 for stop in contacts)
+    struck = sum(impulse > 0.0 for impulse in impact.P_N.values())
+    leaving = min(stop.rate(impact.v_after) for stop in contacts) >= 0.0
+    return approaching < 2 and struck < 2 and leaving
+
+
+def _of_part(
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    law: Simultaneous,
+) -> Impact:
+    """The impact of contacts that share a motion."""
+    rates = [stop.rate(v) for stop in contacts]
+    restitution = [stop.coefficient(rate) for stop, rate in zip(contacts, rates, strict=True)]
+    try:
+        at_once = collide(system, q, v, jacobian, contacts, restitution)
+    except ImpactError:
+        if law == "newton":
+            raise
+        return in_sequence(system, q, v, jacobian, contacts)
+    if law == "newton" or same_by_every_law(v, contacts, at_once):
+        return at_once
+    return in_sequence(system, q, v, jacobian, contacts)
