@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from ..arrays import FloatArray
+from ..mechanism import Mechanism, Stop
 
 
 class EventKind(StrEnum):
@@ -57,3 +58,22 @@ class Event:
     closed_after: frozenset[str]
     series_error: float
     source: int
+
+    def struck(self, mechanism: Mechanism) -> tuple[Stop, ...]:
+        """Stops that a collision strikes: the first one, and all others that close at a rate.
+
+        Args:
+            mechanism: The mechanism.
+        """
+        first, *others = (mechanism.stop(name) for name in self.stops)
+        open_before = (stop for stop in others if stop.name not in self.closed_before)
+        return first, *(stop for stop in open_before if stop.rate(self.v_before) < 0.0)
+
+    def energy_lost_at(self, stop: Stop) -> float:
+        """Kinetic energy that the impulse of one stop takes away [J]; all stops together lose all.
+
+        Args:
+            stop: A stop in contact.
+        """
+        through = stop.rate(self.v_before) + stop.rate(self.v_after)
+        return -0.5 * self.P_N[stop.name] * through

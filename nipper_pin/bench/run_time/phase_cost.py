@@ -90,7 +90,7 @@ def transition_parts(
     evaluations = solution.evaluations
     responding = batch.median_ms * evaluations / nodes
     hits = []
-    for event in (collision.event for collision in solution.collisions):
+    for event in dict.fromkeys(collision.event for collision in solution.collisions):
         names = event.closed_before | set(event.stops)
         stops = [stop for stop in mechanism.stops if stop.name in names]
         jacobian = system.body.closures(event.q[None])[1][0]

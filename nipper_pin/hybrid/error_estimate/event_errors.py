@@ -11,7 +11,7 @@ past: only the round-off of its closures and of time is left.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from ..segment import Segment
 from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing
 from .local_error import round_off
 from .release_time import release_error
+from .together import StrikeError, after_all, beside, stated, still_apart
 from .zonotope import Deviations
 
 
@@ -31,18 +32,24 @@ class EventError:
     """Estimated errors of an event.
 
     Attributes:
-        time: Of its time [s].
-        impulse: Of the rates and the impulse of its first stop, ``event.stops[0]``, relative [-]:
-            the one that a collision is listed with. At a release, of the collision before.
+        time: Of its time [s]; of stops that are struck together the largest.
+        impulse: Of the rates and the impulse of its first stop, ``event.stops[0]``, relative [-].
+            At a release, of the collision before.
         since: Of the time since the event before it [s].
         impulses: Of every impulse that the event lists in ``P_N``, by stop and in its unit
             [N m s or N s]. An impulse beside a much larger one has at least the round-off of that.
+        strikes: Of each stop, by name, where it strikes several.
     """
 
     time: float
     impulse: float
     since: float
     impulses: dict[str, float]
+    strikes: dict[str, StrikeError] = field(default_factory=dict)
+
+    def at(self, stop: str) -> StrikeError:
+        """Errors of one of the stops that it strikes, by name."""
+        return self.strikes.get(stop, StrikeError(self.time, self.impulse))
 
 
 # Where drives determine the motion, or nothing has happened yet.
@@ -202,28 +209,33 @@ def _struck(
         impulses = {name: before.error.impulse * abs(P) for name, P in event.P_N.items()}
         return before.deviations, replace(before.error, impulses=impulses)
     impact = maps.impact(event)
+    found = still_apart(system, event, arrival.last, before.deviations)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
     most = max(before.error.time + flown, 0.0)
-    late = -before.deviations.states[index] / rate
+    late = -found.states[index] / rate
     total = float(np.abs(late).sum())
     if total > most:
         late *= most / total
     seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
-    found = before.deviations.later(late, impact.rates)
+    found = found.later(late, impact.rates)
     found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
     time = float(np.abs(found.late).sum())
     since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
     found = found.within(index, 0.0)
     relative = found.size(nv + index) / abs(rate)
     found = found.within(nv + index, abs(rate))
+    found, others = beside(system, event, impact.rates[nv:], found)
     impulses = dict.fromkeys(event.P_N, 0.0)
     if stops := pushing(system, event):
         pushed = _pushed(system, event, impact, found)
         first, size = stops[0].name, abs(event.P_N[stops[0].name])
         relative = max(relative, pushed[first] / size) + impact.lost * (impact.beside[first] / size)
         impulses = _with_round_off(event, impact, pushed)
-        found = found.through(impact.matrix).joined(impact.own)
-    return found.merged(), EventError(time, min(relative, 1.0), since, impulses)
+        found = after_all(system, event, others, found.through(impact.matrix)).joined(impact.own)
+    own = StrikeError(time, min(relative, 1.0))
+    strikes = stated(own, others, event, impulses)
+    time = max([time, *(item.time for item in strikes.values())])
+    return found.merged(), EventError(time, own.relative, since, impulses, strikes)
 
 
 def _pushed(

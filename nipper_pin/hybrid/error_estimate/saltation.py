@@ -77,6 +77,25 @@ def impact_map(
     return whole, pushes
 
 
+def pushed_by(system: System, q: FloatArray, stop: Stop, impulse: float) -> FloatArray:
+    """Change of velocity by the impulse of one stop alone, shape (nv,).
+
+    Args:
+        system: The system.
+        q: Configuration, shape (nv,).
+        stop: The stop.
+        impulse: Its impulse along its gap [N s or N m s].
+
+    Raises:
+        SingularConfigurationError: The closures do not determine the dependent coordinates.
+    """
+    _, jacobian = system.body.closures(q[None])
+    split = system.split(jacobian[0], system.held_coordinates, (stop.index,))
+    mass, units = _free_mass(system, q[None], jacobian, split)
+    pushed = stop.sense * impulse * units[0, stop.index]
+    return np.asarray(units[0] @ np.linalg.solve(mass[0], pushed))
+
+
 def _laws(
     system: System,
     q: FloatArray,
@@ -90,15 +109,27 @@ def _laws(
         Shapes (N, nv, nv) and (N, struck, nv).
     """
     nv = system.body.nv
-    free = [k for k in split.independent if k not in system.held_coordinates]
-    units = np.moveaxis(lifts(system.body.closures(q)[1], split, free), 0, 2)
-    mass = system.body.mass_matrices(q)
-    if not system.held:
-        mass += np.diag(system.drive_armature)
+    mass, units = _free_mass(system, q, system.body.closures(q)[1], split)
     gaps = np.zeros((len(struck), nv))
     gaps[range(len(struck)), [stop.index for stop in struck]] = [stop.sense for stop in struck]
-    turned, rows = np.swapaxes(units, 1, 2), gaps @ units
-    response = np.linalg.solve(turned @ mass @ units, np.swapaxes(rows, 1, 2))
+    rows = gaps @ units
+    response = np.linalg.solve(mass, np.swapaxes(rows, 1, 2))
     wanted = -(1.0 + np.array(restitution))[:, None] * gaps
     impulses = np.linalg.solve(rows @ response, np.broadcast_to(wanted, (len(q), *wanted.shape)))
     return np.eye(nv) + units @ response @ impulses, np.asarray(impulses, dtype=np.float64)
+
+
+def _free_mass(
+    system: System, q: FloatArray, jacobian: FloatArray, split: Partition
+) -> tuple[FloatArray, FloatArray]:
+    """Mass matrices of the coordinates that impulses move, and what these lift to.
+
+    Returns:
+        Shapes (N, K, K) and (N, nv, K).
+    """
+    free = [k for k in split.independent if k not in system.held_coordinates]
+    units = np.moveaxis(lifts(jacobian, split, free), 0, 2)
+    mass = system.body.mass_matrices(q)
+    if not system.held:
+        mass += np.diag(system.drive_armature)
+    return np.swapaxes(units, 1, 2) @ mass @ units, units

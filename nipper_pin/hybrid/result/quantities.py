@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 from ...errors import UnknownNameError
 from ...mechanism import Mechanism, Stop
 from ...terms import TERMS, Term, term_of
+from ..error_estimate.together import StrikeError
 from ..event import EventKind
 from .solution import Solution
 from .tables import Collision, Transition
@@ -71,8 +72,8 @@ def _own(name: str) -> Callable[[Solution, object], Any]:
     return lambda _, item: None if item is None else getattr(item, name)
 
 
-def _relative_error(solution: Solution, hit: Collision) -> float:
-    return float(solution.errors[hit.event.number - 1].impulse)
+def _error(solution: Solution, hit: Collision) -> StrikeError:
+    return solution.errors[hit.event.number - 1].at(hit.stop)
 
 
 def _kept(name: str, column: str, force: str | None = None) -> Quantity[Any]:
@@ -95,9 +96,9 @@ COLLISION: tuple[Quantity[Collision], ...] = (
     Quantity(
         name="time_error_s",
         column="time_error",
-        read=lambda run, hit: float(run.errors[hit.event.number - 1].time),
+        read=lambda run, hit: float(_error(run, hit).time),
     ),
-    Quantity(name="impulse_error", read=_relative_error),
+    Quantity(name="impulse_error", read=lambda run, hit: float(_error(run, hit).relative)),
     Quantity(name="rate_error", column="rate_error"),
     Quantity(name="impulse_error_N_s", column="impulse_error", force="N"),
     Quantity(name="impulse_error_N_m_s", column="impulse_error", force="N m"),

@@ -10,11 +10,12 @@ import numpy as np
 from ...dynamics.system import System
 from ...mechanism import Stop
 from ..advance import advance
-from ..case import Resolution
+from ..case import Case
 from ..event import Event, EventKind
 from ..event_location.roots import first_descent, polish
 from ..motion.chebyshev import Series, nodes
 from ..motion.panel import Panel
+from ..run.phase_manager import PhaseManager
 from ..segment import Segment
 from ..state import State
 
@@ -26,7 +27,7 @@ class Rebounds:
         system: The system.
         segments: Segments in order of time.
         events: Events in order of time.
-        resolution: How finely a motion is resolved that a run has left out.
+        case: The case, for motion that a run has left out.
     """
 
     def __init__(
@@ -34,55 +35,56 @@ class Rebounds:
         system: System,
         segments: Sequence[Segment],
         events: Sequence[Event],
-        resolution: Resolution,
+        case: Case,
     ) -> None:
         """Store what a rebound is looked up in."""
-        self._system, self._resolution = system, resolution
+        self._system, self._case = system, case
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
-        self._highest_gaps: dict[int, float] = {}
-        self._flights: dict[int, Segment | None] = {}
+        self._highest_gaps: dict[tuple[int, str], float] = {}
+        self._flights: dict[tuple[int, str], tuple[Segment, ...]] = {}
 
-    def time(self, event: Event) -> float | None:
-        """Time of the rebound of the stop that a collision struck first [s]; None if unknown."""
-        stop, end = self._end(event)
+    def time(self, event: Event, name: str) -> float | None:
+        """Time of the rebound of a stop that a collision struck [s]; None if unknown."""
+        stop, end = self._end(event, name)
         if end is None:
             return None
         if not self._left_out(event, end):
             return end.t - event.t
-        segment = self._followed(event, stop)
         # Copies of a turn share the flight of the turn that they are copies of.
-        return None if segment is None else segment.t_end - segment.t_start
+        flown = self._followed(event, stop)
+        return flown[-1].t_end - flown[0].t_start if flown else None
 
-    def amplitude(self, event: Event) -> float | None:
+    def amplitude(self, event: Event, name: str) -> float | None:
         """Largest gap of that rebound [rad or m]; None if unknown."""
-        stop, end = self._end(event)
+        stop, end = self._end(event, name)
         if end is None:
             return None
         if self._left_out(event, end):
-            segment = self._followed(event, stop)
-            return None if segment is None else _highest_of(segment, stop)
-        if event.source not in self._highest_gaps:
-            self._highest_gaps[event.source] = self._highest(event.t, end.t, stop)
-        return self._highest_gaps[event.source]
+            flown = self._followed(event, stop)
+            return max((_highest_of(segment, stop) for segment in flown), default=None)
+        key = event.source, name
+        if key not in self._highest_gaps:
+            self._highest_gaps[key] = self._highest(event.t, end.t, stop)
+        return self._highest_gaps[key]
 
-    def until(self, event: Event) -> tuple[Event | None, Segment | None]:
+    def until(self, event: Event, name: str) -> tuple[Event | None, tuple[Segment, ...] | None]:
         """The end of a rebound, None if unknown, and the flight to it if a run leaves that out."""
-        stop, end = self._end(event)
+        stop, end = self._end(event, name)
         if end is None or not self._left_out(event, end):
             return end, None
         return end, self._followed(event, stop)
 
-    def _end(self, event: Event) -> tuple[Stop, Event | None]:
+    def _end(self, event: Event, name: str) -> tuple[Stop, Event | None]:
         """The stop, and the next event at which it takes part; the same event if it does not open.
 
         None if the window ends before.
         """
-        stop = self._system.mechanism.stop(event.stops[0])
+        stop = self._system.mechanism.stop(name)
         if stop.rate(event.v_after) <= 0.0:
             return stop, event
         later = (self._events[place] for place in range(event.number, len(self._events)))
-        return stop, next((item for item in later if stop.name in item.P_N), None)
+        return stop, next((item for item in later if name in item.P_N), None)
 
     @staticmethod
     def _left_out(event: Event, following: Event) -> bool:
@@ -99,13 +101,14 @@ class Rebounds:
             highest = max(highest, _highest_of(segment, stop))
         return highest
 
-    def _followed(self, event: Event, stop: Stop) -> Segment | None:
-        """The flight of a rebound that a run leaves out; None if it does not end."""
-        if event.source not in self._flights:
-            self._flights[event.source] = self._flight(event, stop)
-        return self._flights[event.source]
+    def _followed(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
+        """The flight of a rebound that a run leaves out; empty if it does not end."""
+        key = event.source, stop.name
+        if key not in self._flights:
+            self._flights[key] = self._flight(event, stop)
+        return self._flights[key]
 
-    def _flight(self, event: Event, stop: Stop) -> Segment | None:
+    def _flight(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
         system = self._system
         closed = event.closed_after - {stop.name}
         motion = system.shaft.driven_at(event.t)
@@ -114,8 +117,21 @@ class Rebounds:
         a = system.accelerations(motion, q[None], v[None], phase)[0]
         _, jacobian = system.body.closures(q[None])
         start = State(event.t, q, v, jacobian[0], motion, closed)
-        reached = advance(system, start, a, event.t + system.shaft.period, self._resolution)
-        return reached.segment if reached.triggers else None
+        limit = event.t + system.shaft.period
+        reached = advance(system, start, a, limit, self._case.resolution)
+        struck = [trigger.stop for trigger in reached.triggers]
+        if stop.name in struck or not struck:
+            return (reached.segment,) if struck else ()
+        # Of stops that bounce in step another one is back first.
+        return _past_others(PhaseManager(system, self._case, start), stop, limit)
+
+
+def _past_others(manager: PhaseManager, stop: Stop, limit: float) -> tuple[Segment, ...]:
+    """Motion until a stop is struck, past events of other stops; empty if it is not."""
+    while manager.step(limit):
+        if any(stop.name in event.P_N for event in manager.events):
+            return tuple(manager.segments)
+    return ()
 
 
 def _highest_of(segment: Segment, stop: Stop) -> float:

@@ -134,7 +134,7 @@ class Solution:
     @cached_property
     def collisions(self) -> tuple[Collision, ...]:
         """Collisions with their rebounds."""
-        return collision_table(self.system, self.segments, self.events, self.case.resolution)
+        return collision_table(self.system, self.segments, self.events, self.case)
 
     @cached_property
     def phases(self) -> tuple[PhaseInterval, ...]:

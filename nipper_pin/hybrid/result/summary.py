@@ -24,7 +24,8 @@ def line(solution: Solution) -> str:
     Args:
         solution: The solution.
     """
-    count = sum(event.kind is EventKind.COLLISION for event in solution.events)
+    hits = (event for event in solution.events if event.kind is EventKind.COLLISION)
+    count = sum(len(event.struck(solution.mechanism)) for event in hits)
     return (
         f"<Solution of {solution.mechanism.name}: {_case(solution)}, {count} "
         f"collision{'' if count == 1 else 's'}, {solution.outcome.name.lower()}>"

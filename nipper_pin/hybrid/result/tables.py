@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...dynamics.system import System
-from ..case import Resolution
+from ..case import Case
 from ..event import Event, EventKind
 from ..segment import Segment
 from .rebounds import Rebounds
@@ -14,11 +14,13 @@ from .rebounds import Rebounds
 
 @dataclass(frozen=True)
 class Collision:
-    """One collision and the rebound after it.
+    """One stop that is struck, and its rebound.
+
+    Stops that are struck in one event have a collision each, one after another.
 
     Attributes:
         number: Number of the collision, from 1.
-        stop: Stop that receives the impulse.
+        stop: Stop that is struck.
         t: Time [s] from the start of the run.
         cylinder_angle: psi [rad].
         index: Index on the comber's scale.
@@ -26,8 +28,8 @@ class Collision:
         separation_rate: Rate after.
         impulse: Normal impulse at the contact point [N s]; along the joint of a stop without one
             [N s or N m s].
-        energy_lost: Kinetic energy lost [J].
-        event: The event itself.
+        energy_lost: Kinetic energy lost at this stop [J].
+        event: The event itself, which may strike other stops, too.
         rebounds: What finds the rebound after it.
     """
 
@@ -46,12 +48,12 @@ class Collision:
     @property
     def rebound_amplitude(self) -> float | None:
         """Largest gap until the stop's next event [rad or m]; None if the window ends before."""
-        return self.rebounds.amplitude(self.event)
+        return self.rebounds.amplitude(self.event, self.stop)
 
     @property
     def rebound_time(self) -> float | None:
         """Time until the stop's next event [s]; None if the window ends before."""
-        return self.rebounds.time(self.event)
+        return self.rebounds.time(self.event, self.stop)
 
 
 @dataclass(frozen=True)
@@ -92,30 +94,33 @@ def collision_table(
     system: System,
     segments: Sequence[Segment],
     events: Sequence[Event],
-    resolution: Resolution,
+    case: Case,
 ) -> tuple[Collision, ...]:
-    """Collisions of a run, in order of time."""
-    impacts = [event for event in events if event.kind is EventKind.COLLISION]
-    rebounds = Rebounds(system, segments, events, resolution)
-    table = []
-    for number, event in enumerate(impacts, start=1):
-        stop = system.mechanism.stop(event.stops[0])
+    """Collisions of a run, in order of time; of stops that are struck at once in their order."""
+    rebounds = Rebounds(system, segments, events, case)
+    table: list[Collision] = []
+    for event in events:
+        if event.kind is not EventKind.COLLISION:
+            continue
+        struck = event.struck(system.mechanism)
         psi = float(system.shaft.angle(event.t))
-        table.append(
-            Collision(
-                number=number,
-                stop=stop.name,
-                t=event.t,
-                cylinder_angle=psi,
-                index=system.mechanism.cylinder.index_from_angle(psi),
-                approach_rate=stop.rate(event.v_before),
-                separation_rate=stop.rate(event.v_after),
-                impulse=event.P_N[stop.name] / stop.lever,
-                energy_lost=event.energy_lost,
-                event=event,
-                rebounds=rebounds,
+        for stop in struck:
+            lost = event.energy_lost if len(struck) == 1 else event.energy_lost_at(stop)
+            table.append(
+                Collision(
+                    number=len(table) + 1,
+                    stop=stop.name,
+                    t=event.t,
+                    cylinder_angle=psi,
+                    index=system.mechanism.cylinder.index_from_angle(psi),
+                    approach_rate=stop.rate(event.v_before),
+                    separation_rate=stop.rate(event.v_after),
+                    impulse=event.P_N[stop.name] / stop.lever,
+                    energy_lost=lost,
+                    event=event,
+                    rebounds=rebounds,
+                )
             )
-        )
     return tuple(table)
 
 

@@ -23,7 +23,7 @@ def transition(manager: PhaseManager) -> Outcome:
         SimulationError: The motion cannot be followed.
     """
     name = _closing_stop(manager)
-    manager.collide({name})
+    manager.touch()
     while True:
         last = manager.events[-1]
         if last.kind is EventKind.REST and name in last.stops:

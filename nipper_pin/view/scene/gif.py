@@ -244,7 +244,8 @@ class _Painter:
         done = [item for item in solution.collisions if item.t <= pace.machine[frame]]
         if done:
             at = top + 16 + _ROW * (len(self._columns) + 1)
-            lines = textwrap.wrap(collision_text(mechanism, done[-1]), _COLUMNS)
+            last = [item for item in done if item.event is done[-1].event]
+            lines = textwrap.wrap(collision_text(mechanism, last), _COLUMNS)
             for line, text in enumerate(lines):
                 self._put(draw, (_LEFT, at + 16 * line), text, self._small, ARROW)
         left, top, right, bottom = _BAR

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
+from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
 from ...terms import digits
@@ -62,9 +64,8 @@ def readings(film: Film) -> dict[str, object]:
         ],
         "legend": list(dict.fromkeys((item.name, item.colour) for item in shown)),
         "collisions": [
-            {"at": float(pace.playback_at(item.t)), "stop": item.stop,
-             "text": collision_text(mechanism, item)}
-            for item in solution.collisions if pace.machine[0] <= item.t <= last
+            {"at": float(pace.playback_at(item.t)), "stop": item.stop, "text": text}
+            for item, text in _told(solution) if pace.machine[0] <= item.t <= last
         ],
         "ticks": [
             {"at": float(pace.playback_at(t)), "text": f"{MS_PER_S * t:.10g}", "number": number}
@@ -100,10 +101,21 @@ def _ticks(end: float) -> FloatArray:
     return np.asarray(step * np.arange(math.floor(end / step * (1.0 + 1e-12)) + 1))
 
 
-def collision_text(mechanism: Mechanism, hit: Collision) -> str:
-    """Text about the last collision."""
-    unit = force_unit(mechanism, mechanism.stop(hit.stop))
-    return f"last: collision {hit.number} ({hit.stop}): impulse {digits(hit.impulse)} {unit} s"
+def collision_text(mechanism: Mechanism, hits: Sequence[Collision]) -> str:
+    """Text about the last collision, or all those of one event."""
+    told = []
+    for hit in hits:
+        unit = force_unit(mechanism, mechanism.stop(hit.stop))
+        told.append(f"{hit.number} ({hit.stop}): impulse {digits(hit.impulse)} {unit} s")
+    return f"last: collision{'s' if len(told) > 1 else ''} {'; '.join(told)}"
+
+
+def _told(solution: Solution) -> Iterator[tuple[Collision, str]]:
+    """Collisions with the text of their event."""
+    for _, hits in groupby(solution.collisions, key=lambda item: item.event.number):
+        struck = list(hits)
+        text = collision_text(solution.mechanism, struck)
+        yield from ((item, text) for item in struck)
 
 
 def columns(film: Film) -> Iterator[tuple[str, str, FloatArray]]:

@@ -41,7 +41,8 @@ def rebound_flights(solution: Solution) -> list[Flight]:
         for event in solution.events
         if stop in event.stops and event.kind in (EventKind.COLLISION, EventKind.REST)
     ]
-    heights = {hit.event.number: hit.rebound_amplitude or 0.0 for hit in solution.collisions}
+    own = (hit for hit in solution.collisions if hit.stop == stop)
+    heights = {hit.event.number: hit.rebound_amplitude or 0.0 for hit in own}
     return [
         Flight(first.t, second.t, heights.get(first.number, 0.0))
         for first, second in pairwise(closes)

@@ -56,11 +56,13 @@ def rebounds(solution: Solution) -> Iterator[str]:
 def _numbers(where: str, stop: Stop, hit: Collision) -> Iterator[str]:
     """Rates, impulse and loss of the row are those of its event."""
     event = hit.event
+    several = [item for item in event.stops if item not in event.closed_before][1:]
+    lost = event.energy_lost_at(stop) if several else event.energy_lost
     rows = (
         ("approach rate", hit.approach_rate, stop.sense * event.v_before[stop.index]),
         ("separation rate", hit.separation_rate, stop.sense * event.v_after[stop.index]),
         ("impulse", hit.impulse * stop.lever, event.P_N[stop.name]),
-        ("energy lost", hit.energy_lost, event.energy_lost),
+        ("energy lost", hit.energy_lost, lost),
         ("time", hit.t, event.t),
     )
     for name, found, told in rows:

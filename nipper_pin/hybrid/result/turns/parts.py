@@ -67,7 +67,7 @@ class StopTurn:
 
     def _share(self, event: Event) -> float:
         """Relative error of an impulse."""
-        return float(self.solution.errors[event.number - 1].impulse)
+        return float(self.solution.errors[event.number - 1].at(self.stop).relative)
 
     def _further(self) -> Iterator[tuple[float, float]]:
         """Impulses beyond the last bounce of each series that ends at its limit, and their errors.

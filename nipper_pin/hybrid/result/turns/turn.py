@@ -184,15 +184,18 @@ class Turn:
 
     def _ends_there(self, hit: Collision) -> bool:
         """Whether a collision has a rebound, and no other stop is struck before it ends."""
-        end, left_out = hit.rebounds.until(hit.event)
+        end, left_out = hit.rebounds.until(hit.event, hit.stop)
         if end is None or end is hit.event:
             return False
         if left_out is not None and self.solution.case.rest_rate is not None:
             return False
-        between = self.solution.events[hit.event.number : end.number]
-        return all(
-            event.stops[0] == self._stop for event in between if event.kind is EventKind.COLLISION
-        )
+        if end.kind is EventKind.COLLISION and self._stop not in self._struck(end):
+            return False
+        between = self.solution.events[hit.event.number : end.number - 1]
+        return all(event.kind is not EventKind.COLLISION for event in between)
+
+    def _struck(self, event: Event) -> list[str]:
+        return [stop.name for stop in event.struck(self.solution.mechanism)]
 
     @cached_property
     def _held(self) -> Held | None:

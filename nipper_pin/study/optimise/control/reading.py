@@ -217,8 +217,9 @@ def _largest_gap(turn: ControlTurn) -> Read:
     index = turn.mechanism.stop(turn.stop).index
     inside = [event for event in turn.events if event.kind is _HIT]
     found = []
-    for one, other in pairwise(inside):
-        if one.stops[0] == other.stops[0] == turn.stop:
+    for pair in pairwise(inside):
+        one, other = pair
+        if all(turn.stop in [stop.name for stop in hit.struck(turn.mechanism)] for hit in pair):
             error = max(turn.blurred(one), turn.blurred(other))
             found.append((_peak(turn, index, one.t, other.t), error))
     if not found:
@@ -235,8 +236,9 @@ def _energy_lost(turn: ControlTurn) -> Read:
     further = 0.0
     for event, after in pairwise(turn.events):
         if event.kind is _HIT and after.kind is EventKind.REST and event.stops == after.stops:
-            e_N = turn.mechanism.stop(event.stops[0]).restitution
-            further += event.energy_lost * e_N**2 / (1.0 - e_N**2)
+            for stop in event.struck(turn.mechanism):
+                e_N = stop.restitution
+                further += event.energy_lost_at(stop) * e_N**2 / (1.0 - e_N**2)
     # A series that ends at a rate has none of them, so all of it may be wrong.
     return Read(whole + further, error + further + CONTROL_ROUND_OFF * whole)
 

@@ -1,0 +1,144 @@
+"""Errors of stops that are struck in the event of another one.
+
+A neighbouring motion strikes each of them at a time of its own: by dt after the first one, until
+when it goes on without the change of velocity u that this stop makes, with the accelerations from
+before. At the time of the first one it deviates by -u dt, and what u moves has struck with other
+rates. So the errors of parts that are not coupled are those of each part alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import FloatArray
+from ...dynamics.system import System
+from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
+from ..event import Event
+from ..segment import Segment
+from .saltation import pushed_by
+from .zonotope import Deviations
+
+
+class StrikeError(NamedTuple):
+    """Estimated errors of one stop that an event strikes.
+
+    Attributes:
+        time: Of the time at which it is struck [s].
+        relative: Of its rates and its impulse [-].
+    """
+
+    time: float
+    relative: float
+
+
+class Beside(NamedTuple):
+    """A stop that is struck in the event of another one.
+
+    Attributes:
+        name: Its name.
+        late: By how much later than the first one each source has it struck [s], shape (K,).
+        moved: What its impulse adds to the velocities, shape (nv,).
+        along: True where it does, shape (nv,).
+        error: Errors of its time and rates.
+    """
+
+    name: str
+    late: FloatArray
+    moved: FloatArray
+    along: FloatArray
+    error: StrikeError
+
+
+def still_apart(
+    system: System, event: Event, segment: Segment | None, found: Deviations
+) -> Deviations:
+    """Add what the gaps of stops that are struck together were at the time of their event.
+
+    Within round-off of one time they are closed at that of the earliest.
+
+    Args:
+        system: The system.
+        event: The event.
+        segment: The motion to it; None if a run begins with it.
+        found: Deviations before it.
+    """
+    struck = event.struck(system.mechanism)
+    if len(struck) == 1 or segment is None or segment.t_end <= segment.t_start:
+        return found
+    q, _ = segment.panels[-1].interpolate_at(event.t)
+    gaps = np.zeros(len(q))
+    for stop in struck:
+        gaps[stop.index] = stop.gap(q)
+    return found.joined(Deviations.independent(gaps, np.zeros_like(gaps)))
+
+
+def beside(
+    system: System, event: Event, a: FloatArray, before: Deviations
+) -> tuple[Deviations, list[Beside]]:
+    """Deviations where stops are struck in the event of another one.
+
+    Args:
+        system: The system.
+        event: The event.
+        a: Accelerations before it, shape (nv,).
+        before: Deviations at the times at which the first stop is struck.
+
+    Returns:
+        The deviations, of each part when it is struck itself, and the stops.
+    """
+    nv, states = len(a), before.states.copy()
+    stops: list[Beside] = []
+    for stop in event.struck(system.mechanism)[1:]:
+        rate = float(event.v_before[stop.index])
+        late = -before.states[stop.index] / rate
+        moved = pushed_by(system, event.q, stop, event.P_N[stop.name])
+        size = np.abs(moved)
+        along = size > NEGLIGIBLE_DEVIATION * size.max()
+        states[nv:][along] += np.outer(a[along], late)
+        time = float(np.abs(before.late + late).sum())
+        relative = float(np.abs(states[nv + stop.index]).sum()) / abs(rate)
+        stops.append(Beside(stop.name, late, moved, along, StrikeError(time, relative)))
+    return replace(before, states=states), stops
+
+
+def after_all(system: System, event: Event, stops: list[Beside], after: Deviations) -> Deviations:
+    """Deviations after an event, back at the times at which its first stop is struck.
+
+    Args:
+        system: The system.
+        event: The event.
+        stops: The stops that it strikes beside that one.
+        after: Deviations after the impacts, of each part when it is struck itself.
+    """
+    if not stops:
+        return after
+    phase, motion = system.constraint_set(event.closed_after), system.shaft.driven_at(event.t)
+    a = system.accelerations(motion, event.q[None], event.v_after[None], phase)[0]
+    states, nv = after.states.copy(), len(a)
+    for stop in stops:
+        states[:nv] -= np.outer(stop.moved, stop.late)
+        states[nv:][stop.along] -= np.outer(a[stop.along], stop.late)
+    return replace(after, states=states)
+
+
+def stated(
+    first: StrikeError, stops: list[Beside], event: Event, impulses: Mapping[str, float]
+) -> dict[str, StrikeError]:
+    """Errors of each stop that an event strikes, by name; nothing if it strikes one alone.
+
+    Args:
+        first: Errors of its first stop.
+        stops: The stops beside that one.
+        event: The event.
+        impulses: Errors of its impulses, by stop.
+    """
+    found = {event.stops[0]: first} if stops else {}
+    for stop in stops:
+        size = abs(event.P_N[stop.name])
+        relative = stop.error.relative + (impulses[stop.name] / size if size > 0.0 else 0.0)
+        found[stop.name] = StrikeError(stop.error.time, min(relative, 1.0))
+    return found
