@@ -21,7 +21,12 @@ _MOST_STRIKES = 1_000_000
 
 
 def in_sequence(
-    system: System, q: FloatArray, v: FloatArray, jacobian: FloatArray, contacts: Sequence[Stop]
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    most: int = _MOST_STRIKES,
 ) -> Impact:
     """Strike one contact after the other, each as if it were alone, until none approaches.
 
@@ -34,6 +39,7 @@ def in_sequence(
         v: Velocity before, G v = 0, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those that touch.
+        most: Number of strikes at which to give up.
 
     Returns:
         The sum of all strikes. A series that does not end has its limit: rates that have fallen to
@@ -44,7 +50,7 @@ def in_sequence(
     """
     before = np.array([stop.rate(v) for stop in contacts])
     matrix = delassus(system, q, jacobian, contacts)
-    found = _struck(matrix, before, contacts)
+    found = _struck(matrix, before, contacts, most)
     if found is None:
         names = ", ".join(stop.name for stop in contacts)
         message = (
@@ -64,7 +70,7 @@ def in_sequence(
 
 
 def _struck(
-    matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop]
+    matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop], most: int
 ) -> tuple[FloatArray, FloatArray] | None:
     """Impulses and gap rates after all strikes; None if there is no end of them."""
     own = np.diag(matrix)
@@ -74,7 +80,7 @@ def _struck(
     approach = -rates * per_root
     nothing = STILL_GAP_RATE * float(np.abs(approach).max())
     columns, responses = list(matrix.T.copy()), own.tolist()
-    for _ in range(_MOST_STRIKES):
+    for _ in range(most):
         first = int(approach.argmax())
         fastest = approach[first]
         if fastest <= nothing:
