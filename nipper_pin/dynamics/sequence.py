@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Stop
+from ..tolerances.hybrid import JAM_SLOWING
 from ..tolerances.mechanics import EQUAL_APPROACH, STILL_GAP_RATE
 from .impact import Impact
 from .moving_mass import moving_mass
@@ -18,6 +19,8 @@ from .system import System
 
 # A row of forty balls on a wall that stick together needs 600,000, in a second and a half.
 _MOST_STRIKES = 1_000_000
+# As many strikes that get no slower are a jam.
+_JAM = 20_000
 
 
 def in_sequence(
@@ -80,12 +83,17 @@ def _struck(
     approach = -rates * per_root
     nothing = STILL_GAP_RATE * float(np.abs(approach).max())
     columns, responses = list(matrix.T.copy()), own.tolist()
-    for _ in range(most):
+    slowest = np.inf
+    for number in range(most):
         first = int(approach.argmax())
         fastest = approach[first]
         if fastest <= nothing:
             rates[np.abs(approach) <= nothing] = 0.0
             return impulses, rates
+        if number % _JAM == 0:
+            if not fastest <= (1.0 - JAM_SLOWING) * slowest:
+                return None
+            slowest = fastest
         if not responses[first] > 0.0:
             return None
         if np.count_nonzero(approach >= (1.0 - EQUAL_APPROACH) * fastest) == 1:
