@@ -45,13 +45,15 @@ def parts(system: System) -> list[int]:
 
 
 def _parts(system: System) -> list[int]:
-    from scipy.sparse.csgraph import connected_components
-
     body = system.body
     q = np.sin(np.arange(1.0, body.nv + 1.0))
     rows = np.abs(body.closures(q[None])[1][0])
-    coupled = np.abs(body.mass_matrix(q)) + rows.T @ rows
+    coupled = np.abs(body.mass_matrix(q)) + rows.T @ rows > 0.0
     held = list(system.held_coordinates)
-    coupled[held] = coupled[:, held] = 0.0
-    found: list[int] = connected_components(coupled, directed=False)[1].tolist()
-    return found
+    coupled[held] = coupled[:, held] = False
+    found = np.arange(body.nv)
+    for row in coupled:
+        # All that one coordinate is coupled with becomes one part.
+        joined = np.isin(found, found[row])
+        found[joined] = found[joined].min(initial=body.nv)
+    return [int(number) for number in found]

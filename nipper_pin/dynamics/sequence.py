@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Stop
+from ..tolerances.hybrid import JAM_SLOWING
 from ..tolerances.mechanics import EQUAL_APPROACH, STILL_GAP_RATE
 from .impact import Impact
 from .moving_mass import moving_mass
@@ -18,10 +19,17 @@ from .system import System
 
 # A row of forty balls on a wall that stick together needs 600,000, in a second and a half.
 _MOST_STRIKES = 1_000_000
+# As many strikes that get no slower are a jam.
+_JAM = 20_000
 
 
 def in_sequence(
-    system: System, q: FloatArray, v: FloatArray, jacobian: FloatArray, contacts: Sequence[Stop]
+    system: System,
+    q: FloatArray,
+    v: FloatArray,
+    jacobian: FloatArray,
+    contacts: Sequence[Stop],
+    most: int = _MOST_STRIKES,
 ) -> Impact:
     """Strike one contact after the other, each as if it were alone, until none approaches.
 
@@ -34,6 +42,7 @@ def in_sequence(
         v: Velocity before, G v = 0, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those that touch.
+        most: Number of strikes at which to give up.
 
     Returns:
         The sum of all strikes. A series that does not end has its limit: rates that have fallen to
@@ -44,7 +53,7 @@ def in_sequence(
     """
     before = np.array([stop.rate(v) for stop in contacts])
     matrix = delassus(system, q, jacobian, contacts)
-    found = _struck(matrix, before, contacts)
+    found = _struck(matrix, before, contacts, most)
     if found is None:
         names = ", ".join(stop.name for stop in contacts)
         message = (
@@ -64,7 +73,7 @@ def in_sequence(
 
 
 def _struck(
-    matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop]
+    matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop], most: int
 ) -> tuple[FloatArray, FloatArray] | None:
     """Impulses and gap rates after all strikes; None if there is no end of them."""
     own = np.diag(matrix)
@@ -74,12 +83,17 @@ def _struck(
     approach = -rates * per_root
     nothing = STILL_GAP_RATE * float(np.abs(approach).max())
     columns, responses = list(matrix.T.copy()), own.tolist()
-    for _ in range(_MOST_STRIKES):
+    slowest = np.inf
+    for number in range(most):
         first = int(approach.argmax())
         fastest = approach[first]
         if fastest <= nothing:
             rates[np.abs(approach) <= nothing] = 0.0
             return impulses, rates
+        if number % _JAM == 0:
+            if not fastest <= (1.0 - JAM_SLOWING) * slowest:
+                return None
+            slowest = fastest
         if not responses[first] > 0.0:
             return None
         if np.count_nonzero(approach >= (1.0 - EQUAL_APPROACH) * fastest) == 1:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -52,18 +52,20 @@ def strike(
     return Impact(v_after, delta, P_g, {stop.name: P_N[stop.name] for stop in contacts}, lost)
 
 
-def same_by_every_law(v: FloatArray, contacts: Sequence[Stop], impact: Impact) -> bool:
+def same_by_every_law(
+    v: FloatArray, v_after: FloatArray, contacts: Sequence[Stop], P_N: Mapping[str, float]
+) -> bool:
     """Whether one contact alone approached and took the impulse, and none approaches then.
 
     Args:
         v: Velocity before, shape (nv,).
+        v_after: Velocity after, shape (nv,).
         contacts: Stops in contact.
-        impact: Their impact by Newton's law.
+        P_N: Their impulses, by name.
     """
     approaching = sum(stop.rate(v) < 0.0 for stop in contacts)
-    struck = sum(impulse > 0.0 for impulse in impact.P_N.values())
-    leaving = min(stop.rate(impact.v_after) for stop in contacts) >= 0.0
-    return approaching < 2 and struck < 2 and leaving
+    struck = sum(P_N[stop.name] > 0.0 for stop in contacts)
+    return approaching < 2 and struck < 2 and min(stop.rate(v_after) for stop in contacts) >= 0.0
 
 
 def _of_part(
@@ -83,6 +85,6 @@ def _of_part(
         if law == "newton":
             raise
         return in_sequence(system, q, v, jacobian, contacts)
-    if law == "newton" or same_by_every_law(v, contacts, at_once):
+    if law == "newton" or same_by_every_law(v, at_once.v_after, contacts, at_once.P_N):
         return at_once
     return in_sequence(system, q, v, jacobian, contacts)

@@ -203,8 +203,8 @@ class _Way:
             if trigger.kind is TriggerKind.GAP
         ]
         if hit:
-            names = closed.union(stop.name for stop in hit)
-            hit += touching(self._system, end.exact.q, end.exact.v, names)
+            others = [stop for stop in self.phase.open if stop not in hit]
+            hit += touching(self._system, end.exact.q, end.exact.v, others)
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))
 

@@ -89,6 +89,20 @@ def restitution_text(stops: tuple[Stop, ...]) -> str:
     )
 
 
+def law_text(mechanism: Mechanism) -> str:
+    """The law of stops that are struck together; empty if it is the usual one.
+
+    Args:
+        mechanism: The mechanism.
+    """
+    if mechanism.simultaneous == "newton":
+        return ""
+    return (
+        f'stops struck together: simultaneous = "{mechanism.simultaneous}", impulses pass from '
+        "contact to contact"
+    )
+
+
 def case_text(solution: Solution) -> str:
     """Speed, window and drive of a run."""
     case = solution.case

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ...arrays import FloatArray
@@ -9,28 +11,29 @@ from ...dynamics.system import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...tolerances.mechanics import STILL_GAP_RATE
-from .complementarity import Closed
 
 
-def touching(system: System, q: FloatArray, v: FloatArray, closed: Closed) -> list[Stop]:
-    """Open stops whose gap and rate are zero, but for round-off of the machine and its motion.
+def touching(system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop]) -> list[Stop]:
+    """Those of open stops whose gap and rate are zero, but for round-off of machine and motion.
 
     Args:
         system: The system.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
-        closed: Names of the closed stops.
+        stops: Open stops.
     """
-    scale = system.turning
-    near = [
-        stop
-        for stop in system.mechanism.stops
-        if stop.name not in closed and abs(stop.gap(q)) * scale[stop.index] <= GAP_ROUND_OFF
-    ]
+    # Few gaps are so small, and only these are worth a look at units.
+    far = GAP_ROUND_OFF * max(system.body.reach_m, 1.0)
+    near = [stop for stop in stops if -far <= stop.gap(q) <= far]
     if not near:
         return near
-    slow = STILL_GAP_RATE * float(system.turns(v).max())
-    return [stop for stop in near if abs(stop.rate(v)) * scale[stop.index] <= slow]
+    turning, rates = system.turning, system.turns(v)
+    slow = STILL_GAP_RATE * float(rates.max())
+    return [
+        stop
+        for stop in near
+        if abs(stop.gap(q)) * turning[stop.index] <= GAP_ROUND_OFF and rates[stop.index] <= slow
+    ]
 
 
 def stilled(system: System, v: FloatArray, jacobian: FloatArray, stops: list[Stop]) -> FloatArray:

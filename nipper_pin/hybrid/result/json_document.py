@@ -25,7 +25,7 @@ def record(solution: Solution) -> dict[str, Any]:
 
     Returns:
         The document: ``case``, ``outcome``, ``collisions``, ``phases``, ``transition``, ``checks``
-        and ``work``.
+        and ``work``; and ``warnings`` where there are any.
 
     Raises:
         SelfCheckError: The run does not meet its closures or its energy balance.
@@ -40,6 +40,7 @@ def record(solution: Solution) -> dict[str, Any]:
             **_shortcuts(solution.mechanism),
         },
         "outcome": solution.outcome.value,
+        **({"warnings": list(solution.warnings)} if solution.warnings else {}),
         "collisions": [_collision(solution, item) for item in solution.collisions],
         "phases": [
             {

@@ -162,6 +162,13 @@ class Solution:
         return self.premise.holds
 
     @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before its numbers are used, a sentence each; usually nothing."""
+        from .other_law import law_that_matters
+
+        return tuple(filter(None, (law_that_matters(self),)))
+
+    @cached_property
     def drive_impulses(self) -> tuple[FloatArray, ...]:
         """Impulses of the held drives at every event, shape (drives,) each [N m s]."""
         from .energy_balance import impulses_of_drives

@@ -13,6 +13,7 @@ from ..reading import (
     damper_text,
     force_text,
     index_at,
+    law_text,
     restitution_text,
     shown_transitions,
     spring_text,
@@ -34,6 +35,8 @@ def header(solution: Solution, console: Console) -> None:
     say(console, case_text(solution))
     if mechanism.stops:
         say(console, f"restitution: {restitution_text(mechanism.stops)}")
+    if law := law_text(mechanism):
+        say(console, law)
     say(console, f"springs: {spring_text(mechanism)}")
     if dampers := damper_text(mechanism):
         say(console, f"dampers: {dampers}")

@@ -49,6 +49,8 @@ def print_solution(
     if solution.mechanism.transition_stop:
         transitions(solution, console)
         premise(solution, console, turns)
+    for text in solution.warnings:
+        say(console, text, style="bold")
     _collisions(solution, console)
     _phases(solution, console)
     releases(solution, console)

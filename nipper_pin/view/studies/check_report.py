@@ -12,7 +12,7 @@ from ...study.check import ModelReport
 from ...study.next_steps import NextSteps
 from ...units import MM_PER_M
 from ..console import headline, paste, say, show_table
-from ..reading import damper_text, force_text, spring_text, stop_place
+from ..reading import damper_text, force_text, law_text, spring_text, stop_place
 
 
 def print_report(
@@ -40,6 +40,8 @@ def print_report(
         say(console, f"axes: {mechanism.side_view}")
     _joints(report, console)
     _stops(report, console)
+    if law := law_text(mechanism):
+        say(console, law)
     headline(console, "Cycle")
     say(console, f"at {report.speed_rpm:g} r/min: {_timing(report)}")
     for stop, index in report.releases:
