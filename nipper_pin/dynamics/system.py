@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
 
 import numpy as np
@@ -21,6 +22,7 @@ from .coefficients import coefficients
 from .constraint_set import ConstraintSet, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
+from .parts import coupled_stops
 from .shaft import Driven, ShaftMotion
 
 
@@ -68,6 +70,11 @@ class System:
         if closed not in self._sets:
             self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
         return self._sets[closed]
+
+    def coupled(self, names: Iterable[str]) -> frozenset[str]:
+        """Names of all stops in the parts of some stops, by their names; these among them."""
+        known = coupled_stops(self.mechanism, self.held)
+        return frozenset().union(*(known[name] for name in names))
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]
