@@ -10,7 +10,6 @@ from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
 from .impact import Impact, collide, no_impact
-from .parts import apart, parts
 from .sequence import in_sequence
 from .system import System
 
@@ -37,10 +36,10 @@ def strike(
         ImpactError: No impulses satisfy the law.
     """
     law = law or system.mechanism.simultaneous
-    groups = apart(system, contacts)
+    groups = system.apart(contacts)
     if len(groups) == 1:
         return _of_part(system, q, v, jacobian, contacts, law)
-    none, part = no_impact(system, v.copy()), np.array(parts(system))
+    none, part = no_impact(system, v.copy()), np.array(system.parts)
     v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
     P_N: dict[str, float] = {}
     for group in groups:

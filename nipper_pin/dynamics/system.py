@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from enum import StrEnum
 
 import numpy as np
 
 from ..arrays import FloatArray, product
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
     Partition,
@@ -21,6 +22,7 @@ from .coefficients import coefficients
 from .constraint_set import ConstraintSet, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
+from .parts import parts
 from .shaft import Driven, ShaftMotion
 
 
@@ -68,6 +70,24 @@ class System:
         if closed not in self._sets:
             self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
         return self._sets[closed]
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """Number of the part that each coordinate belongs to; shafts that are held have their own."""
+        return parts(self.mechanism, self.held)
+
+    def apart(self, stops: Iterable[Stop]) -> list[list[Stop]]:
+        """Stops in groups of one part each, in their order."""
+        part, groups = self.parts, dict[int, list[Stop]]()
+        for stop in stops:
+            groups.setdefault(part[stop.index], []).append(stop)
+        return list(groups.values())
+
+    def coupled(self, names: Collection[str]) -> frozenset[str]:
+        """Names of all stops in the parts of some stops, by their names; these among them."""
+        part, stops = self.parts, self.mechanism.stops
+        own = {part[stop.index] for stop in stops if stop.name in names}
+        return frozenset(stop.name for stop in stops if part[stop.index] in own)
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

@@ -37,6 +37,11 @@ _MOST_PANELS = 10_000
 _LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.5, 1.25
 
 
+# Flights are a bit shorter than the panels that are made for them. Round-off of a gap goes with the
+# square of the panel's length: of a panel that is so much longer it is a thousandfold.
+_BALLISTIC_MARGIN, _MUCH_TOO_LONG = 1.1, 64.0
+
+
 class Advance(NamedTuple):
     """Result of :func:`advance`.
 
@@ -93,6 +98,9 @@ def advance(
             # The same motion in shorter panels: they see what happens at its end, and each has the
             # coordinates that suit it.
             h = 0.5 * (end.t - begin.t)
+            continue
+        if not panels and way.much_too_long(solved.panel, end):
+            h = _BALLISTIC_MARGIN * (end.t - begin.t)
             continue
         panel = solved.panel
         if suited is not None and suited != panel.split:
@@ -208,6 +216,12 @@ class _Way:
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))
 
+    def much_too_long(self, panel: Panel, end: _End) -> bool:
+        """Return whether a flight ends so early that the round-off of its panel moves its end."""
+        flown = end.t - panel.t
+        too_long = not self.kinematic and bool(end.found) and _MUCH_TOO_LONG * flown < panel.h
+        return too_long and flown > self.shortest
+
     def too_many(self, begin: Begin, h: float) -> ConvergenceError:
         """The error of a phase that needs too many panels."""
         message = (
@@ -277,4 +291,4 @@ def _ballistic_length(begin: Begin, open_stops: Sequence[Stop]) -> float:
         for stop in open_stops
         if q[stop.index] == stop.at and stop.rate(v) > 0.0 and stop.rate(a) < 0.0
     ]
-    return 1.1 * float(min(lengths, default=np.inf))
+    return _BALLISTIC_MARGIN * float(min(lengths, default=np.inf))

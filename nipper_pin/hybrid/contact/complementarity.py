@@ -9,7 +9,6 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.moving_mass import force_size, impulse_sizes
-from ...dynamics.parts import apart
 from ...dynamics.pivoting import complementary, delassus, independent
 from ...dynamics.shaft import Driven
 from ...dynamics.system import System
@@ -71,7 +70,7 @@ def pressed(
         return at_rest
     size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a)
     closed: list[Stop] = []
-    for group in apart(system, stops):
+    for group in system.apart(stops):
         matrix = delassus(system, q, jacobian, group)
         nothing = size * impulse_sizes(system, q, [stop.index for stop in group])
         found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)

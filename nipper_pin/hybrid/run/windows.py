@@ -102,4 +102,4 @@ def turns(
 
 
 def _at_the_end(manager: PhaseManager) -> Outcome:
-    return Outcome.COMPLETED if manager.state.series is None else Outcome.STILL_BOUNCING
+    return Outcome.COMPLETED if not manager.state.series else Outcome.STILL_BOUNCING
