@@ -186,7 +186,7 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         law = refusal.missing == "law" and known == "law"
         choice = _laws(prefix) if law else f"known here: {known}"
         key, value = f"{key}.{refusal.missing}", None
-        allowed = f"a required key is missing; {choice}"
+        allowed = f"a required key; {choice}"
     elif refusal.path[-1:] == ("law",):
         value, allowed = found, _laws(prefix)
     else:
