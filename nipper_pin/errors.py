@@ -69,11 +69,12 @@ class ModelError(InputError):
         Args:
             file: File that holds the value.
             key: Path of the value inside the file.
-            value: The value found.
+            value: The value found; None if there is none.
             allowed: What may stand there.
         """
+        wrong = "is missing" if value is None else f"= {value!r} cannot be used"
         super().__init__(
-            f"{file}: {key} = {value!r} cannot be used: {allowed}",
+            f"{file}: {key} {wrong}: {allowed}",
             file=file,
             key=key,
             value=value,

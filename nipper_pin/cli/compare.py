@@ -107,8 +107,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--browser", action="store_true", help="show that page in the browser, until Ctrl-C"
     )
     parser.add_argument(
-        "--slow", type=float, default=1000.0, metavar="N",
-        help="stretch time of the film 1:N around events (default 1000)",
+        "--slow", type=float, metavar="N",
+        help="stretch time of the film 1:N around events (default 1000, less for films above two "
+        "minutes)",
     )  # fmt: skip
     parser.add_argument(
         "--exaggerate", type=float, default=1.0, metavar="N",
@@ -153,7 +154,7 @@ def _check(options: argparse.Namespace, *, pictured: bool) -> None:
     if pictured:
         require("view", "meshcat", "umsgpack", what="a page of the viewer")
     else:
-        look = {"slow": options.slow != 1000.0, "exaggerate": options.exaggerate != 1.0}
+        look = {"slow": options.slow is not None, "exaggerate": options.exaggerate != 1.0}
         refuse_beside(
             argparse.Namespace(**look),
             "a table; add --html FILE or --browser",

@@ -25,9 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--slow",
         type=float,
-        default=1000.0,
         metavar="N",
-        help="stretch time 1:N around events (default 1000)",
+        help="stretch time 1:N around events (default 1000, less for films above two minutes)",
     )
     parser.add_argument(
         "--exaggerate",

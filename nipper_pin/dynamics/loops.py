@@ -16,7 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
-from ..mechanism.build.placements import joint_placements, supports
+from ..mechanism.build.placements import joint_axis, joint_placements, supports
 
 _X, _Y, _Z = range(3)
 
@@ -33,7 +33,7 @@ class Loops:
         """Lay out the matrix that leads from turned units to gaps and Jacobians."""
         nv, joints, count = int(model.nv), int(model.njoints), len(cuts)
         self._places = joint_placements(model)
-        axes = [np.zeros(6), *(_axis(model, self._places, j) for j in range(1, joints))]
+        axes = [np.zeros(6), *(joint_axis(model, self._places, j) for j in range(1, joints))]
         slides = [j for j in range(1, joints) if not round(axes[j][3 + _Y])]
         # Where a slide's way is among the turned lengths.
         self._rows = {joint: row for row, joint in enumerate(slides, start=joints)}
@@ -124,9 +124,3 @@ class Loops:
 
 def _planar(vector: FloatArray) -> complex:
     return complex(vector[_Z], vector[_X])
-
-
-def _axis(model: pin.Model, places: Sequence[pin.SE3], joint: int) -> FloatArray:
-    """Direction of sliding and axis of turning of a joint in world axes at q = 0, shape (6,)."""
-    local = np.asarray(model.joints[joint].createData().S).reshape(2, 3)
-    return np.asarray((local @ places[joint].rotation.T).reshape(6))

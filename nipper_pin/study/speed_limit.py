@@ -139,11 +139,13 @@ def speed_limit(
         least_force: Force above which the clamping stop clamps [N].
 
     Raises:
-        InputError: The range is none, or the reduced engine cannot follow the machine's turns.
+        InputError: The range is none, the machine has no stop or no drive, or the reduced engine
+            cannot follow its turns.
         SimulationError: A point of the turn cannot be reached or is singular, or turns can be
             followed at no speed.
     """
     speed = _speeds(low_rpm, high_rpm, speeds)
+    _need_drive(mechanism)
 
     def followed(rpm: FloatArray) -> TurnQuantities:
         return turn_quantities(
@@ -174,6 +176,17 @@ def speed_limit(
         settles_rpm=_limit(speed[:known], settled, lambda rpm: bool(_settled(followed(rpm))[0])),
         repeats_rpm=_limit(speed[:known], single, lambda rpm: followed(rpm).repeats_after[0] == 1),
     )
+
+
+def _need_drive(mechanism: Mechanism) -> None:
+    """Refuse a machine whose turns have no bounces, or nothing to do with the cylinder."""
+    for parts, noun in ((mechanism.stops, "stop"), (mechanism.drives, "drive")):
+        if not parts:
+            message = (
+                f"{mechanism.name} has no {noun}, and a speed limit is that of a cylinder whose "
+                "turns make a stop bounce: add one, or simulate the machine as it is"
+            )
+            raise InputError(message, model=mechanism.name)
 
 
 def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:

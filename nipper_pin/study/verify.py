@@ -90,7 +90,7 @@ def _run(file: Path) -> Verified:
     case = solution.case
     text = (
         f"{solution.mechanism.name}, {case.speed_rpm:g} r/min, {case.window.value}, "
-        f"{len(asked[0])} collisions: {solution.outcome.value}"
+        f"{len(asked[0])} collision{'' if len(asked[0]) == 1 else 's'}: {solution.outcome.value}"
     )
     return Verified(file, "run", version, text, wrong, solution)
 

@@ -127,5 +127,7 @@ def _elsewhere(solution: Solution, item: PhaseInterval) -> str | None:
     names = " and ".join(sorted(struck)) or " and ".join(
         stop.name for stop in solution.mechanism.stops if stop.name != main
     )
+    if not names:
+        return None
     verb = "bounces" if struck else "is off its stop"
     return f"{main} open, {names} {verb}"

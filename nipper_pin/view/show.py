@@ -21,7 +21,7 @@ def view(
     solution: Solution | Comparison,
     file: str | Path | None = None,
     *,
-    slow: float = 1000.0,
+    slow: float | None = None,
     exaggerate: float = 1.0,
     port: int = PORT,
     browser: bool = True,
@@ -32,7 +32,8 @@ def view(
         solution: The solution, or the comparison.
         file: ``NAME.html`` for one page that holds everything, ``NAME.gif`` for the film in side
             view (of one solution); None to serve it until Ctrl-C.
-        slow: Time is stretched 1 : slow around events.
+        slow: Time is stretched 1 : slow around events; by default 1000, or less for a run of which
+            the film would take more than two minutes.
         exaggerate: The gap of the transition stop is drawn so many times as large, 1 to 50.
         port: Port to serve at; 0 for any that is free.
         browser: Whether to open the page that is served in the user's browser.

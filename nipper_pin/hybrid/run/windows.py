@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from ...errors import InputError
+from ...tolerances.mechanics import STILL_GAP_RATE
 from ..event import EventKind
 from ..segment import Segment
 from .outcome import Outcome
@@ -23,7 +26,7 @@ def transition(manager: PhaseManager) -> Outcome:
         SimulationError: The motion cannot be followed.
     """
     name = _closing_stop(manager)
-    manager.touch()
+    manager.collide(_closing_stops(manager, name))
     while True:
         last = manager.events[-1]
         if last.kind is EventKind.REST and name in last.stops:
@@ -54,12 +57,30 @@ def _closing_stop(manager: PhaseManager) -> str:
         )
         raise InputError(message, stop=name, gap=gap)
     if rate >= 0.0:
+        if mechanism.drives:
+            how = "check cylinder.angle_at_touch_deg and cylinder.direction"
+        else:
+            how = "without a drive nothing moves there"
         message = (
-            f"stop {name!r} is not closing in the touch configuration (rate {rate:.3g}); "
-            "check cylinder.angle_at_touch_deg and cylinder.direction"
+            f"stop {name!r} is not closing in the touch configuration, where a transition starts "
+            f"(rate {rate:.3g}): {how}; or simulate whole turns (window cycle)"
         )
         raise InputError(message, stop=name, rate=rate)
     return name
+
+
+def _closing_stops(manager: PhaseManager, name: str) -> set[str]:
+    """Names of the stops that close in the touch configuration: that one, and others with it."""
+    state = manager.state
+    slow = STILL_GAP_RATE * float(np.abs(state.v).max())
+    others = {
+        stop.name
+        for stop in manager.mechanism.stops
+        if stop.name not in state.closed
+        and stop.gap(state.q) == 0.0
+        and stop.rate(state.v) < -slow
+    }
+    return {name, *others}
 
 
 def turns(

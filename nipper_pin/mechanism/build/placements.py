@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
 import pinocchio as pin
+
+from ...arrays import FloatArray
 
 
 def joint_placements(model: pin.Model) -> list[pin.SE3]:
@@ -12,6 +17,12 @@ def joint_placements(model: pin.Model) -> list[pin.SE3]:
         above = placements[model.parents[identity]]
         placements.append(above * model.jointPlacements[identity])
     return placements
+
+
+def joint_axis(model: pin.Model, world: Sequence[pin.SE3], joint: int) -> FloatArray:
+    """Direction of sliding and axis of turning of a joint in world axes at q = 0, shape (6,)."""
+    local = np.asarray(model.joints[joint].createData().S).reshape(2, 3)
+    return np.asarray((local @ world[joint].rotation.T).reshape(6))
 
 
 def supports(model: pin.Model, joint: int) -> list[int]:

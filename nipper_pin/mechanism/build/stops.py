@@ -79,8 +79,11 @@ def _check_transition(description: Description, file: str) -> None:
     """The stop whose bouncing is the transition is one of the stops."""
     known, name = description.stops, description.transition_stop
     if known and not name:
+        names = " or ".join(f'"{stop}"' for stop in known)
         allowed = (
-            f"the stop whose bouncing is the transition, where there is any: {', '.join(known)}"
+            f"the file has the stop{'' if len(known) == 1 else 's'} {', '.join(known)}; write "
+            f"transition_stop = {names} above the first table: the stop whose bouncing is the "
+            "transition"
         )
         raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
     if known and name not in known:

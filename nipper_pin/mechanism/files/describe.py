@@ -191,7 +191,7 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         key, allowed = f"{key}.{refusal.unknown}", f"unknown key; known here: {known}"
     elif refusal.missing is not None:
         key, value = f"{key}.{refusal.missing}", None
-        allowed = f"a required key is missing; known here: {known}"
+        allowed = f"a required key; known here: {known}"
     else:
         text = refusal.text
         value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]

@@ -70,6 +70,13 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
             "a slider; name one in its TOML file (transition_stop)"
         )
         raise InputError(message, model=mechanism.name)
+    if not mechanism.drives:
+        message = (
+            f"{mechanism.name} has no drive that closes its stop in the touch configuration, where a "
+            "transition starts, so there are no rebounds that could follow a slider: view it in "
+            "whole turns (nipper-pin view, window cycle)"
+        )
+        raise InputError(message, model=mechanism.name)
     if not (math.isfinite(speed_rpm) and speed_rpm > 0.0):
         message = f"--speed {speed_rpm:g} cannot be used: a finite speed above 0 r/min"
         raise InputError(message, speed_rpm=speed_rpm)

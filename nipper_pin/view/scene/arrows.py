@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
 from ...hybrid.result.solution import Solution
 from ...hybrid.result.tables import Collision
 from ...mechanism import Mechanism, Stop
-from ...mechanism.build.placements import joint_placements
+from ...mechanism.build.placements import joint_axis, joint_placements
 from .solids import FIXED
 
 HELD = 0.6  # seconds of playback that the arrow of an impulse is shown in full
@@ -51,8 +50,8 @@ def arrow_place(mechanism: Mechanism, stop: Stop) -> FloatArray:
     if stop.contact is not None:
         point, direction = stop.contact.point, stop.contact.normal
     else:
-        jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
-        point, direction = world[joint].translation, stop.sense * jacobian[:3, stop.index]
+        axis = joint_axis(model, world, joint)
+        point, direction = world[joint].translation, stop.sense * axis[:3]
     place = np.eye(4)
     place[:3, 1] = direction / np.linalg.norm(direction)
     place[:3, 2] = (0.0, 1.0, 0.0)

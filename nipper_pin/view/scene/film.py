@@ -29,21 +29,22 @@ class Look:
     """How a solution is shown.
 
     Attributes:
-        slow: Stretch of time around events, 1 to 1e5 [-].
+        slow: Stretch of time around events, 1 to 1e5 [-]; None: 1000, or less for a run of which
+            the film would take more than two minutes.
         exaggerate: Factor on the gap of the transition stop in the drawing, 1 to 50 [-].
 
     Raises:
         InputError: A value is out of range.
     """
 
-    slow: float = 1000.0
+    slow: float | None = None
     exaggerate: float = 1.0
 
     def __post_init__(self) -> None:
         """Validate."""
         for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
             value = getattr(self, key)
-            if not 1.0 <= value <= most:
+            if value is not None and not 1.0 <= value <= most:
                 message = f"view: {key} = {value:g} cannot be used: 1 to {most:g}"
                 raise InputError(message, key=key, value=value)
 

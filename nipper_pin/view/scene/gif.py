@@ -33,11 +33,11 @@ from .colours import ARROW, LINE, channels
 from .film import Film, Look, bouncing_stop, film
 from .flat import colours, flat, moved, placed
 from .flat_lips import LipsPainter
-from .readings import collision_text, columns, note
+from .pace import LONGEST
+from .readings import collision_text, columns, note, rounded
 from .solids import solids
 
 PER_SECOND = 10  # pictures in a second of playback
-_LONGEST = 120.0  # seconds of playback
 _SIZE = (800, 560)
 _SHARP = 2  # pixels drawn for each one of the file, along each side
 _BOX = (290, 66, 784, 462)  # of the mechanism
@@ -70,9 +70,9 @@ def write_gif(solution: Solution, path: str | Path, look: Look | None = None) ->
     """
     shown = film(solution, look or Look())
     length = float(shown.pace.playback[-1])
-    if length > _LONGEST:
+    if length > LONGEST:
         message = (
-            f"{path}: the film takes {length:.0f} s, and a GIF at most {_LONGEST:.0f} s; use "
+            f"{path}: the film takes {length:.0f} s, and a GIF at most {LONGEST:.0f} s; use "
             "--slow with a smaller number, or --window transition"
         )
         raise InputError(message, file=str(path), length_s=length)
@@ -145,7 +145,7 @@ class _Painter:
         self._colours = {
             colour: colours(self._seen, drawn, opening, channels(colour)) for colour in self._phases
         }
-        self._columns = list(columns(shown))
+        self._columns = [(label, unit, rounded(values)) for label, unit, values in columns(shown)]
         lips = close_up(shown)
         left, top, right, bottom = (_SHARP * part for part in _LIPS)
         self._lips = lips and LipsPainter(shown, drawn, lips, (right - left, bottom - top))
@@ -239,7 +239,7 @@ class _Painter:
         for row, (label, unit, values) in enumerate(self._columns, 1):
             at = top + 8 + _ROW * row
             self._put(draw, (_LEFT, at), label, self._small)
-            value = f"{digits(float(values[frame]))} {unit}".rstrip()
+            value = f"{digits(values[frame])} {unit}".rstrip()
             self._put(draw, (_BOX[0] - 20, at), value, self._small, anchor="ra")
         done = [item for item in solution.collisions if item.t <= pace.machine[frame]]
         if done:

@@ -12,6 +12,9 @@ from ..reading import shown_until
 
 FRAMES_PER_SECOND = 30.0
 FASTEST = 50.0
+LONGEST = 120.0
+"""Seconds of a film whose slow motion is not given, and of any GIF."""
+_SLOW = (1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
 _MOST_FRAMES = 6000
 _MARGIN = 0.01  # of a turn: slow motion begins so long before an event
 _JOINED = 0.07  # of a turn: between events closer than this it goes on
@@ -37,12 +40,13 @@ class Pace:
         return np.asarray(np.interp(t, self.machine, self.playback))
 
 
-def pace(solution: Solution, slow: float) -> Pace:
+def pace(solution: Solution, slow: float | None) -> Pace:
     """Choose the frames of a film.
 
     Args:
         solution: The solution; of many turns only those that pictures show.
-        slow: Stretch of time around events [-]. Between them it is at most ``FASTEST``.
+        slow: Stretch of time around events [-]. Between them it is at most ``FASTEST``. None: 1000,
+            or the largest round one of which the film takes no longer than ``LONGEST``.
 
     Returns:
         Frames, evenly spaced in playback, with one more at every event.
@@ -52,24 +56,34 @@ def pace(solution: Solution, slow: float) -> Pace:
     return paced(events, end, solution.shaft.period, slow)
 
 
-def paced(events: FloatArray, end: float, period: float, slow: float) -> Pace:
+def paced(events: FloatArray, end: float, period: float, slow: float | None) -> Pace:
     """Choose frames by the times of events.
 
     Args:
         events: Their times, ascending, shape (E,) [s].
         end: End of the film on the same clock, which begins at 0 [s].
         period: Time of a turn [s].
-        slow: Stretch of time around events [-].
+        slow: Stretch of time around events [-]; None as in :func:`pace`.
     """
-    knots, stretch = _profile(events, end, period, slow)
-    slopes = 0.5 * (stretch[1:] + stretch[:-1])
-    playback = np.concatenate([[0.0], np.cumsum(slopes * np.diff(knots))])
+    for stretch in _SLOW if slow is None else (slow,):
+        knots, slopes, playback = _clocks(events, end, period, stretch)
+        if playback[-1] <= LONGEST:
+            break
     count = min(int(FRAMES_PER_SECOND * playback[-1]) + 2, _MOST_FRAMES)
     machine = np.interp(np.linspace(0.0, playback[-1], count), playback, knots)
     machine[-1] = end
     machine = np.unique(np.concatenate([machine, events]))
     place = np.clip(np.searchsorted(knots, machine, side="right") - 1, 0, len(slopes) - 1)
     return Pace(np.interp(machine, knots, playback), machine, slopes[place])
+
+
+def _clocks(
+    events: FloatArray, end: float, period: float, slow: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Knots of the profile [s], the stretch between them, and the playback there [s]."""
+    knots, stretch = _profile(events, end, period, slow)
+    slopes = 0.5 * (stretch[1:] + stretch[:-1])
+    return knots, slopes, np.concatenate([[0.0], np.cumsum(slopes * np.diff(knots))])
 
 
 def _profile(

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
-from ...mechanism.build.placements import joint_placements
+from ...mechanism.build.placements import joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
 
 
@@ -181,8 +181,8 @@ def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[Floa
     """Direction of a slide and where it is drawn: half-way to the joint of the link before it."""
     model, joint = mechanism.model, mechanism.joints[place]
     identity = model.getJointId(joint.name)
-    jacobian = pin.computeJointJacobians(model, model.createData(), np.zeros(model.nq))
-    along, at = jacobian[[0, 2], joint.index], world[identity].translation[[0, 2]]
+    along = joint_axis(model, world, identity)[[0, 2]]
+    at = world[identity].translation[[0, 2]]
     before = model.parents[identity]
     if before:
         at = at + 0.5 * float((world[before].translation[[0, 2]] - at) @ along) * along
