@@ -239,7 +239,7 @@ def followed(mechanism: Mechanism, times: Any) -> Any:
 
 
 def test_a_pendulum_of_points_welded_together() -> None:
-    """Two halves of its mass are links of their own: l = 0.5 m, 1 kg, and the damper of the file."""
+    """Two halves of its mass are links of their own: 1 kg at 0.5 m, and the damper of the file."""
     point = (
         f'<inertial><origin xyz="0 0 -.5"/><mass value="0.5"/><inertia {NO_INERTIA}/></inertial>'
     )
