@@ -108,6 +108,6 @@ def _constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool)
         stiffness=stiffness,
         repeated=np.tile(stiffness, (_ROWS, 1)),
         damping=damping if damping.any() else None,
-        freedom=len(mechanism.joints) - 2 * len(mechanism.closures) - len(given),
+        freedom=mechanism.degrees_of_freedom - len(given),
         moving=moving,
     )

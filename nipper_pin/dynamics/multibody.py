@@ -86,7 +86,7 @@ class Multibody(OpenTree):
             )
             self._pins.append(constraint)
             self._pin_data.append(constraint.createData())
-        places = range(0, self.closure_rows, 2)
+        places = range(0, 2 * len(self.cuts), 2)
         self._constraints = list(zip(places, self._pins, self._pin_data, strict=True))
         pin.initConstraintDynamics(self._flight, self._flight_data, self._pins, self._pin_data)
         heaviest = max((inertia.mass for inertia in mechanism.model.inertias), default=0.0)
@@ -104,7 +104,12 @@ class Multibody(OpenTree):
         self.evaluations = 0
         sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
         self._refines = (
-            self.closure_rows > 0 and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
+            # Pinocchio's solution knows nothing of couplings.
+            len(mechanism.couplings) > 0
+            or (
+                self.closure_rows > 0
+                and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
+            )
         )
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -118,6 +123,8 @@ class Multibody(OpenTree):
             and G = dg/dq (on the closure manifold), shape (N, m, nv).
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
+        if len(self._coupled):
+            return self._with_couplings(q)
         if self.closure_rows and len(q) >= _MANY:
             return self._loops.closures(q)
         gaps = np.empty((len(q), self.closure_rows))
@@ -136,9 +143,16 @@ class Multibody(OpenTree):
             rows.take(self._planar_rows, 0, jacobian, "clip")
         return gaps, jacobians
 
+    def _with_couplings(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gaps and Jacobian as :meth:`closures`, those of the couplings after the pins."""
+        pins, coupled = self._loops.closures(q), self._coupled
+        below = np.broadcast_to(coupled, (len(q), *coupled.shape))
+        gaps = np.concatenate([pins[0], q @ coupled.T], axis=1)
+        return gaps, np.concatenate([pins[1], below], axis=1)
+
     def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Accelerations G a + G_dot v, shape (N, m); as :meth:`OpenTree.closure_accelerations`."""
-        if self.closure_rows and len(q) >= _MANY:
+        if self.closure_rows and len(q) >= _MANY and not len(self._coupled):
             return self._loops.accelerations(q, v, a)
         return super().closure_accelerations(q, v, a)
 

@@ -26,7 +26,7 @@ class OpenTree:
         reach_m: Largest extent of the mechanism [m].
         units: Of each coordinate, as :attr:`Mechanism.units`, shape (nv,).
         scaled: Whether any of them is not one.
-        closure_rows: Number of closure equations, two a cut joint.
+        closure_rows: Number of closure equations, two a cut joint, then one a coupling.
         cuts: Frames a and b of every cut joint.
 
     Args:
@@ -44,7 +44,8 @@ class OpenTree:
         self._plain_data = self._plain.createData()
         self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))
         self._link_ids = [model.getJointId(joint.name) for joint in mechanism.joints]
-        self.closure_rows = 2 * len(mechanism.closures)
+        self.closure_rows = mechanism.closure_rows
+        self._coupled = mechanism.coupling_rows
         self._frames_of_cuts = [
             [model.getFrameId(name, _LINK) for name in (closure.frame_a, closure.frame_b)]
             for closure in mechanism.closures
@@ -96,6 +97,7 @@ class OpenTree:
         """
         model, data = self._plain, self._plain_data
         found = np.empty((len(q), self.closure_rows))
+        found[:, 2 * len(self.cuts) :] = a @ self._coupled.T
         for row, apart in enumerate(found):
             pin.forwardKinematics(model, data, q[row], v[row], a[row])
             for place, (frame_a, frame_b) in enumerate(self._frames_of_cuts):

@@ -72,6 +72,23 @@ class Closure:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Coupling:
+    """A coordinate that is a multiple of another: q[index] = multiplier * q[of].
+
+    Attributes:
+        name: Name of the joint that follows.
+        index: Place of its coordinate in q and v.
+        of: Place of the coordinate that it follows.
+        multiplier: Its coordinate by the other [1, m/rad or rad/m].
+    """
+
+    name: str
+    index: int
+    of: int
+    multiplier: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Drive:
     """A joint driven from the cylinder.
 
@@ -256,6 +273,7 @@ class Mechanism:
         title: What the model is, in a few words.
         joints: Tree joints in the order of their coordinates.
         closures: Cut joints.
+        couplings: Joints that follow others.
         drives: Driven joints.
         springs: Linear springs on coordinates.
         tabulated_springs: Springs on coordinates whose force comes from a table.
@@ -284,6 +302,7 @@ class Mechanism:
     title: str
     joints: tuple[Joint, ...]
     closures: tuple[Closure, ...]
+    couplings: tuple[Coupling, ...]
     drives: tuple[Drive, ...]
     springs: tuple[Spring, ...]
     tabulated_springs: tuple[TabulatedSpring, ...]
@@ -320,7 +339,22 @@ class Mechanism:
     @property
     def degrees_of_freedom(self) -> int:
         """Mobility with every stop open, drives counted."""
-        return len(self.joints) - 2 * len(self.closures)
+        return len(self.joints) - self.closure_rows
+
+    @property
+    def closure_rows(self) -> int:
+        """Number of equations that couple coordinates: two a cut joint, one a coupling."""
+        return 2 * len(self.closures) + len(self.couplings)
+
+    @cached_property
+    def coupling_rows(self) -> FloatArray:
+        """Jacobian of the couplings, shape (couplings, joints); as closures, in metres."""
+        rows = np.zeros((len(self.couplings), len(self.joints)))
+        for row, coupling in zip(rows, self.couplings, strict=True):
+            kind = self.joints[coupling.index].kind
+            row[coupling.index] = size = 1.0 if kind == "prismatic" else self.reach_m
+            row[coupling.of] -= size * coupling.multiplier
+        return rows
 
     @cached_property
     def reach_m(self) -> float:

@@ -95,6 +95,7 @@ class ModelReport:
             "masses_kg": {item.link: item.mass_kg for item in self.masses},
             "joints": [asdict(joint) for joint in mechanism.joints],
             "closures": [asdict(closure) for closure in mechanism.closures],
+            "couplings": [asdict(coupling) for coupling in mechanism.couplings],
             "mobility": mechanism.degrees_of_freedom,
             "driven": len(mechanism.drives),
             "stops": {

@@ -272,7 +272,7 @@ def _solution(run: npz_schema.Run, stored: Any) -> Solution:
         message = "the events do not belong to the stored states"
         raise ValueError(message)
     _check_order(run)
-    rows = 2 * len(mechanism.closures)
+    rows = mechanism.closure_rows
     return Solution(
         mechanism=mechanism,
         case=_case(run),
@@ -332,7 +332,7 @@ def _segment(
     mechanism: Mechanism,
 ) -> Segment:
     size = len(mechanism.joints)
-    rows = 2 * len(mechanism.closures)
+    rows = mechanism.closure_rows
     for panel in record.panels:
         if sorted(set(panel.dependent) & set(range(size))) != sorted(panel.dependent) or (
             len(panel.dependent) != rows

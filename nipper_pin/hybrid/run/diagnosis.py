@@ -34,7 +34,10 @@ def located(error: SimulationError, system: System, state: State | None = None) 
     place = f"after t = {t:.6g} s" if state is not None else "at the start"
     message = f"{place} (index {index:.3f}): {error.message}"
     if "row" in evidence:
-        evidence["closure"] = system.mechanism.closures[evidence.pop("row") // 2].name
+        mechanism = system.mechanism
+        rows = [item.name for item in mechanism.closures for _ in "xz"]
+        rows += [item.name for item in mechanism.couplings]
+        evidence["closure"] = rows[evidence.pop("row")]
         message += f"; widest open is closure {evidence['closure']!r}"
     q = evidence.get("q", None if state is None else state.q)
     if q is not None and isinstance(error, ConvergenceError | SingularConfigurationError):

@@ -53,7 +53,11 @@ def _build(
     if isinstance(drive, FollowingTable):
         if drive.of not in drives:
             raise UnknownNameError(
-                kind="drive", name=drive.of, known=drives, where=f"{file}: {where}.of"
+                kind="drive",
+                name=drive.of,
+                known=drives,
+                where=f"{file}: {where}.of (a joint that follows one without a drive has a <mimic> "
+                "in the URDF)",
             )
         if drive.of in (*above, name):
             allowed = "a chain of gears must start at a drive that is not geared"

@@ -17,7 +17,7 @@ from ..files.side_view import side_view_text
 from ..files.toml_text import need_plain_text
 from ..files.urdf import check_urdf, parse_xml
 from ..files.urdf_parts import Urdf
-from ..mechanism import Closure, Drive, Joint, Mechanism, Phase
+from ..mechanism import Closure, Coupling, Drive, Joint, Mechanism, Phase
 from .drive_keys import check_drive
 from .elements import build_elements
 from .laws import build_cylinder, build_laws
@@ -25,7 +25,7 @@ from .placements import joint_placements
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .stops import build_stops
-from .touch_checks import check_assembly
+from .touch_checks import Held, check_assembly
 from .tree import (
     Tree,
     build_model,
@@ -67,16 +67,20 @@ def build_mechanism(
     closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
     elements = build_elements(description, by_name, tree.urdf, tree.model, file)
+    couplings = _couplings(tree.urdf, by_name)
     phases = _phases(description, file)
     stops = build_stops(description, by_name, tree)
     for key, path in description.shortcuts.items():
         _check_shortcut(key, path, data, tree.urdf, file)
-    check_assembly(tree, closures, drives, stops, phases, description.degrees_of_freedom)
+    check_assembly(
+        tree, Held(closures, couplings, drives, stops), phases, description.degrees_of_freedom
+    )
     return Mechanism(
         name=name,
         title=description.title,
         joints=tree.joints,
         closures=closures,
+        couplings=couplings,
         drives=drives,
         springs=elements.springs,
         tabulated_springs=elements.tabulated_springs,
@@ -136,6 +140,20 @@ def _closures(description: Description) -> tuple[Closure, ...]:
             slot_axis=closure.slot_axis,
         )
         for name, closure in description.closures.items()
+    )
+
+
+def _couplings(urdf: Urdf, joints: Mapping[str, Joint]) -> tuple[Coupling, ...]:
+    """Joints that follow others."""
+    return tuple(
+        Coupling(
+            name=name,
+            index=joint.index,
+            of=joints[mimic.joint].index,
+            multiplier=mimic.multiplier,
+        )
+        for name, joint in joints.items()
+        if (mimic := urdf.joints[name].mimic) is not None
     )
 
 

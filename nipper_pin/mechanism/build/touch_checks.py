@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +13,9 @@ from ...errors import AssemblyError, ModelError
 from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, DEPENDENT_SHARE, RANK_TOLERANCE
 from ...units import MM_PER_M
 from ..drives import OscillatingGuide
+from ..files.side_view import side_view_text
 from ..files.urdf_parts import Urdf
-from ..mechanism import Closure, Drive, Joint, Phase, Stop
+from ..mechanism import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
 from .placements import supports
 from .tree import Tree
@@ -96,21 +98,30 @@ def _point_jacobian(
     return jacobian[_PLANE, :]
 
 
+class Held(NamedTuple):
+    """What holds the coordinates of a mechanism.
+
+    Attributes:
+        closures: The cut joints.
+        couplings: The joints that follow others.
+        drives: The driven joints.
+        stops: The stops.
+    """
+
+    closures: Sequence[Closure]
+    couplings: Sequence[Coupling]
+    drives: Sequence[Drive]
+    stops: Sequence[Stop]
+
+
 def check_assembly(
-    tree: Tree,
-    closures: Sequence[Closure],
-    drives: Sequence[Drive],
-    stops: Sequence[Stop],
-    phases: Sequence[Phase],
-    degrees_of_freedom: int,
+    tree: Tree, held: Held, phases: Sequence[Phase], degrees_of_freedom: int
 ) -> None:
     """Check that the mechanism closes, moves as stated and can be driven.
 
     Args:
         tree: The tree.
-        closures: The cut joints.
-        drives: The driven joints.
-        stops: The stops.
+        held: What holds its coordinates.
         phases: The working phases.
         degrees_of_freedom: Mobility stated in the TOML file.
 
@@ -120,12 +131,18 @@ def check_assembly(
             drives or stops contradict the closures.
     """
     model, joints, placements, file = tree.model, tree.joints, tree.placements, tree.file
+    closures, couplings, drives, stops = held
     unit_m = unit_of(reach(model, joints, stops))
     within_m = ASSEMBLY_TOLERANCE_M * written(unit_m)
     _check_gaps(closures, closure_gaps(closures, model, placements), within_m, file)
     jacobian = closure_jacobian(closures, joints, tree.urdf, model, placements)
+    followers = _unit([item.index for item in couplings], len(joints))
+    leaders = _unit([item.of for item in couplings], len(joints))
+    multipliers = np.array([item.multiplier for item in couplings]).reshape(-1, 1)
+    jacobian = np.vstack([jacobian, followers - multipliers * leaders])
     jacobian *= units_of(joints, unit_m)
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
+    names += [f"mimic of joint {item.name}" for item in couplings]
     redundant = dependent_rows(jacobian, names)
     if redundant:
         raise AssemblyError(
@@ -133,12 +150,17 @@ def check_assembly(
             key="closures",
             value=redundant,
             allowed="each closure row must restrain the mechanism in its own way at touch; these "
-            "depend on one another (a pin closed twice, or a dead centre)",
+            f"depend on one another (a pin closed twice, or a dead centre){_seen(tree)}",
         )
-    _check_mobility(joints, closures, degrees_of_freedom, file)
+    _check_mobility(joints, held, degrees_of_freedom, file)
     _check_guides(drives, tree, within_m)
     _check_drives(jacobian, names, drives, joints, file)
     _check_phases(jacobian, names, drives, stops, phases, file)
+
+
+def _seen(tree: Tree) -> str:
+    """How a machine was turned into the side view, which may tell why it does not fit."""
+    return f"; {side_view_text(tree.urdf)}" if tree.urdf.plane.turned else ""
 
 
 def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, within_m: float, file: str) -> None:
@@ -176,22 +198,24 @@ def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
     return [name for name, part in zip(names, share, strict=True) if part > DEPENDENT_SHARE]
 
 
-def _check_mobility(
-    joints: Sequence[Joint], closures: Sequence[Closure], stated: int, file: str
-) -> None:
+def _check_mobility(joints: Sequence[Joint], held: Held, stated: int, file: str) -> None:
     """Compare the mobility with the stated one; the rows are known to be independent."""
-    found = len(joints) - 2 * len(closures)
+    closures = held.closures
+    found = len(joints) - 2 * len(closures) - len(held.couplings)
     if found == stated:
         return
     names = ", ".join(closure.name for closure in closures) or "none"
     slots = sum(closure.slot_frame is not None for closure in closures)
     blocks = f" ({slots} of them blocks in slots)" if slots else ""
+    followers = ", ".join(item.name for item in held.couplings)
+    mimics = f" and one for each joint that mimics another ({followers})" if followers else ""
     raise ModelError(
         file=file,
         key="degrees_of_freedom",
         value=stated,
         allowed=f"the model has {found}: {len(joints)} tree joints{blocks} less two rows for each "
-        f"of {len(closures)} closures ({names}); correct the number, or add or remove a closure",
+        f"of {len(closures)} closures ({names}){mimics}; correct the number, or add or remove a "
+        "closure",
     )
 
 

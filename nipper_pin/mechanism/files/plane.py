@@ -180,4 +180,4 @@ def direction_text(direction: FloatArray) -> str:
     for place, name in enumerate("xyz"):
         if abs(direction[place]) == 1.0:
             return f"{'-' if direction[place] < 0.0 else ''}{name}"
-    return "(" + ", ".join(f"{part:.6g}" for part in direction) + ")"
+    return "(" + ", ".join(f"{part:.6g}" for part in direction.round(9) + 0.0) + ")"

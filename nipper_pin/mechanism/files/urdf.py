@@ -13,9 +13,9 @@ from ...errors import ModelError, UnknownNameError
 from .plane import Plane
 from .side_view import in_side_view
 from .toml_text import NAMES, is_name
-from .urdf_parts import Urdf, UrdfJoint, UrdfLink
+from .urdf_parts import Mimic, Urdf, UrdfJoint, UrdfLink
 from .urdf_shapes import check_colours, read_shapes
-from .urdf_values import numbers, placement, read_damping, read_inertial
+from .urdf_values import finite, numbers, placement, read_damping, read_inertial
 from .xml_text import edit as edit
 from .xml_text import parse_xml as parse_xml
 
@@ -58,6 +58,7 @@ def check_urdf(root: ElementTree.Element, file: str, mesh_folder: Path) -> Urdf:
     if not count:
         allowed = "a joint that moves: revolute, continuous or prismatic"
         raise ModelError(file=file, key="joints that move", value=0, allowed=allowed)
+    _check_mimics(joints, file)
     still = _welded_to(top, joints)
     links = {
         name: UrdfLink(
@@ -120,13 +121,6 @@ def _read_joint(element: ElementTree.Element, links: Iterable[str], file: str) -
                 kind="link", name=link, known=links, where=f"{file}: {key} {side}"
             )
         ends.append(link)
-    if element.find("mimic") is not None:
-        raise ModelError(
-            file=file,
-            key=f"{key} mimic",
-            value=element.find("mimic").attrib,  # type: ignore[union-attr]
-            allowed="no mimic; gear pairs are drives with law = 'geared' in the TOML file",
-        )
     axis, written = _read_axis(element, _KINDS[kind], key, file)
     return UrdfJoint(
         name=name,
@@ -136,6 +130,7 @@ def _read_joint(element: ElementTree.Element, links: Iterable[str], file: str) -
         placement=placement(element, key, file),
         axis=axis,
         damping=read_damping(element, key, file),
+        mimic=_read_mimic(element, key, file),
         written=written,
     )
 
@@ -155,6 +150,46 @@ def _read_axis(
         raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)
     x, y, z = value.tolist()
     return (x, y, z), value.tolist()
+
+
+def _read_mimic(element: ElementTree.Element, key: str, file: str) -> Mimic | None:
+    """The joint that a joint follows."""
+    mimic = element.find("mimic")
+    if mimic is None:
+        return None
+    (multiplier,) = finite(mimic, "multiplier", 1, "1", f"{key} mimic multiplier", file)
+    (offset,) = finite(mimic, "offset", 1, "0", f"{key} mimic offset", file)
+    if not multiplier:
+        allowed = "a multiplier other than 0; a joint that stays is fixed"
+        raise ModelError(
+            file=file, key=f"{key} mimic multiplier", value=multiplier, allowed=allowed
+        )
+    if offset:
+        allowed = (
+            "0: all coordinates are zero in the touch configuration; let the origin of the joint "
+            "hold the offset"
+        )
+        raise ModelError(file=file, key=f"{key} mimic offset", value=offset, allowed=allowed)
+    return Mimic(joint=mimic.get("joint", ""), multiplier=multiplier)
+
+
+def _check_mimics(joints: Mapping[str, UrdfJoint], file: str) -> None:
+    """A joint that moves may follow another one that moves."""
+    moving = {name: joint for name, joint in joints.items() if joint.kind != "fixed"}
+    for joint in joints.values():
+        if joint.mimic is None:
+            continue
+        known = [name for name in moving if name != joint.name]
+        if joint.kind == "fixed":
+            allowed = "a joint that moves, if it is to follow another"
+            raise ModelError(
+                file=file, key=f"joint {joint.name} type", value="fixed", allowed=allowed
+            )
+        if joint.mimic.joint not in known:
+            where = f"{file}: joint {joint.name} mimic"
+            raise UnknownNameError(
+                kind="other joint that moves", name=joint.mimic.joint, known=known, where=where
+            )
 
 
 def _check_tree(links: Iterable[str], joints: dict[str, UrdfJoint], file: str) -> str:

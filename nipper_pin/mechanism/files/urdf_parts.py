@@ -14,6 +14,19 @@ from .urdf_shapes import UrdfShape
 
 
 @dataclass(frozen=True, kw_only=True)
+class Mimic:
+    """A joint that follows another: its coordinate is a multiple of the other's.
+
+    Attributes:
+        joint: The joint that it follows.
+        multiplier: Its coordinate by the other's [1, m/rad or rad/m].
+    """
+
+    joint: str
+    multiplier: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class UrdfJoint:
     """One joint of the URDF.
 
@@ -25,6 +38,7 @@ class UrdfJoint:
         placement: Of the child's frame in the parent's at coordinate zero.
         axis: Unit axis of rotation or translation in the joint frame; zero if fixed.
         damping: Of its <dynamics> [N s/m or N m s/rad].
+        mimic: The joint that it follows, None if it follows none.
         written: What the file has as its axis, for messages.
     """
 
@@ -35,6 +49,7 @@ class UrdfJoint:
     placement: pin.SE3
     axis: tuple[float, float, float]
     damping: float = 0.0
+    mimic: Mimic | None = None
     written: object = None
 
 

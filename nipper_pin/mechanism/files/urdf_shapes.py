@@ -38,8 +38,9 @@ class UrdfShape:
 
 def check_colours(root: ElementTree.Element, file: str) -> None:
     """Refuse colours that are no four numbers; a viewer would stumble over them."""
-    for colour in root.iter("color"):
-        finite(colour, "rgba", 4, None, "color", file)
+    for part in root.iterfind("*"):
+        for colour in part.iter("color") if part.tag in ("link", "material") else ():
+            finite(colour, "rgba", 4, None, "color rgba", file)
 
 
 def read_shapes(

@@ -220,4 +220,6 @@ def _colour(material: ElementTree.Element) -> Colour:
     colour = material.find("color")
     text = colour.get("rgba", "") if colour is not None else ""
     red, green, blue, *_ = (float(part) for part in text.split())
-    return red, green, blue
+    # Some files count to 255 in place of one.
+    largest = 255.0 if max(red, green, blue) > 1.0 else 1.0
+    return red / largest, green / largest, blue / largest

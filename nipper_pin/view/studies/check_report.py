@@ -82,7 +82,10 @@ def _provenance(report: ModelReport, console: Console, *, whole: bool) -> None:
 
 def _joints(report: ModelReport, console: Console) -> None:
     mechanism = report.mechanism
-    moved = {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
+    names = {joint.index: joint.name for joint in mechanism.joints}
+    moved = {
+        item.index: f"{item.multiplier:g} times {names[item.of]}" for item in mechanism.couplings
+    } | {drive.index: f"drive {drive.name}" for drive in mechanism.drives}
     rows: list[tuple[str, ...]] = [
         (joint.name, joint.kind, joint.parent, joint.child, moved.get(joint.index, ""))
         for joint in mechanism.joints
