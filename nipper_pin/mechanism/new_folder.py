@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..outputs import hidden_folder, synchronise
-from .load import known_models
+from .model_files import known_models
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
