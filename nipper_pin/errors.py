@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 # Letters of the begin and of the end of a message that is longer: a file may hold any word.
@@ -51,6 +51,23 @@ def _rebuild(kind: type[NipperError], message: str, evidence: dict[str, Any]) ->
     error = kind.__new__(kind)
     NipperError.__init__(error, message, **evidence)
     return error
+
+
+def with_words(error: InputError, words: Mapping[str, str]) -> InputError:
+    """An error of the same kind with words in place of others, in its message and its evidence.
+
+    Args:
+        error: The error.
+        words: New words by those that they replace.
+    """
+    message, evidence = error.message, dict(error.evidence)
+    for old, new in words.items():
+        message = message.replace(old, new)
+        for key in ("file", "where"):
+            if isinstance(evidence.get(key), str):
+                evidence[key] = evidence[key].replace(old, new)
+    renamed = _rebuild(type(error), message, evidence)
+    return renamed if isinstance(renamed, InputError) else error
 
 
 class InputError(NipperError):

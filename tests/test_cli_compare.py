@@ -169,7 +169,7 @@ def test_a_change_beside_a_saved_run_is_that_of_its_model(
         ("e62 nowhere", "nowhere"),
         ("missing.npz e62", "missing.npz"),
         ("before.npz cycle.npz", "simulate both with the same --window"),
-        ("e62 other/mine.toml", "a folder called mine"),
+        ("e62 other/mine.toml", "holds one URDF file"),
         ("e62 broken.npz", "not a saved solution, or a damaged one"),
     ],
 )

@@ -3,16 +3,7 @@
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives.law import DriveLaw
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
-from .load import (
-    find_model,
-    from_sources,
-    known_models,
-    load,
-    model_folder,
-    need_mechanism,
-    number_of,
-    with_numbers,
-)
+from .load import from_sources, load, need_mechanism, number_of, with_numbers
 from .mechanism import (
     Closure,
     Contact,
@@ -25,6 +16,7 @@ from .mechanism import (
     Start,
     Stop,
 )
+from .model_files import find_model, known_models, model_folder
 from .shapes import collision_model
 
 __all__ = [

@@ -10,17 +10,19 @@ import copy
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from ..errors import AssemblyError, InputError, ModelError, UnknownNameError
-from ..texts import MOST_TEXT, followed, read_text
+from ..errors import AssemblyError, InputError, ModelError
+from ..texts import MOST_TEXT, read_text
 from .mechanism import Mechanism
+from .model_files import find_files
 
 
 def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = None) -> Mechanism:
     """Load a model.
 
     Args:
-        model: Name of a model that comes with the package, or a folder ``<name>`` that holds
-            ``<name>.urdf`` and ``<name>.toml``, or the path of that TOML file.
+        model: Name of a model that comes with the package; or a folder that holds
+            ``<folder>.urdf`` and ``<folder>.toml``, or one URDF and one TOML file of any names; or
+            the path of the TOML file.
         overrides: New values by path, for example ``{"stops.jaw.restitution": 0.1}``,
             ``{"links.top_nipper.mass_kg": 1.3}`` or ``{"points.rod_pin.x_mm": -20.0}``
             or by the model's shortcuts, ``{"restitution": 0.1}``; strings are
@@ -39,22 +41,26 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     from .files.toml_text import read_toml
     from .files.xml_text import encoding_of
 
-    folder = find_model(model)
-    name = folder.name
+    found = find_files(model)
+    folder, name = found.folder, found.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
-    urdf = _read(folder / urdf_file, encoding_of)
-    data = read_toml(_read(folder / toml_file), toml_file)
-    if overrides:
-        from .edit.overrides import apply_overrides, by_path, with_tables
-
-        data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
-        data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
-    else:
-        data = inline_tables(data, folder, toml_file)
     try:
+        urdf = _read(found.urdf, encoding_of)
+        data = read_toml(_read(found.toml), toml_file)
+        if overrides:
+            from .edit.overrides import apply_overrides, by_path, with_tables
+
+            data, others = with_tables(data, by_path(overrides, data, toml_file), folder, toml_file)
+            data, urdf = apply_overrides(data, urdf, others, toml_file, urdf_file)
+        else:
+            data = inline_tables(data, folder, toml_file)
         return build_mechanism(name, urdf, data, folder)
     except AssemblyError as error:
-        raise _with_advice(error, overrides or {}) from None
+        raise found.named(_with_advice(error, overrides or {})) from None
+    except InputError as error:
+        if found.own_names:
+            raise
+        raise found.named(error) from error
 
 
 def number_of(mechanism: Mechanism, path: str) -> float:
@@ -158,85 +164,6 @@ def _with_advice(error: AssemblyError, overrides: Mapping[str, object]) -> Assem
     )
     evidence = error.evidence
     return AssemblyError(**{**evidence, "allowed": f"{evidence['allowed']}; {advice}"})
-
-
-def known_models() -> dict[str, Path]:
-    """Folders of the models that come with the package, by name."""
-    package = Path(__file__).resolve().parent.parent
-    # Packaged, the models lie inside the package; in a source checkout they lie beside it.
-    for home in (package / "models", package.parent / "models"):
-        if home.is_dir():
-            return {
-                item.name: item
-                for item in sorted(home.iterdir())
-                if (item / f"{item.name}.toml").is_file()
-            }
-    return {}
-
-
-def model_folder(name: str, planned: str | Path) -> Path:
-    """Folder of a model that was saved; on another machine that of the model which comes with it.
-
-    Args:
-        name: Model name.
-        planned: Its folder where it was saved.
-    """
-    folder = Path(planned)
-    return folder if folder.is_dir() else known_models().get(name, folder)
-
-
-def find_model(model: str | Path) -> Path:
-    """Folder of a model.
-
-    Args:
-        model: Name of a known model, or path of a folder or of the TOML file in it.
-
-    Raises:
-        UnknownNameError: There is no such model or folder.
-        ModelError: The folder lacks one of the two files, or is not called like its TOML file.
-    """
-    known = known_models()
-    if isinstance(model, str) and model in known:
-        return known[model]
-    try:
-        folder = followed(model)
-        if folder.suffix == ".toml" and folder.is_file():
-            folder = _folder_of(folder)
-        found = folder.is_dir()
-    except (OSError, ValueError) as error:
-        # A name that no file can have.
-        raise UnknownNameError(
-            kind="model or model folder", name=str(model), known=known, where=str(error)
-        ) from error
-    if not found:
-        raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
-    for suffix in (".urdf", ".toml"):
-        if not (folder / f"{folder.name}{suffix}").is_file():
-            inside = ", ".join(sorted(item.name for item in folder.iterdir())) or "nothing"
-            raise ModelError(
-                file=str(folder),
-                key=f"{folder.name}{suffix}",
-                value=None,
-                allowed=f"a model folder holds <name>.urdf and <name>.toml, <name> being the name "
-                f"of the folder; found {inside}",
-            )
-    return folder
-
-
-def _folder_of(file: Path) -> Path:
-    """The model folder that a TOML file lies in, which has its name.
-
-    Raises:
-        ModelError: It has another one, so that the file would not be the one that is read.
-    """
-    if file.stem != file.parent.name:
-        raise ModelError(
-            file=str(file),
-            key="folder",
-            value=file.parent.name,
-            allowed=f"a folder called {file.stem}, with {file.stem}.urdf beside the TOML file",
-        )
-    return file.parent
 
 
 def _read(path: Path, encoding: str | Callable[[bytes], str] = "utf-8-sig") -> str:

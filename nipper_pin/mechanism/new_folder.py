@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..outputs import complete_folder
 from ..texts import followed
-from .load import known_models
+from .model_files import known_models
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 

@@ -32,9 +32,10 @@ def check_run(rest_rate: float | None, tolerance: float, max_collisions: int) ->
         number("rest_rate", rest_rate, 0.0, LARGEST, open_low=True, allowed=allowed)
 
 
-def check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float, where: str = "") -> None:
     """Refuse a tolerance that the reduced engine does not have."""
-    number("tolerance", tolerance, FINEST_TOLERANCE, COARSEST_TOLERANCE, allowed="1e-13 to 1e-3")
+    number("tolerance", tolerance, FINEST_TOLERANCE, COARSEST_TOLERANCE, allowed="1e-13 to 1e-3",
+           where=where)  # fmt: skip
 
 
 def speed_of(value: object) -> float:

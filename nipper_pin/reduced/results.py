@@ -39,11 +39,11 @@ class Status(IntEnum):
 REASONS = {
     Status.LEFT_TRAVEL: (
         "the stop is not at rest at the end of the reduced model, a travel of {travel:.4g} rad; "
-        "build it with a larger travel_rad, or use the direct engine"
+        "use the direct engine, or nipper_pin.reduced.build with a larger travel_rad"
     ),
     Status.LEFT_GAP: (
-        "a rebound leaves the reduced model, whose largest gap is {gap:.4g}; build it with a "
-        "larger gap_max, or use the direct engine"
+        "a rebound leaves the reduced model, whose largest gap is {gap:.4g}; use the direct "
+        "engine, or nipper_pin.reduced.build with a larger gap_max"
     ),
     Status.OTHER_STOP: "another stop closes during the transition; use the direct engine",
     Status.NOT_PRESSED: "the stop is not pressed shut when it is at rest; use the direct engine",
@@ -54,8 +54,8 @@ REASONS = {
     Status.UNRESOLVED: "a flight cannot be resolved; use the direct engine",
     Status.UNTOLD: (
         "the tables cannot tell how the machine arrives ({why}); simulate whole turns with the "
-        "direct engine, build the model with turn=True and a larger gap_max, or take the "
-        "transition as assumed (assumed=True)"
+        "direct engine, use nipper_pin.reduced.build with turn=True and a larger gap_max, or take "
+        "the transition as assumed, by nipper_pin.reduced.transition with assumed=True"
     ),
 }
 

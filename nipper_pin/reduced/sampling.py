@@ -12,16 +12,13 @@ from ..dynamics.shaft import ShaftMotion
 from ..dynamics.system import DriveMode, System
 from ..dynamics.touch import assemble
 from ..errors import InputError, NipperError
+from ..given import LARGEST, flag, number
 from ..hybrid.error_estimate.linear_maps import of_rates
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
-from ..tolerances.reduced import (
-    ARRIVAL_TABLES,
-    COARSEST_TOLERANCE,
-    FINEST_TOLERANCE,
-    NO_ACCELERATION,
-)
+from ..tolerances.reduced import ARRIVAL_TABLES, NO_ACCELERATION
+from .inputs import check_tolerance
 from .model import (
     BY_GRAVITY,
     BY_RATE,
@@ -43,6 +40,7 @@ _MARGIN = 1.0 / 16.0
 _FAST, _LIVELY, _ROOM = 1.5, 0.5, 1.25
 # Least assumed share of a spring's preload in x''.
 _LEAST_SHARE = 0.01
+_MODEL = "reduced model"
 # Travel of a domain where no opening is known, and the longest [rad].
 _USUAL, _LONGEST = math.radians(95.0), math.radians(150.0)
 
@@ -120,7 +118,7 @@ def build(
         InputError: The mechanism or the domain cannot be reduced.
         SimulationError: A point of the domain cannot be reached or is singular.
     """
-    _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive)
+    _check_arguments(mechanism, travel_rad, gap_max, tolerance, drive, turn)
     stop = mechanism.stop(mechanism.transition_stop)
     others = tuple(item for item in mechanism.stops if item.name != stop.name)
     system, sampler = _touching(mechanism, stop, others)
@@ -156,17 +154,20 @@ def _check_arguments(
     gap_max: float | None,
     tolerance: float,
     drive: DriveMode | str,
+    turn: bool,
 ) -> None:
     reason = unfit(mechanism, drive)
     if reason is not None:
         message = f"{mechanism.name}: {reason}; use the direct engine"
         raise InputError(message, model=mechanism.name, drive=str(drive))
     if travel_rad is not None:
-        _check(0.0 < travel_rad <= 2.0 * math.pi, "travel_rad", travel_rad, "0 to 2 pi")
-    allowed = FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE
-    _check(allowed, "tolerance", tolerance, "1e-13 to 1e-3")
+        number("travel_rad", travel_rad, 0.0, math.tau, open_low=True, allowed="0 to 2 pi",
+               where=_MODEL)  # fmt: skip
+    check_tolerance(tolerance, _MODEL)
     if gap_max is not None:
-        _check(math.isfinite(gap_max) and gap_max > 0.0, "gap_max", gap_max, "above zero")
+        number("gap_max", gap_max, 0.0, LARGEST, open_low=True, allowed="above zero",
+               where=_MODEL)  # fmt: skip
+    flag("turn", turn, where=_MODEL)
 
 
 def _touching(mechanism: Mechanism, stop: Stop, others: tuple[Stop, ...]) -> tuple[System, Sampler]:
@@ -194,7 +195,8 @@ def _pressed(mechanism: Mechanism, gap_max: float) -> float:
     if not gap_max > 0.0:
         message = (
             f"{mechanism.name}: stop {mechanism.transition_stop!r} is not pressed shut after its "
-            f"first collision at {_FAST:g} times the rated speed; give gap_max"
+            f"first collision at {_FAST:g} times the rated speed; use the direct engine, "
+            "or nipper_pin.reduced.build with a gap_max"
         )
         raise InputError(message, stop=mechanism.transition_stop)
     return gap_max
@@ -226,12 +228,6 @@ def _arrival(
         return arrival(system, sampler, opening, waiting, tolerance)
     except NipperError as error:
         return unknown(error.message)
-
-
-def _check(right: bool, key: str, value: float, allowed: str) -> None:
-    if not right:
-        message = f"reduced model: {key} = {value!r} cannot be used: {allowed}"
-        raise InputError(message, key=key, value=value, allowed=allowed)
 
 
 def _split(system: System, column: int, name: str) -> Partition:
@@ -278,8 +274,8 @@ def _nominal(mechanism: Mechanism, sampler: Sampler, rate: float) -> tuple[Float
     weights = np.zeros(len(touch.equation))
     weights[BY_SPEED], weights[BY_SPEED_AND_RATE] = speed**2, speed * w
     weights[BY_RATE], weights[BY_GRAVITY] = w**2, 1.0
-    for number, spring in enumerate(mechanism.springs):
-        place = BY_SPRINGS + 2 * number
+    for row, spring in enumerate(mechanism.springs):
+        place = BY_SPRINGS + 2 * row
         weights[place], weights[place + 1] = spring.stiffness * spring.preload, spring.stiffness
     terms = weights * touch.equation[:, 0]
     a = float(terms.sum())

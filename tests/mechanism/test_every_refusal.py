@@ -26,6 +26,7 @@ from nipper_pin.mechanism.files.description import CylinderDescription
 
 # The package has a function of the same name.
 load: Any = import_module("nipper_pin.mechanism.load")
+model_files: Any = import_module("nipper_pin.mechanism.model_files")
 
 
 def refused(error: Any) -> tuple[Any, Any, Any]:
@@ -452,8 +453,8 @@ def test_models_that_come_with_the_package(monkeypatch: pytest.MonkeyPatch, tmp_
     """Inside the package, else beside it, else none; a folder without its file is no model."""
     package = tmp_path / "home" / "package"
     (package / "mechanism").mkdir(parents=True)
-    monkeypatch.setattr(load, "__file__", str(package / "mechanism" / "load.py"))
-    assert load.known_models() == {}
+    monkeypatch.setattr(model_files, "__file__", str(package / "mechanism" / "model_files.py"))
+    assert model_files.known_models() == {}
 
     def model(home: Path, name: str, *, whole: bool = True) -> None:
         (home / "models" / name).mkdir(parents=True)
@@ -462,9 +463,9 @@ def test_models_that_come_with_the_package(monkeypatch: pytest.MonkeyPatch, tmp_
 
     model(package.parent, "beside")
     model(package.parent, "empty", whole=False)
-    assert load.known_models() == {"beside": package.parent / "models" / "beside"}
+    assert model_files.known_models() == {"beside": package.parent / "models" / "beside"}
     model(package, "inside")
-    assert load.known_models() == {"inside": package / "models" / "inside"}
+    assert model_files.known_models() == {"inside": package / "models" / "inside"}
 
 
 def test_names_that_a_mechanism_has_not(e62: Mechanism) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
 import sys
 from dataclasses import fields
 from typing import Any
@@ -10,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import nipper_pin.reduced
 from nipper_pin.errors import InputError, NipperError, SimulationError
 from nipper_pin.reduced import ReducedModel, Status, inputs, results, transition, transitions
 from nipper_pin.reduced.kernels import kernel
@@ -182,8 +185,8 @@ def test_every_result_comes_from_its_place(
 @pytest.mark.parametrize(
     ("status", "kind", "words"),
     [
-        (Status.LEFT_TRAVEL, InputError, "a travel of 2.7 rad; build it with a larger travel_rad"),
-        (Status.LEFT_GAP, InputError, "largest gap is 0.17; build it with a larger gap_max"),
+        (Status.LEFT_TRAVEL, InputError, "a travel of 2.7 rad; use the direct engine"),
+        (Status.LEFT_GAP, InputError, "largest gap is 0.17; use the direct engine"),
         (Status.OTHER_STOP, SimulationError, "another stop closes during the transition"),
         (Status.NOT_PRESSED, SimulationError, "not pressed shut when it is at rest"),
         (Status.TOO_MANY_COLLISIONS, SimulationError, "not at rest after 256 collisions; raise"),
@@ -320,3 +323,16 @@ def test_springs_of_one_case(value: Any, expected: Any) -> None:
     else:
         with pytest.raises(InputError, match="key"):
             inputs.one_row("key", value, default, 0.0)
+
+
+def test_advice_names_what_there_is() -> None:
+    """Each function that a reason names exists, and takes what it says to give it."""
+    knobs = 0
+    for reason in results.REASONS.values():
+        for name, rest in re.findall(r"nipper_pin\.reduced\.(\w+) with ([^;,]*)", reason):
+            taken = inspect.signature(getattr(nipper_pin.reduced, name)).parameters
+            named = re.findall(r"\b[a-z]+_[a-z]+\b|\b\w+(?==)", rest)
+            assert named, reason
+            assert set(named) <= set(taken), reason
+            knobs += len(named)
+    assert knobs >= 4

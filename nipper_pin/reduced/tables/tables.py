@@ -122,7 +122,8 @@ def resolved(
             break
     message = (
         f"the functions of the mechanism are not resolved on this domain (tails {by_u:.2g} by "
-        f"travel, {by_x:.2g} by gap): it comes near a dead centre; choose a smaller travel or gap"
+        f"travel, {by_x:.2g} by gap): it comes near a dead centre; use the direct "
+        "engine, or nipper_pin.reduced.build with a smaller travel_rad or gap_max"
     )
     raise ConvergenceError(
         message, residual=max(by_u, by_x), tolerance=tolerance, iterations=sampled

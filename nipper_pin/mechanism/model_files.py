@@ -1,0 +1,133 @@
+"""Where the two files of a model are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import InputError, ModelError, UnknownNameError, with_words
+from ..texts import followed
+
+
+@dataclass(frozen=True)
+class ModelFiles:
+    """The files of a model.
+
+    Attributes:
+        name: Name of the model: that of its folder, or of a TOML file that was asked for.
+        urdf: The URDF.
+        toml: The TOML file.
+    """
+
+    name: str
+    urdf: Path
+    toml: Path
+
+    @property
+    def folder(self) -> Path:
+        """The folder that both lie in, and meshes and tables with them."""
+        return self.toml.parent
+
+    @property
+    def own_names(self) -> bool:
+        """True if the files are called like the model, as messages call them."""
+        return (self.urdf.name, self.toml.name) == (f"{self.name}.urdf", f"{self.name}.toml")
+
+    def named(self, error: InputError) -> InputError:
+        """The error with the files called by their names."""
+        names = {f"{self.name}.urdf": self.urdf.name, f"{self.name}.toml": self.toml.name}
+        return with_words(error, names)
+
+
+def known_models() -> dict[str, Path]:
+    """Folders of the models that come with the package, by name."""
+    package = Path(__file__).resolve().parent.parent
+    # Packaged, the models lie inside the package; in a source checkout they lie beside it.
+    for home in (package / "models", package.parent / "models"):
+        if home.is_dir():
+            return {
+                item.name: item
+                for item in sorted(home.iterdir())
+                if (item / f"{item.name}.toml").is_file()
+            }
+    return {}
+
+
+def model_folder(name: str, planned: str | Path) -> Path:
+    """Folder of a model that was saved; on another machine that of the model which comes with it.
+
+    Args:
+        name: Model name.
+        planned: Its folder where it was saved.
+    """
+    folder = Path(planned)
+    return folder if folder.is_dir() else known_models().get(name, folder)
+
+
+def find_files(model: str | Path) -> ModelFiles:
+    """Files of a model.
+
+    Args:
+        model: Name of a known model, or path of a folder or of a TOML file in it.
+
+    Raises:
+        UnknownNameError: There is no such model or folder.
+        ModelError: The folder lacks one of the two files, or holds several of a kind.
+    """
+    known = known_models()
+    if isinstance(model, str) and model in known:
+        return _pair(known[model], model)
+    try:
+        path = followed(model)
+        if path.suffix == ".toml" and path.is_file():
+            return _with_toml(path)
+        found = path.is_dir()
+    except (OSError, ValueError) as error:
+        # Links in a circle, or a name that no file can have.
+        raise UnknownNameError(
+            kind="model or model folder", name=str(model), known=known, where=str(error)
+        ) from error
+    if not found:
+        raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
+    pair = _pair(path, path.name)
+    if pair.urdf.is_file() and pair.toml.is_file():
+        return pair
+    return ModelFiles(path.name, _only(path, ".urdf"), _only(path, ".toml"))
+
+
+def find_model(model: str | Path) -> Path:
+    """Folder of a model; arguments and errors as of :func:`find_files`."""
+    return find_files(model).folder
+
+
+def _pair(folder: Path, name: str) -> ModelFiles:
+    return ModelFiles(name, folder / f"{name}.urdf", folder / f"{name}.toml")
+
+
+def _with_toml(toml: Path) -> ModelFiles:
+    """The model of a TOML file: its URDF has its name, or is the only one beside it."""
+    pair = _pair(toml.parent, toml.stem)
+    if pair.urdf.is_file():
+        return pair
+    return ModelFiles(toml.stem, _only(toml.parent, ".urdf"), toml)
+
+
+def _only(folder: Path, suffix: str) -> Path:
+    """The only file of a kind in a folder.
+
+    Raises:
+        ModelError: There is none, or there are several.
+    """
+    inside = sorted(item for item in folder.iterdir() if not item.name.startswith("."))
+    found = [item for item in inside if item.suffix.lower() == suffix and item.is_file()]
+    if len(found) == 1:
+        return found[0]
+    listed = ", ".join(item.name for item in found or inside) or "nothing"
+    one = f"a model folder holds one {suffix[1:].upper()} file, or one called {folder.name}{suffix}"
+    which = f"several; name the TOML file that counts, or rename it: {listed}"
+    raise ModelError(
+        file=str(folder),
+        key=f"{folder.name}{suffix}",
+        value=None,
+        allowed=f"{one}; found {which if found else listed}",
+    )
