@@ -17,9 +17,21 @@ def one_line(text: str) -> str:
     """
     if len(text) > _BEGIN + _END:
         text = f"{text[:_BEGIN]} ... {text[-_END:]}"
+    return printable(text)
+
+
+def printable(text: str, kept: str = "") -> str:
+    """A text in which codes that command a terminal are written out, and change no direction.
+
+    Args:
+        text: The text.
+        kept: Letters that stay although they are not printable.
+    """
     if text.isprintable():
         return text
-    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
+    return "".join(
+        letter if letter.isprintable() or letter in kept else repr(letter)[1:-1] for letter in text
+    )
 
 
 class NipperError(Exception):

@@ -18,7 +18,7 @@ from importlib import import_module
 if "numpy" not in sys.modules:
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
-from ..errors import InputError, NipperError
+from ..errors import InputError, NipperError, one_line
 from ..given import read_number, read_whole
 
 _RIGHT = 0
@@ -115,7 +115,7 @@ def _unread() -> bool:
 
 
 def _note(message: Warning | str, *_: object, **__: object) -> None:
-    _say(f"note: {message}")
+    _say(one_line(f"note: {message}"))
 
 
 def _complain(error: NipperError, status: int) -> int:

@@ -60,13 +60,11 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(report.record(), options.json)
     if options.json != "-":
-        from rich.console import Console
-
         from ..study.next_steps import next_steps
-        from ..view.console import paste
+        from ..view.console import Terminal, paste
         from ..view.studies.check_report import print_report
 
-        console = Console()
+        console = Terminal()
         begin = ["--start-index", f"{start:g}"] if hasattr(options, "start_index") else []
         steps = next_steps(report, options.model or MODEL, machine_words(options), begin)
         print_report(report, steps, console, provenance=options.provenance)

@@ -167,14 +167,13 @@ def _check(options: argparse.Namespace, *, pictured: bool) -> None:
 
 
 def _print(comparison: Comparison, options: argparse.Namespace) -> None:
-    from rich.console import Console
-
     from ..view.compare.table import print_comparison
+    from ..view.console import Terminal
 
     written = {"table and curves": options.out, "film": options.html, "document": options.json}
     print_comparison(
         comparison,
-        Console(),
+        Terminal(),
         written=[f"{what}: {place}" for what, place in written.items() if place is not None],
         following=_next(options, comparison),
     )

@@ -81,12 +81,10 @@ def _run(options: argparse.Namespace) -> None:
     if options.out is not None:
         write_model(fit, judged, options.out)
     if options.json != "-":
-        from rich.console import Console
-
-        from ..view.console import paste
+        from ..view.console import Terminal, paste
         from ..view.studies.identify_report import print_fit
 
-        console = Console()
+        console = Terminal()
         print_fit(fit, judged, known, profiles, console)
         paste(console, f"Next: {_next(options)}")
     # The result is written, but the fit contradicts the data.

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..errors import one_line
 from ..extras import require
 from .arguments import refuse_beside, write_json
 
@@ -82,12 +83,11 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(optimum.record(), options.json)
     if options.json != "-":
-        from rich.console import Console
-
+        from ..view.console import Terminal
         from ..view.studies.optimise_report import print_optimum
 
-        sys.stdout.write("".join(f"{folder / path.name}\n" for path in written))
-        print_optimum(optimum, Console())
+        sys.stdout.write("".join(f"{one_line(str(folder / path.name))}\n" for path in written))
+        print_optimum(optimum, Terminal())
     if optimum.contradiction:
         from ..errors import SimulationError
 
@@ -111,7 +111,7 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
             yield advance
     except KeyboardInterrupt:
         sys.stderr.write(
-            f"nipper-pin: interrupted; {kept[0]} finished parts are in {folder}: run the same "
-            "command again for the others\n"
+            f"nipper-pin: interrupted; {kept[0]} finished parts are in {one_line(str(folder))}: "
+            "run the same command again for the others\n"
         )
         raise

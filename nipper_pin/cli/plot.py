@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from ..errors import one_line
 from ..extras import require
 
 
@@ -39,4 +40,4 @@ def _run(options: argparse.Namespace) -> None:
         target=options.out,
     )
     for path in written:
-        sys.stdout.write(f"{path}\n")
+        sys.stdout.write(f"{one_line(str(path))}\n")

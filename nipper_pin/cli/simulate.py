@@ -104,14 +104,13 @@ def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:
 
 
 def _print(solution: Solution, options: argparse.Namespace) -> None:
-    from rich.console import Console
-
+    from ..view.console import Terminal
     from ..view.run.table import print_solution
 
     turns = _whole_turns(options.words)
     print_solution(
         solution,
-        Console(),
+        Terminal(),
         with_forces=options.forces,
         turns=turns,
         following=turns if solution.case.window is Window.TRANSITION else _view(options, solution),

@@ -78,12 +78,10 @@ def run(options: argparse.Namespace) -> None:
         write_json(result.record(), options.json)
     if options.json == "-":
         return
-    from rich.console import Console
-
-    from ..view.console import paste
+    from ..view.console import Terminal, paste
     from ..view.studies.speed_limit_report import print_speed_limit
 
-    console = Console()
+    console = Terminal()
     print_speed_limit(result, console)
     if options.plot is not None:
         paste(console, f"figure: {options.plot}")

@@ -92,12 +92,10 @@ def _run(options: argparse.Namespace) -> None:
         write_json(result.record(), options.json)
     if options.json == "-":
         return
-    from rich.console import Console
-
-    from ..view.console import paste
+    from ..view.console import Terminal, paste
     from ..view.paper.summary import print_paper
 
-    console = Console()
+    console = Terminal()
     print_paper(result, console, found)
     if report is not None:
         paste(console, f"report: {report}")

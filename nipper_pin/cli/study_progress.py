@@ -130,10 +130,11 @@ def shown(work: Work) -> Iterator[Callable[[], None]]:
     if not sys.stderr.isatty():
         yield lambda: None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
     from rich.progress import TimeElapsedColumn as Gone
     from rich.text import Text
+
+    from ..view.console import Terminal
 
     class Left(ProgressColumn):
         """Time left, asked anew whenever the bar is drawn."""
@@ -143,7 +144,7 @@ def shown(work: Work) -> Iterator[Callable[[], None]]:
             left = None if task.finished else work.left()
             return Text("" if left is None else f"about {left:.0f} s left")
 
-    console = Console(stderr=True)
+    console = Terminal(stderr=True)
     # The longest line on a terminal of 60 columns, and room for the second chain on wide ones.
     bar = Progress(
         TextColumn("{task.description}", markup=False),

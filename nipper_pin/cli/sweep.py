@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import InputError, one_line
 from .arguments import refuse_beside, write_json
 
 # Time between two lines of progress where there is no terminal [s].
@@ -138,7 +138,7 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int, int], None]]:
         except KeyboardInterrupt:
             sys.stderr.write(
                 f"nipper-pin: interrupted; {stored[0]:,} of {stored[1]:,} scenarios are in "
-                f"{folder}: run the same command again for the others\n"
+                f"{one_line(str(folder))}: run the same command again for the others\n"
             )
             raise
 

@@ -1,6 +1,6 @@
 """Parts of a machine that do not touch one another: an impact at one leaves the others alone.
 
-Two coordinates belong to one part if a link, a closure or a strut moves with both. What is driven
+Two coordinates belong to one part if a link, a closure, a coupling or a strut moves with both. What is driven
 by a held shaft moves whatever the others do, and connects nothing.
 """
 
@@ -47,7 +47,11 @@ def _parts(mechanism: Mechanism, held: set[int]) -> list[int]:
 
     for joint in range(1, model.njoints):
         join(movers(joint))
-    for item in (*mechanism.closures, *mechanism.struts):
-        ends = (model.getFrameId(name, pin.FrameType.BODY) for name in (item.frame_a, item.frame_b))
+    for coupling in mechanism.couplings:
+        join({coupling.index, coupling.of} - held)
+    pairs = [(item.frame_a, item.frame_b) for item in mechanism.closures]
+    pairs += [(item.frame_a, item.frame_b) for item in mechanism.struts]
+    for pair in pairs:
+        ends = (model.getFrameId(name, pin.FrameType.BODY) for name in pair)
         join(column for end in ends for column in movers(model.frames[end].parentJoint))
     return part

@@ -73,7 +73,7 @@ class System:
 
     @property
     def parts(self) -> tuple[int, ...]:
-        """Number of the part that each coordinate belongs to; shafts that are held have their own."""
+        """Number of the part that each coordinate belongs to; held shafts have their own."""
         return parts(self.mechanism, self.held)
 
     def apart(self, stops: Iterable[Stop]) -> list[list[Stop]]:

@@ -6,13 +6,16 @@ import os
 import re
 import sys
 import textwrap
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from rich import box
-from rich.console import Console, JustifyMethod
+from rich.console import Console, ConsoleOptions, JustifyMethod, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
+
+from ..errors import printable
 
 # Wider than any line.
 _UNBROKEN = 100_000
@@ -40,6 +43,18 @@ class _Column:
     heading: str
     least: int
     most: int
+
+
+class Terminal(Console):
+    """Where all commands print: no text of a file can command it."""
+
+    def render(
+        self, renderable: RenderableType, options: ConsoleOptions | None = None
+    ) -> Iterable[Segment]:
+        """Render as rich does, with codes in texts written out."""
+        for part in super().render(renderable, options):
+            # Codes of rich itself are no texts yet.
+            yield part if part.control else Segment(printable(part.text, "\n"), part.style)
 
 
 def show_table(
@@ -70,9 +85,9 @@ def unbroken_console() -> Console:
     For sentences that scripts search, too.
     """
     if sys.stdout.isatty() or "COLUMNS" in os.environ:
-        return Console()
+        return Terminal()
     # A width alone does not count where the terminal is said to be a simple one.
-    return Console(width=_UNBROKEN, height=1)
+    return Terminal(width=_UNBROKEN, height=1)
 
 
 def say(console: Console, text: str, *, style: str = "") -> None:

@@ -30,7 +30,6 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
         total: All parts, as far as known at the start.
         alike: Whether all parts take about the same time: only then is the time left told.
     """
-    from rich.console import Console
     from rich.progress import (
         BarColumn,
         Progress,
@@ -39,6 +38,8 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
+
+    from .console import Terminal
 
     columns: list[ProgressColumn] = [
         TextColumn("{task.description}"),
@@ -51,7 +52,7 @@ def progress(what: str, total: int | None = None, *, alike: bool = True) -> Iter
         columns += [TimeRemainingColumn(), TextColumn("left")]
     # Nothing at all elsewhere, not even the cursor's movements.
     quiet = not sys.stderr.isatty()
-    bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=quiet)
+    bar = Progress(*columns, console=Terminal(stderr=True), transient=True, disable=quiet)
     task = bar.add_task(what, total=total, count=_count(0, total))
 
     def tell(done: int, total: int | None, what: str | None = None) -> None:

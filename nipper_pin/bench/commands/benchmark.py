@@ -55,8 +55,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(result.record(), options.json)
     if options.json != "-":
-        from rich.console import Console
-
+        from ...view.console import Terminal
         from ..views.benchmark_report import print_benchmark
 
-        print_benchmark(result, Console())
+        print_benchmark(result, Terminal())

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...cli.arguments import check_outputs, refuse_beside, write_json
-from ...errors import InputError, SimulationError
+from ...errors import InputError, SimulationError, one_line
 from ...extras import require
 
 if TYPE_CHECKING:
@@ -58,8 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from rich.console import Console
-
+    from ...view.console import Terminal
     from ..views.stress_report import print_campaign, print_verdict
 
     _check(options)
@@ -69,9 +68,9 @@ def _run(options: argparse.Namespace) -> None:
         write_json(result.record(), options.json)
     if options.json != "-":
         if options.rerun is not None:
-            print_verdict(result.verdicts[0], Console())
+            print_verdict(result.verdicts[0], Terminal())
         else:
-            print_campaign(result, Console())
+            print_campaign(result, Terminal())
     _refuse_failures(result, one=options.rerun is not None)
 
 
@@ -154,7 +153,7 @@ def _progress(cases: int, folder: str | None) -> Iterator[Callable[[Verdict], No
 
             yield advance
     except KeyboardInterrupt:
-        where = f"are in {folder}: run the same command again for the others"
+        where = f"are in {one_line(str(folder))}: run the same command again for the others"
         sys.stderr.write(
             f"nipper-pin: interrupted; {len(words):,} of {cases:,} verdicts "
             f"{where if folder is not None else 'are lost: --out keeps them'}\n"

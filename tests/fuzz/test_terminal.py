@@ -1,0 +1,134 @@
+"""Text of a file or a path that would command a terminal is written out, wherever it is printed."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import shutil
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from unicodedata import category
+
+import numpy as np
+import pytest
+from refusals import answer
+
+import nipper_pin
+from nipper_pin import Case, InputError, load, save, save_case, simulate
+from nipper_pin.mechanism import find_model
+from nipper_pin.outputs.seal import SEAL, sealed
+from nipper_pin.view.console import Terminal, headline, paste, say, show_table
+
+BASES = Path(__file__).parent / "bases"
+# A title, a colour, a line that is cleared and one that is written over, and a turned direction.
+CODES = "\x1b]0;x\x07\x1b[31mred\x9b2K\rover\bx\u202eabc\u2066d\u200b"
+OWN = re.compile(r"\x1b\[[0-9;]*m")
+# Codes, marks of direction, and what separates lines and paragraphs; of others every thousandth.
+EVERY = [
+    chr(code)
+    for code in range(sys.maxunicode + 1)
+    if not chr(code).isprintable()
+    and (category(chr(code)) in {"Cc", "Cf", "Zl", "Zp", "Zs"} or code % 1000 == 0)
+]
+
+
+def raw(text: str) -> set[str]:
+    """Letters of an output that are no text."""
+    return {letter for letter in text if not letter.isprintable()} - {"\n"}
+
+
+def in_case(folder: Path) -> None:
+    document = json.loads((folder / "case.json").read_text())
+    del document[SEAL]
+    (folder / "case.json").write_text(json.dumps(sealed({**document, "version": CODES})))
+
+
+def in_run(folder: Path) -> None:
+    with zipfile.ZipFile(folder / "run.npz") as archive:
+        stored = {
+            name.removesuffix(".npy"): np.load(io.BytesIO(archive.read(name)))
+            for name in archive.namelist()
+        }
+    document = json.loads(str(stored["document"]))
+    stored["document"] = np.array(json.dumps({**document, "version": CODES}))
+    np.savez(folder / "run.npz", **stored)
+
+
+def in_plan(folder: Path) -> None:
+    plan = json.loads((BASES / "plan.json").read_text())
+    plan.pop(SEAL, None)
+    plan["versions"] = {"nipper-pin": CODES}
+    (folder / "plan.json").write_text(json.dumps(sealed(plan)))
+
+
+def in_title(folder: Path) -> None:
+    text = (folder / "pend" / "pend.toml").read_text()
+    line = f"title = {json.dumps(CODES)}"
+    (folder / "pend/pend.toml").write_text(re.sub("(?m)^title = .*", lambda _: line, text))
+
+
+def in_name(folder: Path) -> None:
+    text = (folder / "pend" / "pend.urdf").read_text()
+    (folder / "pend" / "pend.urdf").write_text(text.replace('name="', 'name="\u202e\u200b', 3))
+
+
+def in_path(folder: Path) -> None:
+    (folder / CODES).mkdir()
+    for file in ("run.npz", "case.json"):
+        shutil.copy(folder / file, folder / CODES)
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    (in_case, ["verify", "case.json"]), (in_run, ["verify", "run.npz"]), (in_plan, ["verify", "."]),
+    (in_title, ["check", "pend"]), (in_title, ["simulate", "pend"]),
+    (in_name, ["check", "pend"]), (in_name, ["simulate", "pend"]),
+    (in_path, ["verify", f"{CODES}/run.npz"]), (in_path, ["verify", f"{CODES}/case.json"]),
+    (in_path, ["check", CODES]), (in_path, ["simulate", "--case", CODES]),
+    (in_path, ["compare", f"{CODES}/run.npz", "run.npz"]), (in_path, ["new", CODES]),
+    (in_path, ["simulate", "--out", f"{CODES}/out/x\udcff"]),
+    (in_path, ["simulate", "--set", f"{CODES}=1"]), (in_path, ["sweep", CODES]),
+    (in_path, ["optimise", CODES]), (in_path, ["plot", CODES]),
+    (in_path, ["check", "e62", "--drawing", f"{CODES}/m.svg"]),
+])  # fmt: skip
+def test_no_code_of_a_file_reaches_the_terminal(
+    change: Callable[[Path], None], words: list[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    shutil.copytree(find_model("hanging_pendulum"), tmp_path / "pend")
+    for kind in ("urdf", "toml"):
+        (tmp_path / f"pend/hanging_pendulum.{kind}").rename(tmp_path / f"pend/pend.{kind}")
+    machine, case = load("hanging_pendulum"), Case(speed_rpm=60.0, max_collisions=1)
+    save_case(machine, case, tmp_path / "case.json")
+    save(simulate(machine, case), tmp_path / "run.npz")
+    change(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    _, out, err = answer(words)
+    assert out + err
+    assert not raw(out + err)
+
+
+def test_no_letter_that_is_none_is_printed() -> None:
+    """In a table, a sentence, a heading, a command and an error; colours of our own stay."""
+    text, stream = "word ".join(EVERY), io.StringIO()
+    console = Terminal(file=stream, force_terminal=True, color_system="truecolor", width=100)
+    say(console, text, style="red")
+    headline(console, text)
+    paste(console, text)
+    show_table(console, ["name", "value"], [[text, "1"]])
+    printed = stream.getvalue()
+    assert OWN.search(printed)
+    assert not raw(OWN.sub("", printed))
+    assert not raw(InputError(text).message)
+
+
+def test_every_command_prints_by_that_console() -> None:
+    package = Path(nipper_pin.__file__).parent
+    made = {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        if re.search(r"\bConsole\(", path.read_text(encoding="utf-8"))
+    }
+    assert made == {"view/console.py"}
