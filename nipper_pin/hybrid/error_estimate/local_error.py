@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, close_velocities, inverted
+from ...dynamics.assembly import Partition, inverted
 from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.system import System
 from ...tolerances.hybrid import (
-    DIFFERENCE_STEP,
     INDEPENDENT_ROUND_OFF,
     LOCAL_ERROR_SAFETY,
     POLYNOMIAL_ROUND_OFF,
@@ -33,36 +32,11 @@ def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
     lever = np.ones(len(q))
     if split.dependent:
         _, jacobian = system.body.closures(q[None])
-        lever[split.columns] = np.abs(_opened(jacobian[0], split)).sum(axis=1)
+        lever[split.columns] = np.abs(opened(jacobian[0], split)).sum(axis=1)
     return np.asarray(independent_round_off(system) * lever)
 
 
-def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Deviations by round-off of closures and of positions, with the rates of the place.
-
-    Each closure that is open moves all dependent positions together. Near a dead centre rates
-    change with the square of what positions do.
-
-    Args:
-        system: The system.
-        panel: The panel that the state lies on.
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
-
-    Returns:
-        (dq, dv), one column a closure or an independent position, shape (2 nv, nv).
-    """
-    split, nv = panel.split, len(q)
-    moved = np.eye(nv)
-    if split.dependent:
-        _, jacobian = system.body.closures(q[None])
-        moved[np.ix_(split.columns, split.columns)] = _opened(jacobian[0], split)
-    _, jacobian = system.body.closures(q + DIFFERENCE_STEP * np.eye(nv))
-    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / DIFFERENCE_STEP
-    return np.vstack([moved, turned @ moved]) * independent_round_off(system)
-
-
-def _opened(jacobian: FloatArray, split: Partition) -> FloatArray:
+def opened(jacobian: FloatArray, split: Partition) -> FloatArray:
     """Dependent positions by what closures are open by, shape (m, m)."""
     return inverted(jacobian.take(split.columns, 1))[1]
 

@@ -9,7 +9,8 @@ from ...dynamics.multipliers import multipliers
 from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, DIFFERENCE_STEP, FORCE_SLOPE_STEP, SMALLEST
 from ..motion.panel import Panel, forces_at
-from .local_error import of_closures
+from .determined import of_closures
+from .local_error import independent_round_off
 from .variational import free_coordinates, tangents
 from .zonotope import Deviations
 
@@ -41,7 +42,8 @@ def release_error(
     x = DIFFERENCE_STEP / max(float(np.abs(units).max(initial=0.0)), 1.0)
     w = x * max(float(np.abs(v).max()), SMALLEST)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
-    opened = of_closures(system, panel, q[0], v[0]).T
+    unsure = np.full(nv, independent_round_off(system))
+    opened = of_closures(system, panel.split, q[0], v[0], unsure).T
     places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
     rates = [opened[:, nv:], np.diag(COORDINATE_ROUND_OFF * np.abs(v[0])), x * turned, w * units]
     moved, moving = q + np.vstack(places), v + np.vstack(rates)
