@@ -13,7 +13,7 @@ from ..dynamics.system import DriveMode, System
 from ..dynamics.touch import assemble
 from ..errors import InputError, NipperError
 from ..given import LARGEST, flag, number
-from ..hybrid.error_estimate.linear_maps import of_rates
+from ..hybrid.error_estimate.determined import at_start
 from ..hybrid.run.periodicity import comes_back
 from ..mechanism import Mechanism, Stop
 from ..mechanism.cylinder import rad_s_from_rpm
@@ -258,7 +258,7 @@ def _approach_rate(
             "cylinder angle); check cylinder.angle_at_touch_deg and cylinder.direction"
         )
         raise InputError(message, stop=name, rate=rate)
-    rounded = of_rates(system, closed, 0.0, np.zeros_like(v), v)
+    rounded = at_start(system, closed, 0.0, np.zeros_like(v), v)
     return rate, rounded.size(len(v) + column)
 
 

@@ -17,10 +17,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
-from ...tolerances.hybrid import CLOCK_ROUND_OFF, RATE_ROUND_OFF, SERIES_ERROR_SAFETY
+from ...tolerances.hybrid import (
+    CLOCK_ROUND_OFF,
+    RATE_ROUND_OFF,
+    ROOT_RESOLUTION,
+    SERIES_ERROR_SAFETY,
+)
 from ..event import Event, EventKind
 from ..segment import Segment
-from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing
+from .determined import at_start
+from .linear_maps import ImpactMap, LinearMaps, pushing
 from .local_error import round_off
 from .release_time import release_error
 from .together import StrikeError, after_all, beside, stated, still_apart
@@ -99,11 +105,12 @@ def event_errors(
 
 
 def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
-    """Round-off of the rates with which a run begins: before an event that it begins with."""
+    """Round-off with which a run begins: before an event that it begins with."""
     if segments and segments[0].t_start < first.t:
         panel = segments[0].panels[0]
-        return of_rates(system, segments[0].closed, panel.t, panel.q[0], panel.v[0])
-    return of_rates(system, first.closed_before, first.t, first.q, first.v_before)
+        state = panel.t, panel.q[0], panel.v[0]
+        return at_start(system, segments[0].closed, *state, panel.split)
+    return at_start(system, first.closed_before, first.t, first.q, first.v_before)
 
 
 class _State(NamedTuple):
@@ -256,7 +263,9 @@ def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) 
     """By how much a gap is seen to close late: round-off of time, and of a dependent gap [s]."""
     event, segment, wrong = arrival.event, arrival.segments[-1], 0.0
     split = segment.panels[-1].split
-    if not segment.kinematic and index in split.dependent:
+    if segment.kinematic:
+        return (CLOCK_ROUND_OFF + ROOT_RESOLUTION) * event.t
+    if index in split.dependent:
         wrong = float(round_off(system, split, event.q)[index])
         wrong += float(maps.flight(segment).position[index])
     return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))

@@ -15,11 +15,11 @@ from ...dynamics.moving_mass import impact_condition, impulse_sizes
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
 from ...mechanism import Stop
-from ...tolerances.hybrid import ANGLE_ROUND_OFF, RATE_ROUND_OFF
 from ...tolerances.mechanics import EPS
 from ..event import Event, EventKind
 from ..segment import Segment
-from .local_error import independent_round_off, of_closures, unresolved
+from .determined import at_end
+from .local_error import unresolved, unsure
 from .saltation import impact_map
 from .truncated_bounces import left_out
 from .variational import flight_map, free_coordinates
@@ -90,12 +90,8 @@ class LinearMaps:
 
     def end(self, segment: Segment) -> Deviations:
         """Deviations at the end of a segment without freedom, which forgets those before."""
-        panel = segment.panels[-1]
         if segment.source not in self._ends:
-            q, v = panel.interpolate_at(segment.t_end)
-            opened = Deviations.of(of_closures(self._system, panel, q, v))
-            found = of_rates(self._system, segment.closed, segment.t_end, q, v)
-            self._ends[segment.source] = found.joined(opened)
+            self._ends[segment.source] = at_end(self._system, segment)
         return self._ends[segment.source]
 
     def impact(self, event: Event) -> ImpactMap:
@@ -127,7 +123,7 @@ class LinearMaps:
             # the start, where it has not just opened, that of the closures.
             loose[free] = EPS * np.abs(panel.q[0, free])
             if panel is first:
-                loose[free] = independent_round_off(system)[free]
+                loose[free] = unsure(system, panel.split)[free]
                 loose[touching] = 0.0
             own = own.joined(Deviations.independent(loose, np.zeros(nv)))
             try:
@@ -201,29 +197,6 @@ class LinearMaps:
         # Of the largest one to the last bit.
         found = np.where(energies == largest, pushed, others)
         return dict(zip(names, found.tolist(), strict=True))
-
-
-def of_rates(
-    system: System, closed: frozenset[str], t: float, q: FloatArray, v: FloatArray
-) -> Deviations:
-    """Round-off of rates that follow from drives and closures.
-
-    That of a rate itself, and what the round-off of the cylinder angle does to all of them: with
-    accelerations a and cylinder speed W it is a dpsi / W, also where a rate passes through zero.
-
-    Args:
-        system: The system.
-        closed: Names of the closed stops.
-        t: When [s].
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
-    """
-    shaft = system.shaft
-    phase, motion = system.constraint_set(closed), shaft.driven(np.array([t]))
-    a = system.accelerations(motion, q[None], v[None], phase)[0]
-    shifted = ANGLE_ROUND_OFF * max(abs(float(shaft.angle(t))), 1.0) / shaft.speed_rad_s
-    turned = Deviations.of(np.concatenate([np.zeros_like(a), a * shifted])[:, None])
-    return Deviations.independent(np.zeros_like(v), RATE_ROUND_OFF * np.abs(v)).joined(turned)
 
 
 def pushing(system: System, event: Event) -> list[Stop]:

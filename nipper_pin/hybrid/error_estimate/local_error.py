@@ -10,11 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import FloatArray
-from ...dynamics.assembly import Partition, close_velocities, inverted
+from ...dynamics.assembly import Partition, inverted
 from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.system import System
 from ...tolerances.hybrid import (
-    DIFFERENCE_STEP,
     INDEPENDENT_ROUND_OFF,
     LOCAL_ERROR_SAFETY,
     POLYNOMIAL_ROUND_OFF,
@@ -23,50 +22,23 @@ from ..motion.chebyshev import nodes
 from ..motion.panel import Panel, defect, nearby
 
 
-def independent_round_off(system: System) -> FloatArray:
-    """Round-off of an independent position, of the size that closures have, (nv,) [rad or m]."""
-    return INDEPENDENT_ROUND_OFF * system.mechanism.extents
+def unsure(system: System, split: Partition) -> FloatArray:
+    """Round-off of independent positions, and of closures in the places of dependent ones, (nv,)."""
+    found = INDEPENDENT_ROUND_OFF * system.mechanism.extents
+    found[split.columns] = INDEPENDENT_ROUND_OFF * system.body.reach_m
+    return found
 
 
 def round_off(system: System, split: Partition, q: FloatArray) -> FloatArray:
     """Round-off of positions, (nv,): of dependent ones that of the closures, by their lever."""
-    found = independent_round_off(system)
+    found = unsure(system, split)
     if split.dependent:
         _, jacobian = system.body.closures(q[None])
-        lever = np.abs(_opened(jacobian[0], split)).sum(axis=1)
-        found[split.columns] = INDEPENDENT_ROUND_OFF * system.body.reach_m * lever
+        found[split.columns] *= np.abs(opened(jacobian[0], split)).sum(axis=1)
     return found
 
 
-def of_closures(system: System, panel: Panel, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Deviations by round-off of closures and of positions, with the rates of the place.
-
-    Each closure that is open moves all dependent positions together. Near a dead centre rates
-    change with the square of what positions do.
-
-    Args:
-        system: The system.
-        panel: The panel that the state lies on.
-        q: Configuration, shape (nv,).
-        v: Velocity, shape (nv,).
-
-    Returns:
-        (dq, dv), one column a closure or an independent position, shape (2 nv, nv).
-    """
-    split, nv = panel.split, len(q)
-    # A closure is open by as much as a slide; a hinge, in radians, by that in units of length.
-    moved = np.diag(system.body.units / system.mechanism.unit_m)
-    if split.dependent:
-        _, jacobian = system.body.closures(q[None])
-        moved[np.ix_(split.columns, split.columns)] = _opened(jacobian[0], split)
-    steps = DIFFERENCE_STEP * system.body.units
-    _, jacobian = system.body.closures(q + np.diag(steps))
-    turned = (close_velocities(np.tile(v, (nv, 1)), jacobian, split) - v).T / steps
-    round_off = INDEPENDENT_ROUND_OFF * system.body.reach_m
-    return np.vstack([moved, turned @ moved]) * round_off
-
-
-def _opened(jacobian: FloatArray, split: Partition) -> FloatArray:
+def opened(jacobian: FloatArray, split: Partition) -> FloatArray:
     """Dependent positions by what closures are open by, shape (m, m)."""
     return inverted(jacobian.take(split.columns, 1))[1]
 

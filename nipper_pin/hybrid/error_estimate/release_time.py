@@ -9,7 +9,8 @@ from ...dynamics.multipliers import multipliers
 from ...dynamics.system import System
 from ...tolerances.hybrid import COORDINATE_ROUND_OFF, FORCE_SLOPE_STEP
 from ..motion.panel import Panel, forces_at
-from .local_error import of_closures
+from .determined import of_closures
+from .local_error import unsure
 from .variational import fastest, free_coordinates, steps, tangents
 from .zonotope import Deviations
 
@@ -41,7 +42,8 @@ def release_error(
     x = steps(system, units[:, None], free)[:, None]
     w = x * fastest(system, v)
     # Round-off of one coordinate, then of one rate at a time; then along the freedoms.
-    opened = of_closures(system, panel, q[0], v[0]).T
+    by = unsure(system, panel.split)
+    opened = of_closures(system, panel.split, q[0], v[0], by).T
     places = [opened[:, :nv], np.zeros((nv, nv)), x * units, 0.0 * units]
     rates = [opened[:, nv:], np.diag(COORDINATE_ROUND_OFF * np.abs(v[0])), x * turned, w * units]
     moved, moving = q + np.vstack(places), v + np.vstack(rates)

@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...errors import SimulationError
-from ...hybrid.error_estimate.linear_maps import of_rates
+from ...hybrid.error_estimate.determined import at_start
 from ...mechanism import Mechanism, Stop
 from ...tolerances.mechanics import EPS
 from ...tolerances.reduced import TABLE_ERROR_SAFETY
@@ -132,7 +132,7 @@ def arrival(
         message = f"stop {stop.name!r} does not open {mechanism.transition_stop!r} by its collision"
         raise SimulationError(message, throw=throw, approach=approach)
     clamping = frozenset({mechanism.transition_stop})
-    rounded = of_rates(system, clamping, opening.travel, opening.q[0], m[0])
+    rounded = at_start(system, clamping, opening.travel, opening.q[0], m[0])
     travel = 2.0 * math.pi - opening.travel
     domain = Domain(travel, -high / 16.0, high, begin=-travel, count_x=_NODES_Y)
     tables, _ = resolved(waiting.sampler, domain, waiting.weights, tolerance)
