@@ -39,8 +39,7 @@ class StopTurn:
     @property
     def impulse_sum_error(self) -> float:
         """Estimated error of that."""
-        known = (self._share(event) * self._impulse(event) for event in self._hits)
-        return math.fsum([*known, *(error for _, error in self._further())])
+        return math.fsum([*map(self._error, self._hits), *(error for _, error in self._further())])
 
     @property
     def largest_impulse(self) -> float:
@@ -51,7 +50,7 @@ class StopTurn:
     def largest_impulse_error(self) -> float:
         """Estimated error of that."""
         event = max(self._hits, key=self._impulse, default=None)
-        return 0.0 if event is None else self._share(event) * self._impulse(event)
+        return 0.0 if event is None else self._error(event)
 
     @property
     def _hits(self) -> list[Event]:
@@ -65,9 +64,10 @@ class StopTurn:
     def _impulse(self, event: Event) -> float:
         return event.P_N[self.stop] / self.solution.mechanism.stop(self.stop).lever
 
-    def _share(self, event: Event) -> float:
-        """Relative error of an impulse."""
-        return float(self.solution.errors[event.number - 1].at(self.stop).relative)
+    def _error(self, event: Event) -> float:
+        """Estimated error of an impulse, of this stop and not of the first one that is struck."""
+        error = self.solution.errors[event.number - 1].impulses[self.stop]
+        return error / self.solution.mechanism.stop(self.stop).lever
 
     def _further(self) -> Iterator[tuple[float, float]]:
         """Impulses beyond the last bounce of each series that ends at its limit, and their errors.
@@ -84,9 +84,9 @@ class StopTurn:
             last = next((item for item in reversed(before) if self.stop in item.stops), None)
             if last is None or last.kind is not EventKind.COLLISION or not rest.t > last.t:
                 continue
-            further = self._impulse(last) * e_N / (1.0 - e_N)
-            uneven = rest.series_error / (rest.t - last.t)
-            yield further, further * (self._share(last) + uneven)
+            left = e_N / (1.0 - e_N)
+            uneven = self._impulse(last) * rest.series_error / (rest.t - last.t)
+            yield left * self._impulse(last), left * (self._error(last) + uneven)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

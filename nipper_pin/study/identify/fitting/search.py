@@ -109,7 +109,7 @@ def _fitted(objective: Objective, seed: int, ranked: tuple[Descent, ...]) -> Fit
         values=objective.values(z),
         predicted=objective.predicted(z),
         excess=excess,
-        premises=premises(mechanism, problem.targets, problem.tolerance),
+        premises=premises(mechanism, problem.targets, problem.tolerance, problem.rest_rate),
     )
 
 

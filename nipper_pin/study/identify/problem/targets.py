@@ -177,7 +177,7 @@ def transition_quantities(
 
 
 def premises(
-    mechanism: Mechanism, targets: Sequence[Target], tolerance: float
+    mechanism: Mechanism, targets: Sequence[Target], tolerance: float, rest_rate: float | None
 ) -> dict[Condition, Premise]:
     """Say for each setting whether the machine arrives as a transition assumes.
 
@@ -185,12 +185,13 @@ def premises(
         mechanism: The mechanism.
         targets: The targets.
         tolerance: Relative accuracy of the transitions.
+        rest_rate: Separation rate at which a transition ends; None: at its limit.
 
     Raises:
         SimulationError: A transition cannot be simulated.
     """
     return {
-        at: simulate(with_settings(mechanism, at), _case(at, tolerance, None)).premise
+        at: simulate(with_settings(mechanism, at), _case(at, tolerance, rest_rate)).premise
         for at in conditions(targets)
     }
 

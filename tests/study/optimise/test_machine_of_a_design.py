@@ -1,0 +1,63 @@
+"""The machine of a design has the numbers of that design, whichever were evaluated before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nipper_pin import Mechanism, load
+from nipper_pin.study.optimise import read_problem
+from nipper_pin.study.optimise.points import Evaluator
+
+# Bounds of what may be free: numbers of the drives, links and points are another machine each.
+FREE = {
+    "drives.tension.ratio": (2.1, 2.3),
+    "links.top_nipper.mass_kg": (1.1, 1.3),
+    "points.eccentric_pin.radius_mm": (4.9, 5.1),
+    "stops.steeve.restitution": (0.1, 0.4),
+    "restitution": (0.1, 0.3),
+    "stiffness": (8000.0, 10000.0),
+    "preload": (9.0, 13.0),
+    "speed_rpm": (500.0, 700.0),
+}
+PROBLEMS = {
+    "settings": ["restitution", "stiffness", "preload", "speed_rpm"],
+    "one of each": ["drives.tension.ratio", "restitution", "preload"],
+    "three machines": list(FREE)[:3],
+    "all": list(FREE),
+    "all backwards": list(FREE)[::-1],
+}
+
+
+def numbers(mechanism: Mechanism) -> np.ndarray:
+    """What the numbers of a design can change, as the engines read it."""
+    model = mechanism.model
+    parts = [
+        *([stop.restitution] for stop in mechanism.stops),
+        *([item.stiffness, item.preload] for item in mechanism.springs),
+        *(np.ravel(drive.law.evaluate(np.array([0.7]))) for drive in mechanism.drives),
+        *([inertia.mass] for inertia in model.inertias),
+        *(place.translation for place in model.jointPlacements),
+        *(frame.placement.translation for frame in model.frames),
+    ]
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("names", PROBLEMS.values(), ids=PROBLEMS)
+def test_the_machine_is_that_of_its_numbers(names: list[str], tmp_path: Path) -> None:
+    """Each number moved alone, the first design again, and again after more than are kept."""
+    file = tmp_path / "study.toml"
+    bounds = "".join(f'[parameters."{name}"]\nlow = {FREE[name][0]}\nhigh = {FREE[name][1]}\n'
+                     for name in names)  # fmt: skip
+    file.write_text(f'format = 1\nminimise = "duration_s"\n{bounds}', encoding="utf-8")
+    problem = read_problem(file)
+    source, count = Evaluator(problem), len(names)
+    middle = np.full(count, 0.5)
+    alone = [middle + 0.25 * unit for unit in np.eye(count)]
+    others = list(np.random.default_rng(4).uniform(size=(20, count)))
+    for z in (middle, *alone, middle, *others, middle, *alone):
+        wanted = load(problem.model, problem.overrides(z))
+        np.testing.assert_allclose(numbers(source.mechanism(z)), numbers(wanted), atol=1e-15)
+        assert problem.speed(z) == problem.numbers(z).get("speed_rpm", problem.speed_rpm)
