@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, Spring, TabulatedSpring
 from ...mechanism.build.placements import joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
 
@@ -135,6 +135,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     along, at = np.zeros(2), world[identity].translation[[0, 2]]
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, place, world)
+    springs: tuple[Spring | TabulatedSpring, ...]
     springs = (*mechanism.springs, *mechanism.tabulated_springs)
     return Node(
         joint.name,
