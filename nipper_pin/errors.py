@@ -86,11 +86,13 @@ class ModelError(InputError):
         Args:
             file: File that holds the value.
             key: Path of the value inside the file.
-            value: The value found.
+            value: The value found; None if there is none.
             allowed: What may stand there.
         """
+        # What a file lacks is no None in it.
+        found = "is not there" if value is None else f"= {value!r} cannot be used"
         super().__init__(
-            f"{file}: {key} = {value!r} cannot be used: {allowed}",
+            f"{file}: {key} {found}: {allowed}",
             file=file,
             key=key,
             value=value,

@@ -157,10 +157,10 @@ def _large(mechanism: Mechanism) -> Iterator[str]:
 
 def _heavy_turning(root: ElementTree.Element, mechanism: Mechanism) -> Iterator[str]:
     """Inertias that no body of such a size has."""
-    extents = _extents(root)
+    extents, turning = _extents(root), _turning(mechanism)
     for link in root.findall("link"):
         name, inertial = link.get("name", ""), link.find("inertial")
-        if inertial is None or name not in mechanism.links:
+        if inertial is None or name not in turning:
             continue
         mass = _part(inertial, "mass", "value") or math.inf
         inertia = max(_part(inertial, "inertia", key) or 0.0 for key in ("ixx", "iyy", "izz"))
@@ -172,6 +172,15 @@ def _heavy_turning(root: ElementTree.Element, mechanism: Mechanism) -> Iterator[
                 f"of {gyration:.3g} m radius, and is no larger than some {extent:.2g} m: is the "
                 "inertia in other units, or left at a default?"
             )
+
+
+def _turning(mechanism: Mechanism) -> set[str]:
+    """Links that turn: no other has an inertia that counts."""
+    found: set[str] = set()
+    for joint in mechanism.joints:
+        if joint.kind == "revolute" or joint.parent in found:
+            found.add(joint.child)
+    return found
 
 
 def _extents(root: ElementTree.Element) -> dict[str, float]:

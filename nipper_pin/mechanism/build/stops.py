@@ -79,9 +79,7 @@ def _check_transition(description: Description, file: str) -> None:
     """The stop whose bouncing is the transition is one of the stops."""
     known, name = description.stops, description.transition_stop
     if known and not name:
-        allowed = (
-            f"the stop whose bouncing is the transition, where there is any: {', '.join(known)}"
-        )
+        allowed = f"name the stop whose bouncing is the transition; stops: {', '.join(known)}"
         raise ModelError(file=file, key="transition_stop", value=None, allowed=allowed)
     if known and name not in known:
         where = f"{file}: transition_stop"
