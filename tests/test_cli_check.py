@@ -69,14 +69,15 @@ def test_a_start_is_passed_on(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With every stop open the leg does not follow the crank to index 24 by itself."""
+    """The leg cannot follow a crank of more than twice its length to index 24."""
     folder = str(tmp_path / "leg")
     assert main(["new", "--from", "jansen", folder]) == 0
     capsys.readouterr()
-    assert main(["check", folder, "--set", "initial_phase=3"]) == 1
+    longer = ["--set", "initial_phase=3", "--set", "points.A.radius_mm=35"]
+    assert main(["check", folder, *longer]) == 1
     said = capsys.readouterr().err
     assert "the loops do not close" in said
-    assert "widest open is closure 'F'; turns start in phase 3 (no stop closed)" in said
+    assert "widest open is closure 'C'; turns start in phase 3 (no stop closed)" in said
     assert "start_index has to lie in it" in said
 
 

@@ -17,6 +17,7 @@ from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism
 from .interference import Clearance, clearances
 from .masses import LinkMass, link_masses
+from .urdf_advice import UrdfAdvice, urdf_advice
 
 _SAMPLES = 240
 
@@ -56,6 +57,7 @@ class ModelReport:
         struck: Stops that something collides with in the cycle.
         no_transition: Why a transition cannot be simulated from the touch configuration; empty if
             it can.
+        urdf: What the URDF holds and the simulation does not.
     """
 
     mechanism: Mechanism
@@ -71,6 +73,7 @@ class ModelReport:
     outcome: str
     struck: frozenset[str]
     no_transition: str
+    urdf: UrdfAdvice
 
     @property
     def masses(self) -> tuple[LinkMass, ...]:
@@ -129,6 +132,8 @@ class ModelReport:
             "smallest_stop_moment_N_m": self._smallest("N m"),
             "outcome": self.outcome,
             "no_transition": self.no_transition,
+            "advice": list(self.urdf.sentences),
+            "stops_to_paste": self.urdf.stops,
             "provenance": dict(mechanism.provenance),
         }
 
@@ -189,6 +194,7 @@ def check_model(
         outcome=solution.outcome.value,
         struck=frozenset(item.stop for item in solution.collisions),
         no_transition=_no_transition(mechanism, speed_rpm),
+        urdf=urdf_advice(solution),
     )
 
 

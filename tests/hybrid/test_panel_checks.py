@@ -42,7 +42,7 @@ def test_a_nipper_needs_none(model: str) -> None:
         ),
         (
             "forces", {"joint": "steeve", "law": "orifice", "c_N_s2_per_m2": 1.0},
-            ["forces between nodes"],
+            ["heat of force laws", "forces between nodes"],
         ),
     ],
 )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...errors import InputError
-from ...given import numbers
+from ...given import refuse
 from ..motion.panel import Panel, forces_at, state_at
 from ..segment import Segment
 
@@ -94,7 +94,7 @@ class Trajectory:
         Raises:
             InputError: A time lies outside the solution.
         """
-        times = np.atleast_1d(numbers("t", t))
+        times = _times(t)
         q = np.empty((len(times), self.system.body.nv))
         v = np.empty_like(q)
         for segment, panel, chosen in self._groups(times, left):
@@ -106,7 +106,7 @@ class Trajectory:
     def reactions(self, t: FloatArray | float, *, left: bool = False) -> Reactions:
         """Forces at all joints, cut joints, drives and stops; arguments as of ``evaluate``."""
         mechanism, body = self.system.mechanism, self.system.body
-        times = np.atleast_1d(numbers("t", t))
+        times = _times(t)
         count = len(times)
         a = np.empty((count, body.nv))
         wrenches = np.empty((count, len(mechanism.joints), 3))
@@ -174,3 +174,11 @@ def closure_residuals(system: System, segments: Sequence[Segment]) -> tuple[floa
             g_dot = np.einsum("nij,nj->ni", jacobian, panel.v)
             rate = max(rate, float(np.abs(g_dot).max(initial=0.0)))
     return gap, rate
+
+
+def _times(t: FloatArray | float) -> FloatArray:
+    """Times that were asked for, shape (K,); whether they lie inside is seen later."""
+    found = np.atleast_1d(np.asarray(t))
+    if found.dtype.kind not in "iuf":
+        refuse("t", t, "times in seconds")
+    return found.astype(np.float64)

@@ -29,6 +29,7 @@ def print_report(
     mechanism = report.mechanism
     say(console, mechanism.title or mechanism.name, style="bold")
     _wrong(steps.missing, console)
+    _advice(report, console)
     headline(console, "Mechanism")
     say(
         console,
@@ -66,6 +67,15 @@ def _wrong(missing: Sequence[str], console: Console) -> None:
     headline(console, "To do")
     for text in missing:
         say(console, text)
+
+
+def _advice(report: ModelReport, console: Console) -> None:
+    if report.urdf.sentences:
+        headline(console, "To look at")
+    for text in report.urdf.sentences:
+        say(console, f"{text[:1].upper()}{text[1:]}")
+    for line in report.urdf.stops.splitlines():
+        paste(console, line)
 
 
 def _provenance(report: ModelReport, console: Console, *, whole: bool) -> None:

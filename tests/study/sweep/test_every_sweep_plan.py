@@ -173,7 +173,10 @@ def test_chunks_that_are_chosen(tmp_path: Path) -> None:
     assert chosen(found, None) == found
     for bounds, wanted in (((0, 0), found[:1]), ((2, 3), found[2:4]), ((7, 99), found[7:])):
         assert chosen(found, bounds) == wanted
-    for bounds in ((8, 9), (3, 2), (-1, 2)):
+    for wrong in ((-1, 2), (0.0, 2), (True, 2), ("0", 1), (1,), "01", 3):
+        with pytest.raises(InputError, match=r"chunks = .* cannot be used"):
+            chosen(found, wrong)  # type: ignore[arg-type]
+    for bounds in ((8, 9), (3, 2)):
         with pytest.raises(InputError, match="there are 8 chunks, 0 to 7") as caught:
             chosen(found, bounds)
         assert caught.value.evidence == {"chunks": [*bounds]}

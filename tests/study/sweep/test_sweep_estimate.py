@@ -111,7 +111,7 @@ def test_a_dry_run_of_some_chunks_is_about_those(
     assert capsys.readouterr().out.startswith("6 of 30 scenarios of 15 mechanisms in 2 of 8 chunks")
     for words, sentence in (
         (["--chunks", "8"], "there are 8 chunks, 0 to 7"),
-        (["--workers", "0"], "workers = 0: at least 1"),
+        (["--workers", "0"], "workers = 0 cannot be used: a whole number"),
     ):
         assert main([*arguments, *words]) == 2
         assert sentence in capsys.readouterr().err
