@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 import re
 import shutil
 import struct
@@ -81,6 +82,23 @@ def model(folder: Path, geometry: str, tag: str, base: Path = PARTS, link: str =
     shape = f"<{tag}><geometry>{geometry}</geometry></{tag}>"
     file.write_text(text[:place] + shape + text[place:], encoding="utf-8")
     return home
+
+
+NONE = {"all.stl": bytes(80) + struct.pack("<I12fH", 1, *[math.nan] * 12, 0),
+        "text.stl": b"solid x\nfacet normal nan nan nan\nouter loop\n"
+                    + 3 * b"vertex nan nan nan\n" + b"endloop\nendfacet\nendsolid x\n"}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NONE)
+def test_meshes_of_one_corner_that_is_none_are_refused(name: str, tmp_path: Path) -> None:
+    """Whose reader makes one corner of all that are no numbers."""
+    home = model(tmp_path, f'<mesh filename="{name}"/>', "collision")
+    (home / name).write_bytes(NONE[name])
+    with pytest.raises(ModelError, match="link ls3 collision .*corner 1 at"):
+        load(home)
+    with pytest.raises(ModelError, match="corner 1 at"):
+        read_mesh(home / name)
+    assert main(["view", str(home), "--html", str(tmp_path / "page.html")]) == 2
 
 
 @pytest.mark.parametrize("name", BAD)

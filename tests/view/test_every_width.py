@@ -198,7 +198,7 @@ def printing_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[li
             shutil.rmtree(home, ignore_errors=True)
             home.mkdir()
             monkeypatch.chdir(home)
-            monkeypatch.setattr("rich.console.Console", lambda: console)
+            monkeypatch.setattr("nipper_pin.view.console.Terminal", lambda: console)
             monkeypatch.setattr("nipper_pin.view.console.unbroken_console", lambda: console)
             assert main(words) == 0
             monkeypatch.undo()

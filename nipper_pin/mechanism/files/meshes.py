@@ -74,7 +74,7 @@ def check_size(paths: Iterable[Path], key: str, file: str) -> None:
 def _bears(path: str, *_changes: int) -> bool:
     """Whether a process that may be ended comes to an end with a file of its own."""
     one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    command = [sys.executable, "-c", _TRIAL, path]
+    command = [sys.executable, "-P", "-c", _TRIAL, path]
     done = subprocess.run(
         command, env=os.environ | one_thread, stdin=subprocess.DEVNULL, capture_output=True,
         check=False,
@@ -86,16 +86,18 @@ def check_corners(corners: FloatArray, key: str, file: str) -> None:
     """Refuse corners that are no points of a machine.
 
     Args:
-        corners: Shape (N, 3) [m].
+        corners: Shape (N, 3) or (3,) [m].
         key: Place in the model, for messages.
         file: File that names the mesh, for messages.
 
     Raises:
         ModelError: One of them is not finite, or too far away.
     """
+    allowed = f"corners of finite coordinates of at most {_FARTHEST_M:g} m"
+    # Of a single corner, what Coal gives is flat.
+    corners = corners.reshape(-1, 3)
     right = (np.abs(corners) <= _FARTHEST_M).all(axis=1)
     if not right.all():
         row = int(np.argmin(right))
-        allowed = f"corners of finite coordinates of at most {_FARTHEST_M:g} m"
         value = f"corner {row + 1} at {corners[row].tolist()}"
         raise ModelError(file=file, key=key, value=value, allowed=allowed)
