@@ -33,19 +33,19 @@ Facts = dict[str, Any]
 _PLAIN = (str, int, float, Path, type(None))
 
 
-def options() -> Iterator[str]:
+def options() -> Iterator[tuple[str, argparse.Action]]:
     """Every option and argument of every command, as the parsers themselves know them."""
     yield from _options(_parser(), "")
 
 
-def _options(parser: argparse.ArgumentParser, name: str) -> Iterator[str]:
+def _options(parser: argparse.ArgumentParser, name: str) -> Iterator[tuple[str, argparse.Action]]:
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             for word, inner in action.choices.items():
                 yield from _options(inner, f"{name} {word}".strip())
         elif not isinstance(action, argparse._HelpAction):
             for written in action.option_strings or [str(action.metavar or action.dest)]:
-                yield f"{name} {written}"
+                yield f"{name} {written}", action
 
 
 def facts(value: object, name: str) -> Facts:

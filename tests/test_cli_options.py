@@ -6,8 +6,10 @@ no parser.
 
 from __future__ import annotations
 
+import argparse
 import hashlib
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -76,7 +78,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 def test_every_option_is_in_the_table() -> None:
-    known = list(options())
+    known = [name for name, _ in options()]
     assert len(known) == len(set(known))
     assert set(known) == set(TABLE)
 
@@ -126,6 +128,47 @@ def check(entry: Entry, before: Facts, after: Facts, inputs: dict[str, str]) -> 
     assert named == expected
     for beginning in entry.moves:
         assert any(key.startswith(beginning) for key in free), f"{beginning} does not move"
+
+
+DEFAULTS = {
+    name: found[1]
+    for name, action in options()
+    if (found := re.search(r"\(default ([^ ,)]+)", action.help or ""))
+}
+"""What help says that an option is without it."""
+# Of a folder, a quantity or a number of processors it says how it is found.
+NAMED = re.compile(r"[0-9.e-]+|e62|svg|held|cycle|transition")
+
+
+def test_help_says_every_default_of_a_parser() -> None:
+    for name, action in options():
+        value = action.default
+        if value is argparse.SUPPRESS or isinstance(value, bool | list | None):
+            continue
+        assert DEFAULTS.get(name) == (value if isinstance(value, str) else f"{value:g}"), name
+
+
+@pytest.mark.parametrize("name", [name for name, text in DEFAULTS.items() if NAMED.fullmatch(text)])
+def test_without_an_option_it_is_what_help_says(
+    name: str,
+    inputs: dict[str, str],
+    without: dict[str, Facts],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of all that the option changes, as numbers or as names."""
+    probe = Probe(monkeypatch, tmp_path)
+    stand_ins(probe)
+    line = f"{name.rpartition(' ')[0]} {TABLE[name].base} {ASKED_FOR.get(name, '')}"
+    if line not in without:
+        without[line] = probe.run(line.format(**inputs).split())
+    text = DEFAULTS[name]
+    kind, value = (str, text) if text[0].isalpha() else ((int, float), float(text))
+    facts = {key: without[line].get(key) for key in TABLE[name].effect}
+    own = {key: fact for key, fact in facts.items() if isinstance(fact, kind)}
+    assert {
+        key for key, fact in own.items() if fact != value and not isinstance(fact, bool)
+    } == set()
 
 
 @pytest.mark.slow

@@ -26,7 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder of the results (default out/ and the name of the study); "
         "one that holds finished parts is completed",
     )
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the starts")
+    parser.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="seed of the starts (default 1)"
+    )
     parser.add_argument(
         "--starts", type=int, default=6, metavar="N", help="descents by each aim (default 6)"
     )

@@ -19,7 +19,11 @@ _SLOWEST, _FASTEST = 0.5, 4.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
     parser.add_argument(
-        "model", nargs="?", default="e62", metavar="MODEL", help="a model's name, or a folder"
+        "model",
+        nargs="?",
+        default="e62",
+        metavar="MODEL",
+        help="a model's name, or a folder (default e62)",
     )
     parser.add_argument(
         "--set",
@@ -34,16 +38,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--to", dest="high", type=float, metavar="RPM", help="largest speed; four times that"
     )
-    parser.add_argument("--speeds", type=int, default=241, metavar="N", help="number of speeds")
     parser.add_argument(
-        "--turns", type=int, default=400, metavar="N", help="most turns followed at a speed"
+        "--speeds", type=int, default=241, metavar="N", help="number of speeds (default 241)"
+    )
+    parser.add_argument(
+        "--turns",
+        type=int,
+        default=400,
+        metavar="N",
+        help="most turns followed at a speed (default 400)",
     )
     parser.add_argument(
         "--least-force",
         type=float,
         default=0.0,
         metavar="N",
-        help="force above which the stop clamps [N]",
+        help="force above which the stop clamps [N] (default 0)",
     )
     parser.add_argument("--plot", metavar="FILE", help="draw the turns by speed (PNG, SVG, PDF)")
     parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")

@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="e62",
         metavar="MODEL",
         help="the E62, another set of numbers for it, or another comber, on which the same is "
-        "done without a comparison: a model's name, or a folder",
+        "done without a comparison: a model's name, or a folder (default e62)",
     )
     paper.add_argument(
         "--set",

@@ -145,6 +145,12 @@ def test_engines_agree(name: str, e62: Mechanism) -> None:
                 assert getattr(table, f"{key}_error")[i] == pytest.approx(
                     40.0 * error, rel=2e-2, nan_ok=True
                 ), (table.why, key)
+        for key, error in errors_of_sums(
+            mechanism, speed, int(reduced.turns[i]), cycles, rate
+        ).items():
+            found = getattr(reduced, key)[i]
+            assert found == pytest.approx(error, rel=2e-2, nan_ok=True), key
+        assert not reduced.clamped_time_error[i] > 1e-3 * reduced.clamped_time[i]
         stated = {key: float(np.nansum([own[key] for own in each])) for key in KINDS}
         # A stop at rest is thrown open where another one arrives, which does not move.
         stated["opening_index"] = 1e-12
@@ -179,12 +185,33 @@ def errors_of_events(
 
     def of(events: list[Any]) -> dict[str, float]:
         inside = [item for item in events if turn - 1 <= item[0] / T < turn]
-        return {
-            key: next((e / T for _, k, stop, e in inside if (k, stop) == (kind, clamp)), math.nan)
+        first = {
+            key: next((e for _, k, stop, e in inside if (k, stop) == (kind, clamp)), math.nan)
             for key, kind in KINDS.items()
         }
+        # The first stop that is struck while the clamp is at rest throws it open.
+        rest = next((t for t, k, stop, _ in inside if (k, stop) == ("rest", clamp)), math.inf)
+        others = (e for t, k, stop, e in inside if t > rest and k == "collision" and stop != clamp)
+        first["opening_index"] = (
+            next(others, math.nan) if math.isnan(first["loss_index"]) else (math.nan)
+        )
+        return {key: error / T for key, error in first.items()}
 
     return of(theirs), of(mine)
+
+
+def errors_of_sums(
+    mechanism: Mechanism, speed: float, turn: int, cycles: int, rate: float
+) -> dict[str, float]:
+    """Errors of the largest gap and of the loss of a turn, from those of the reduced events."""
+    found = turns(mechanism, speed_rpm=speed, cycles=cycles, rest_rate=rate, tolerance=TOLERANCE)
+    inside = (found.time * speed / 60.0 >= turn - 1) & (found.time * speed / 60.0 < turn)
+    own = inside & (np.array(found.stop) == mechanism.transition_stop)
+    heights = np.where(own & np.isfinite(found.rebound_amplitude), found.rebound_amplitude, -1.0)
+    highest = int(np.argmax(heights))
+    gap = found.amplitude_error[highest] if heights[highest] >= 0.0 else math.nan
+    lost = float(found.energy_error[inside & found.collisions].sum())
+    return {"largest_gap_error": float(gap), "energy_lost_error": lost}
 
 
 def largest_difference(

@@ -29,6 +29,7 @@ from nipper_pin.view.studies.sweep_figures import (
     main_effects,
     parallel_coordinates,
 )
+from nipper_pin.view.studies.sweep_figures.tenths import tenths
 from nipper_pin.view.studies.sweep_plots import plot_sweep
 
 Array = Any
@@ -174,6 +175,35 @@ def bars(axes: Any, place: int, colour: str) -> Array:
     return np.array(found)
 
 
+@pytest.mark.parametrize(
+    ("values", "low", "high"),
+    [
+        # Of 101 values the tenth percentile is the 11th and the ninetieth the 91st.
+        (range(101), "lowest 11 %: up to 10", "highest 11 %: from 90"),
+        ([*range(51, 101), *range(51)], "lowest 11 %: up to 10", "highest 11 %: from 90"),
+        # Between two values it is neither: of 100 the last ten, and of 21 the last three.
+        (range(100), "lowest 10 %: up to 9", "highest 10 %: from 90"),
+        (range(1000, 22_000, 1000), "lowest 14 %: up to 3000", "highest 14 %: from 19000"),
+        ([-0.125 * k for k in range(11)], "lowest 18 %: up to -1.12", "highest 18 %: from -0.125"),
+        # What most scenarios have in common is neither low nor high.
+        ([0.0] * 95 + [1.0] * 5, "lowest 0 %: up to 0", "highest 5 %: from 1"),
+        ([0.0] * 5 + [1.0] * 95, "lowest 5 %: up to 0", "highest 0 %: from 1"),
+        ([5.0] * 6 + [6.0] * 9 + [7.0] * 5, "lowest 30 %: up to 5", "highest 25 %: from 7"),
+        ([5.0] + [6.0] * 18 + [7.0], "lowest 5 %: up to 5", "highest 5 %: from 7"),
+        ([3.0] * 20, "lowest 0 %: up to 3", "highest 0 %: from 3"),
+        ([1.0] * 50 + [2.0] * 50, "lowest 50 %: up to 1", "highest 50 %: from 2"),
+    ],
+)  # fmt: skip
+def test_tenths(values: list[float], low: str, high: str) -> None:
+    """How many scenarios are in each, which ones, and what is said of them."""
+    y = np.array(values, dtype=float)
+    for found, words, sign in zip(tenths(y, quantity(y)), (low, high), (1.0, -1.0), strict=True):
+        assert found.words == f"{words} mdeg"
+        count = round(float(words.split()[1]) * len(y) / 100.0)
+        inside = set(np.argsort(sign * y, kind="stable")[:count].tolist())
+        assert set(np.flatnonzero(found.inside).tolist()) == inside
+
+
 def test_parallel_coordinates() -> None:
     """Every scenario with a value crosses each axis at its place; the two tenths have a colour.
 
@@ -273,23 +303,6 @@ def test_bars_beside_parallel_coordinates() -> None:
     assert others[0, :2] == pytest.approx((2.0 + 0.3 * 2 / 4, 0.3 * 2 / 4))
     assert high[-1, :2] == pytest.approx((2.0 + 0.3 * 2 / 4, 0.3 * 2 / 4))
     assert sum(part[:, 1].sum() for part in (low, others, high)) == pytest.approx(0.3 * 11 / 4)
-
-
-def test_tenths_of_values_that_many_scenarios_have() -> None:
-    """Where more than a tenth has the lowest value, all of them count; what most have, never."""
-    x = np.linspace(0.0, 1.0, 20)
-    for values, wanted in (
-        ([5.0] * 6 + [6.0] * 9 + [7.0] * 5, ("lowest 30 %: up to 5", "highest 25 %: from 7")),
-        ([5.0] * 1 + [6.0] * 18 + [7.0] * 1, ("lowest 5 %: up to 6", "highest 5 %: from 6")),
-    ):
-        table = made_up([axis("x", 0.0, 1.0)], x=x, y=np.array(values))
-        found = Quantity(name="y", shown=Shown(words="y"), values=np.array(values))
-        (axes,) = parallel_coordinates(table, parameters(table), found).axes
-        assert tuple(written(axes)[:2]) == wanted
-        count = {colour: len(points) for colour, points in groups_of_lines(axes).items()}
-        assert (count[LOW], count[HIGH]) == (
-            sum(value == 5.0 for value in values), sum(value == 7.0 for value in values),
-        )  # fmt: skip
 
 
 def test_of_many_scenarios_fifteen_hundred_are_drawn() -> None:

@@ -66,7 +66,8 @@ def test_figure_shows_the_front_and_the_model(optimum: Optimum, tmp_path: Path) 
         across, values = line.get_data()
         np.testing.assert_array_equal(across, front.get_xdata())
         np.testing.assert_array_equal(values, [item.numbers[name] for item in optimum.front])
-        assert list(axes.get_yticks()) == [low, high]
+        told = [float(text.get_text()) for text in axes.get_yticklabels()]
+        assert told == list(axes.get_yticks()) == [low, high]
         assert axes.get_ylim()[0] < low < high < axes.get_ylim()[1]
         ends = [float(text.get_text()) for text in axes.texts]
         assert ends == pytest.approx([values[0], values[-1]], rel=1e-3)

@@ -158,9 +158,11 @@ def _highest(panel: Panel, begin: float, end: float, stop: Stop) -> float:
         return value.value(polish(rate.value_and_slope, *single))
     found = [value.value(left), value.value(right)]
     sampled = h * (grid.sample_value @ stop.rates(panel.v))
-    bracket = first_descent(grid.samples, sampled, rate.value)
-    if bracket is not None:
+    first = 0
+    while bracket := first_descent(grid.samples[first:], sampled[first:], rate.value):
         peak = polish(rate.value_and_slope, *bracket)
         if left < peak < right:
             found.append(value.value(peak))
+        # Behind a crest there may be a higher one.
+        first = int(np.searchsorted(grid.samples, bracket[1]))
     return max(found)

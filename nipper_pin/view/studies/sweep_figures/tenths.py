@@ -35,7 +35,8 @@ def tenths(y: FloatArray, quantity: Quantity) -> tuple[Tenth, Tenth]:
     low, high = np.percentile(y, [10, 90])
     # A value that most scenarios have belongs to neither.
     parts = (y <= low) & (y < high), (y >= high) & (y > low)
-    words = (f"up to {short(low)}", f"from {short(high)}")
+    ends = y[parts[0]].max(initial=y.min()), y[parts[1]].min(initial=y.max())
+    words = (f"up to {short(ends[0])}", f"from {short(ends[1])}")
     return tuple(
         Tenth(
             inside=inside,
