@@ -62,6 +62,9 @@ def build_mechanism(
     description = describe(data, file)
     urdf_text, tree = _tree(name, urdf_text, description, mesh_folder)
     by_name = {joint.name: joint for joint in tree.joints}
+    if not by_name:
+        allowed = "a machine has at least one, revolute, continuous or prismatic"
+        raise ModelError(file=tree.urdf_file, key="a joint that moves", value=None, allowed=allowed)
     laws = build_laws(description.drives, file)
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description)
