@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..errors import ImpactError, UnknownNameError
+from ..errors import ImpactError, InputError, UnknownNameError
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
@@ -428,7 +428,11 @@ class Mechanism:
 
         Raises:
             UnknownNameError: No stop has this name.
+            InputError: The name is empty, as that of the transition stop of a machine without one.
         """
+        if not name:
+            message = f"{self.name} has no stop, so nothing bounces: give it one ([stops.NAME])"
+            raise InputError(message, model=self.name)
         for stop in self.stops:
             if stop.name == name:
                 return stop

@@ -47,5 +47,6 @@ def test_stops_without_a_transition_stop_are_named() -> None:
         name: {"joint": "wheel", "restitution": 0.5, "side": name} for name in ("lower", "upper")
     }
     stops["upper"]["at_deg"] = 10.0  # type: ignore[assignment]
-    with pytest.raises(ModelError, match=r"transition_stop is missing: .* lower, upper; write .* = \"lower\" or \"upper\""):
+    told = r"transition_stop is missing: .* stops lower, upper; write .* = \"lower\" or \"upper\" "
+    with pytest.raises(ModelError, match=told):
         machine(PARTS, 1, stops=stops, transition_stop="")

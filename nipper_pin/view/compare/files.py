@@ -112,6 +112,7 @@ def _spans(both: Pair) -> list[tuple[float, float]]:
         (item.t_start - by, item.t_start + item.duration - by)
         for film, by in ((both.a, 0.0), (both.b, both.later))
         for item in film.solution.transitions[:1]
+        if item.duration > 0.0
     ]
     if found:
         begin, end = min(item[0] for item in found), max(item[1] for item in found)

@@ -72,8 +72,8 @@ def knobs(mechanism: Mechanism, speed_rpm: float) -> tuple[Knob, ...]:
         raise InputError(message, model=mechanism.name)
     if not mechanism.drives:
         message = (
-            f"{mechanism.name} has no drive that closes its stop in the touch configuration, where a "
-            "transition starts, so there are no rebounds that could follow a slider: view it in "
+            f"{mechanism.name} has no drive that closes its stop in the touch configuration, where "
+            "a transition starts, so there are no rebounds that could follow a slider: view it in "
             "whole turns (nipper-pin view, window cycle)"
         )
         raise InputError(message, model=mechanism.name)

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from ...arrays import FloatArray
 from ...hybrid.result.quantities import force_unit
@@ -76,7 +76,9 @@ def impulse_figure(solution: Solution) -> Figure:
     top = max(item.impulse for item in shown)
     axes.set_ylim(float(base), 3.0 * top)
     axes.set_xlim(shown[0].number - 0.8, shown[-1].number + 0.8)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12))
+    # Where there is one collision, its number is the only tick.
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=12, min_n_ticks=1))
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.grid(axis="y", which="major", color="0.85", linewidth=0.6)
     axes.set_axisbelow(True)
     units = sorted({f"{force_unit(mechanism, stop)} s" for stop in mechanism.stops})

@@ -84,12 +84,15 @@ def drawn(shown: Sketch) -> Figure:
         axis, radius = shown.crank
         points = np.concatenate([points, axis + radius * np.array([[-1, -1], [1, 1]])])
     points = MM_PER_M * points
-    size = float(np.ptp(points, axis=0).max()) or 1.0
+    # A machine without any length is drawn in a square of one metre, as it is viewed.
+    extent = float(np.ptp(points, axis=0).max())
+    size = extent or MM_PER_M
     labels = [*_links(axes, shown), *_crank(axes, shown), *_struts(axes, shown, size)]
     for node in shown.nodes:
         labels += _node(axes, node, size)
     labels += _stops(axes, shown, size)
-    low, high = points.min(axis=0) - 0.16 * size, points.max(axis=0) + 0.16 * size
+    room = (0.16 if extent else 0.5) * size
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal")

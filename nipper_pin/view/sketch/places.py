@@ -116,6 +116,10 @@ def sketch(mechanism: Mechanism) -> Sketch:
             hinge = next(item for item in mechanism.joints if item.index == stop.index)
             if stop.contact is not None and joint.child in (hinge.parent, hinge.child):
                 points.append(mark.place)
+        if len(points) == 1:
+            # A link that carries nothing reaches to its centre of mass, as in the viewer.
+            lever = world[order[body]].act(model.inertias[order[body]].lever)
+            points.append(lever[[0, 2]])
         links.append(Link(joint.child, body, np.array(points)))
     struts = tuple(
         (item.name, np.array([_frame(model, name, world)[[0, 2]]

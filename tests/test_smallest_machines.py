@@ -1,0 +1,257 @@
+"""Every command on the smallest machines: it runs, or refuses with a sentence that names the lack.
+
+One slide or one hinge, with a stop or without, with and without restitution, driven, and less.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from small_machines import hinge, link, slide, sources
+
+from nipper_pin.cli import main
+from nipper_pin.mechanism.files.toml_writing import toml
+
+BALL = [link("ball", 1.0, 1e-3), slide("height", "frame", "ball", axis=(0.0, 1.0))]
+ARM = [link("arm", 1.0, 1e-3, centre=(0.1, 0.0)), hinge("turn", "frame", "arm")]
+FALLS: dict[str, Any] = {"gravity": 9.81, "initial": {"height": {"at_mm": 100.0}}}
+# Contact points need shapes; the machines of a few lines have none.
+FACES = {
+    '<link name="frame"/>': '<link name="frame"><collision name="below"><origin xyz="0 0 -0.1"/>'
+    '<geometry><box size="1 0.2 0.2"/></geometry></collision></link>',
+    '<link name="ball">': '<link name="ball"><collision name="above"><origin xyz="0 0 0.05"/>'
+    '<geometry><sphere radius="0.05"/></geometry></collision>',
+}
+CAM = {
+    "joint": "height", "law": "cam", "motion": "cycloidal", "lift_mm": 20.0, "start_deg": 20.0,
+    "rise_deg": 60.0, "dwell_deg": 60.0, "return_deg": 60.0,
+}  # fmt: skip
+
+
+def floor(e_N: float, **more: Any) -> dict[str, Any]:
+    return {"floor": {"joint": "height", "restitution": e_N, **more}}
+
+
+def with_faces(urdf: str, description: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    for bare, shaped in FACES.items():
+        urdf = urdf.replace(bare, shaped)
+    return urdf, description
+
+
+MACHINES: dict[str, tuple[str, dict[str, Any]]] = {
+    "ball": sources(BALL, 1, stops=floor(0.5), **FALLS),
+    "ball_without_rebound": sources(BALL, 1, stops=floor(0.0), **FALLS),
+    "ball_that_lies": sources(
+        BALL, 1, gravity=9.81, stops=floor(0.5),
+        phases=[{"number": 1, "name": "lies", "closed": ["floor"]}],
+    ),
+    "ball_with_faces": with_faces(
+        *sources(BALL, 1, stops=floor(0.5, contact={"lower": "below", "upper": "above"}), **FALLS)
+    ),
+    "arm_on_a_peg": sources(
+        ARM, 1, gravity=9.81, stops={"peg": {"joint": "turn", "restitution": 0.3}},
+        initial={"turn": {"at_deg": 60.0}},
+    ),
+    "slide": sources(BALL, 1, gravity=9.81),
+    "hinge": sources(ARM, 1, gravity=9.81),
+    "driven": sources(BALL, 1, drives={"cam": CAM}),
+    "no_transition_stop": sources(BALL, 1, stops=floor(0.5), transition_stop="", **FALLS),
+    "nothing": sources([], 1),
+}  # fmt: skip
+STOPLESS = ("slide", "hinge", "driven")
+BOUNCING = (
+    "ball", "ball_without_rebound", "ball_that_lies", "ball_with_faces", "arm_on_a_peg",
+)  # fmt: skip
+COMMANDS = {
+    "check": "check {m}",
+    "check as JSON": "check {m} --json document.json",
+    "drawing": "check {m} --drawing drawing.svg",
+    "transition": "simulate {m}",
+    "turns": "simulate {m} --window cycle --cycles 2 --forces --json document.json",
+    "free shafts": "simulate {m} --window cycle --drive inertial",
+    "page": "view {m} --html page.html",
+    "page of a transition": "view {m} --window transition --html page.html",
+    "film": "view {m} --slow 1 --gif film.gif",
+    "comparison": "compare {m} --speed 60 80 --json document.json",
+    "page of two": "compare {m} --speed 60 80 --window cycle --html page.html",
+    "curves": "compare {m} --speed 60 80 --window cycle --out compared",
+    "speed limit": "study speed-limit {m}",
+    "live page": "live {m} --no-browser --port 0",
+}
+# What a machine lacks, by command; where nothing stands here the command runs.
+LACKS = {
+    **{(any_, "no_transition_stop"): 'transition_stop is missing: the file has the stop floor; '
+       'write transition_stop = "floor"' for any_ in COMMANDS},
+    **{(any_, "nothing"): "nothing.urdf: a joint that moves is missing" for any_ in COMMANDS},
+    **{(of, m): "has no stop, so there is no transition"
+       for of in ("transition", "page of a transition") for m in STOPLESS},
+    **{(of, m): "without a drive nothing moves there; or simulate whole turns"
+       for of in ("transition", "page of a transition") for m in BOUNCING},
+    ("free shafts", "driven"): "drives.cam.reflected_mass_kg is missing",
+    **{("curves", m): "neither A nor B has a stop" for m in STOPLESS},
+    **{("speed limit", m): "has no stop, and a speed limit" for m in STOPLESS},
+    **{("speed limit", m): "has no drive, and a speed limit" for m in BOUNCING},
+    **{("live page", m): "has no transition stop" for m in STOPLESS},
+    **{("live page", m): "has no drive that closes its stop" for m in BOUNCING},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def models(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a folder for each machine."""
+    root = tmp_path_factory.mktemp("models")
+    for name, (urdf, description) in MACHINES.items():
+        (root / name).mkdir()
+        (root / name / f"{name}.urdf").write_text(urdf, encoding="utf-8")
+        (root / name / f"{name}.toml").write_text(toml(description), encoding="utf-8")
+    return root
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(of, marks=pytest.mark.slow) if of == "curves" else of for of in COMMANDS],
+)
+def test_every_command(
+    command: str,
+    machine: str,
+    models: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Status 0, no note and the files that were asked for; or status 2 and one sentence."""
+    monkeypatch.chdir(tmp_path)
+    words = COMMANDS[command].format(m=models / machine).split()
+    status, told = main(words), capsys.readouterr()
+    lacks = LACKS.get((command, machine))
+    if lacks is not None:
+        assert status == 2
+        assert lacks in told.err
+        assert len(told.err.splitlines()) == 1
+        assert not any(tmp_path.iterdir())
+        return
+    assert (status, told.err) == (0, "")
+    files = [word for word in words if Path(word).suffix in (".json", ".svg", ".html", ".gif")]
+    for file in files:
+        assert (tmp_path / file).stat().st_size > 100
+        if file.endswith(".json"):
+            json.loads((tmp_path / file).read_text(encoding="utf-8"))
+    assert ", is off its stop" not in told.out.replace(",  ", ", ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", [*BOUNCING, *STOPLESS])
+def test_a_run_is_kept_verified_and_shown(
+    machine: str,
+    models: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """``--out``, ``verify`` of it, and its page."""
+    monkeypatch.chdir(tmp_path)
+    for words in (
+        f"simulate {models / machine} --window cycle --out run",
+        "verify run",
+        "view --solution run/solution.npz --html page.html",
+    ):
+        status, told = main(words.split()), capsys.readouterr()
+        assert (status, told.err) == (0, "")
+    assert (tmp_path / "run" / "collisions.csv").read_text(encoding="utf-8").startswith("number")
+
+
+SWEEP = """format = 1
+model = "{m}"
+quantities = ["{quantity}"]
+[case]
+window = "{window}"
+[parameters.speed_rpm]
+values = [50.0, 70.0]
+"""
+OPTIMISE = """format = 1
+title = "a small machine"
+model = "{m}"
+minimise = ["{quantity}"]
+case = {{ speed_rpm = 60.0 }}
+[parameters."{number}"]
+low = 0.01
+high = {high}
+"""
+IDENTIFY = """format = 1
+title = "a small machine"
+model = "{m}"
+measured = "measured.csv"
+[parameters."{number}"]
+low = 0.01
+high = {high}
+why = "no reason"
+"""
+MEASURED = """quantity,value,sigma,speed_rpm
+rebound_amplitude_1,0.02,0.001,60
+"""
+NUMBERS = {
+    "ball": ("stops.floor.restitution", 0.9), "arm_on_a_peg": ("stops.peg.restitution", 0.9),
+    "slide": ("links.ball.mass_kg", 2.0),
+}  # fmt: skip
+# A command, the file of its study, the quantity, and what it says of a ball and of a bare slide.
+STUDIES = {
+    "sweep of transitions": (
+        "sweep study.toml --workers 1 --out swept", SWEEP, "duration_s", "transition",
+        ("nothing moves there", "has no stop, so nothing bounces"),
+    ),
+    "sweep of turns": (
+        "sweep study.toml --workers 1 --out swept", SWEEP, "clamped_share", "cycle",
+        ("", "a model with a stop that clamps"),
+    ),
+    "optimum of transitions": (
+        "optimise study.toml --workers 1 --starts 1 --no-check --out found", OPTIMISE,
+        "rebound_amplitude_1", "", ("nothing moves there", "has no stop, so nothing bounces"),
+    ),
+    "optimum of turns": (
+        "optimise study.toml --workers 1 --starts 1 --no-check --out found", OPTIMISE,
+        "energy_lost_turn_J", "", ("", "has no stop, so nothing bounces"),
+    ),
+    "identification": (
+        "identify study.toml --workers 1 --starts 1 --profiles 0", IDENTIFY, "", "",
+        ("nothing moves there", "has no stop, so there is no transition"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", NUMBERS)
+@pytest.mark.parametrize("study", STUDIES)
+def test_every_study(
+    study: str,
+    machine: str,
+    models: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A sweep, which is drawn and verified, an optimum, an identification; or one sentence."""
+    monkeypatch.chdir(tmp_path)
+    command, text, quantity, window, lacks = STUDIES[study]
+    number, high = NUMBERS[machine]
+    filled = text.format(
+        m=models / machine, quantity=quantity, window=window, number=number, high=high
+    )
+    (tmp_path / "study.toml").write_text(filled, encoding="utf-8")
+    (tmp_path / "measured.csv").write_text(MEASURED, encoding="utf-8")
+    status, told = main(command.split()), capsys.readouterr()
+    lack = lacks[machine == "slide"]
+    if lack:
+        assert status in (1, 2)
+        assert lack in told.err
+        assert len(told.err.splitlines()) == 1
+        return
+    assert (status, told.err) == (0, "")
+    if command.startswith("sweep"):
+        for words in ("verify swept", "plot swept"):
+            status, told = main(words.split()), capsys.readouterr()
+            assert (status, told.err) == (0, "")
+        assert any((tmp_path / "swept" / "plots").iterdir())
