@@ -20,6 +20,8 @@ _MARKS = (
     (b"\0<", "utf-16-be"),
 )
 _EXPRESSION = re.compile(r"\$[({]")
+# Writers of XML call themselves for each element in another; those of a URDF are five deep.
+_DEEPEST = 100
 # The elements that are read; others belong to other programs.
 _READ = ("link", "joint", "material")
 
@@ -65,10 +67,22 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
         raise ModelError(
             file=file, key="root element", value=root.tag, allowed="a URDF starts with <robot>"
         )
+    _check_depth(root, file)
     if space:
         _leave_namespace(root, space + "}")
     _refuse_xacro(root, file)
     return root
+
+
+def _check_depth(root: ElementTree.Element, file: str) -> None:
+    """Refuse elements in one another that are too many to be written again."""
+    level, depth = [root], 0
+    while level:
+        level = [inner for element in level for inner in element]
+        depth += 1
+        if depth > _DEEPEST:
+            allowed = f"at most {_DEEPEST} elements in one another"
+            raise ModelError(file=file, key="XML", value=f"more than {_DEEPEST}", allowed=allowed)
 
 
 def _leave_namespace(root: ElementTree.Element, space: str) -> None:
