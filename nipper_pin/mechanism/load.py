@@ -37,12 +37,12 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
     from .files.toml_text import read_toml
-    from .files.xml_text import encoding_of
+    from .files.xml_text import as_unicode, encoding_of
 
     folder = find_model(model)
     name = folder.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
-    urdf = _read(folder / urdf_file, encoding_of)
+    urdf = as_unicode(_read(folder / urdf_file, encoding_of))
     data = read_toml(_read(folder / toml_file), toml_file)
     if overrides:
         from .edit.overrides import apply_overrides, by_path, with_tables

@@ -12,6 +12,7 @@ from ...errors import ModelError
 from ...texts import MOST_TEXT
 
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_WORDS = re.compile(r"""(\s*<\?xml[^>]*?)\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -37,6 +38,18 @@ def encoding_of(content: bytes) -> str:
             return encoding
     declared = _DECLARED.match(content)
     return "utf-8" if declared is None else declared[1].decode("ascii")
+
+
+def as_unicode(text: str) -> str:
+    """XML text without the encoding that it declares, unless that is UTF-8: it is written in that.
+
+    Args:
+        text: The text, decoded.
+    """
+    declared = _WORDS.match(text)
+    if declared is None or declared[2].lower() == "utf-8":
+        return text
+    return declared[1] + text[declared.end() :]
 
 
 def parse_xml(text: str, file: str) -> ElementTree.Element:
