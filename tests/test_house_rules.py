@@ -74,7 +74,6 @@ LARGE = {
     "dynamics/impact.py",
     "dynamics/system.py",
     "hybrid/files/npz.py",
-    "mechanism/files/urdf.py",
     "mechanism/mechanism.py",
     "reduced/kernels/arrival_check.py",
     "study/identify/problem/problem.py",

@@ -103,13 +103,9 @@ class Multibody(OpenTree):
         )
         self.evaluations = 0
         sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
-        self._refines = (
-            # Pinocchio's solution knows nothing of couplings.
-            len(mechanism.couplings) > 0
-            or (
-                self.closure_rows > 0
-                and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
-            )
+        # Pinocchio's solution knows nothing of couplings.
+        self._refines = self._couples or (
+            self.closure_rows > 0 and self._lightest(np.array(sizes)) < LIGHT_BODY_SHARE * heaviest
         )
 
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -123,7 +119,7 @@ class Multibody(OpenTree):
             and G = dg/dq (on the closure manifold), shape (N, m, nv).
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
-        if len(self._coupled):
+        if self._couples:
             return self._with_couplings(q)
         if self.closure_rows and len(q) >= _MANY:
             return self._loops.closures(q)
@@ -152,7 +148,7 @@ class Multibody(OpenTree):
 
     def closure_accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
         """Accelerations G a + G_dot v, shape (N, m); as :meth:`OpenTree.closure_accelerations`."""
-        if self.closure_rows and len(q) >= _MANY and not len(self._coupled):
+        if self.closure_rows and len(q) >= _MANY and not self._couples:
             return self._loops.accelerations(q, v, a)
         return super().closure_accelerations(q, v, a)
 

@@ -46,6 +46,7 @@ class OpenTree:
         self._link_ids = [model.getJointId(joint.name) for joint in mechanism.joints]
         self.closure_rows = mechanism.closure_rows
         self._coupled = mechanism.coupling_rows
+        self._couples = len(self._coupled) > 0
         self._frames_of_cuts = [
             [model.getFrameId(name, _LINK) for name in (closure.frame_a, closure.frame_b)]
             for closure in mechanism.closures

@@ -39,13 +39,13 @@ def load(model: str | Path = "e62", overrides: Mapping[str, object] | None = Non
     from .build.mechanism import build_mechanism
     from .files.csv_tables import inline_tables
     from .files.toml_text import read_toml
-    from .files.xml_text import encoding_of
+    from .files.xml_text import as_unicode, encoding_of
 
     found = find_files(model)
     folder, name = found.folder, found.name
     urdf_file, toml_file = f"{name}.urdf", f"{name}.toml"
     try:
-        urdf = _read(found.urdf, encoding_of)
+        urdf = as_unicode(_read(found.urdf, encoding_of))
         data = read_toml(_read(found.toml), toml_file)
         if overrides:
             from .edit.overrides import apply_overrides, by_path, with_tables

@@ -1,8 +1,9 @@
 """The immutable description of a mechanism that every later room reads.
 
 A mechanism is planar: side view, x forward, z up, y into the page. Angles are positive
-counter-clockwise in that view, so every hinge axis is -y. All coordinates are zero in the *touch
-configuration*, where the lips just meet and the spring-loaded joint stands on its stop.
+counter-clockwise in that view, but for coordinates of hinges whose axis is +y in it. All
+coordinates are zero in the *touch configuration*, where the lips just meet and the spring-loaded
+joint stands on its stop.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ class Joint:
         parent: Parent link.
         child: Child link.
         index: Place of its coordinate in q and v.
+        sense: 1 if a hinge turns counter-clockwise in the side view as its coordinate grows, -1 if
+            clockwise, as the axis of the URDF says; 1 of a slide.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Joint:
     parent: str
     child: str
     index: int
+    sense: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)

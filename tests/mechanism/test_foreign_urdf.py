@@ -18,6 +18,7 @@ from small_machines import hinge, link, slide, sources
 from nipper_pin import Case, ModelError, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.mechanism import Mechanism, from_sources
+from nipper_pin.mechanism.files.xml_text import encoding_of
 
 NO_INERTIA = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 LIMIT = '<limit lower="-10" upper="10" effort="1e5" velocity="1e3"/>'
@@ -198,6 +199,8 @@ def test_encodings_are_those_of_the_file(
     text = GREATER.replace('<?xml version="1.0"?>', head).replace("\n", "\r\n")
     found = load(written(urdf=text, encoding=encoding))
     assert "gr\u00f6\u00dfer" in found.urdf
+    # It is written in UTF-8 into runs and other models.
+    assert encoding_of(found.urdf.encode()).lower() == "utf-8"
     np.testing.assert_array_equal(motion(found), motion(load(written())))
 
 

@@ -47,7 +47,7 @@ def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None
     release = next(item for item in turn.events if item.kind.value == "release")
     assert record == {
         "model": "e62", "title": e62.title, "speed_rpm": 650.0, "start_index": 24.0,
-        "links": list(e62.links), "mobility": 3, "driven": 2,
+        "side_view": "", "links": list(e62.links), "couplings": [], "mobility": 3, "driven": 2,
         "masses_kg": {
             joint.child: e62.model.inertias[e62.model.getJointId(joint.name)].mass
             for joint in e62.joints
@@ -184,7 +184,7 @@ def test_masses_with_what_is_fixed() -> None:
         inertias={name: SimpleNamespace(mass=mass) for name, mass in weights.items()},
     )
     joints = [SimpleNamespace(name=f"j{name}", child=name) for name in "adef"]
-    machine: Any = SimpleNamespace(urdf=urdf, model=model, joints=joints)
+    machine: Any = SimpleNamespace(name="m", urdf=urdf, model=model, joints=joints)
     assert masses.link_masses(machine) == (
         LinkMass("a", 8.0, pytest.approx(2000.0)), LinkMass("d", 0.25, pytest.approx(250.0)),  # type: ignore[arg-type]
         LinkMass("e", 3.0, None), LinkMass("f", 4.0, None),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
@@ -14,17 +14,18 @@ from ...tolerances.mechanics import DRIVE_REPEATS
 from ..cylinder import Cylinder
 from ..drives import DriveLaw, DriveTable, FollowingTable, OscillatingGuide
 from ..files.description import CylinderDescription, Description
+from ..mechanism import Joint
 from ..scale import written
 
 
 def build_laws(
-    drives: Mapping[str, DriveTable], clockwise: Set[str], file: str
+    drives: Mapping[str, DriveTable], joints: Mapping[str, Joint], file: str
 ) -> dict[str, DriveLaw]:
     """Build the law of every drive.
 
     Args:
         drives: Descriptions by name.
-        clockwise: Hinges whose coordinates grow clockwise in the side view.
+        joints: Tree joints by name.
         file: Name of the TOML file, for messages.
 
     Raises:
@@ -33,7 +34,7 @@ def build_laws(
     """
     laws: dict[str, DriveLaw] = {}
     for name in drives:
-        _build(name, drives, laws, (), clockwise, file)
+        _build(name, drives, laws, (), joints, file)
     return {name: laws[name] for name in drives}
 
 
@@ -42,7 +43,7 @@ def _build(
     drives: Mapping[str, DriveTable],
     laws: dict[str, DriveLaw],
     above: tuple[str, ...],
-    clockwise: Set[str],
+    joints: Mapping[str, Joint],
     file: str,
 ) -> DriveLaw:
     """Build one law, after the laws that it is geared to."""
@@ -62,7 +63,7 @@ def _build(
         if drive.of in (*above, name):
             allowed = "a chain of gears must start at a drive that is not geared"
             raise ModelError(file=file, key=f"{where}.of", value=drive.of, allowed=allowed)
-        law = _build(drive.of, drives, laws, (*above, name), clockwise, file)
+        law = _build(drive.of, drives, laws, (*above, name), joints, file)
         laws[name] = drive.build_on(law)
         return laws[name]
     try:
@@ -72,7 +73,8 @@ def _build(
         raise ModelError(
             file=file, key=f"{where}.{key}", value=value, allowed=error.message
         ) from error
-    if isinstance(law, OscillatingGuide) and drive.joint in clockwise:
+    joint = joints.get(drive.joint)
+    if isinstance(law, OscillatingGuide) and joint is not None and joint.sense < 0.0:
         # Its angle is one of the drawing; other laws give the coordinate itself.
         law = replace(law, sense=-1.0)
     laws[name] = law

@@ -61,8 +61,7 @@ def build_mechanism(
     description = describe(data, file)
     tree = _tree(name, urdf_text, description, mesh_folder)
     by_name = {joint.name: joint for joint in tree.joints}
-    clockwise = {joint.name for joint in tree.urdf.joints.values() if joint.axis[1] > 0.0}
-    laws = build_laws(description.drives, clockwise, file)
+    laws = build_laws(description.drives, by_name, file)
     cylinder = build_cylinder(description, laws, file)
     closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
@@ -70,8 +69,7 @@ def build_mechanism(
     couplings = _couplings(tree.urdf, by_name)
     phases = _phases(description, file)
     stops = build_stops(description, by_name, tree)
-    for key, path in description.shortcuts.items():
-        _check_shortcut(key, path, data, tree.urdf, file)
+    _check_shortcuts(description.shortcuts, data, tree.urdf, file)
     check_assembly(
         tree, Held(closures, couplings, drives, stops), phases, description.degrees_of_freedom
     )
@@ -226,6 +224,14 @@ def _phases(description: Description, file: str) -> tuple[Phase, ...]:
             file=file, key="initial_phase", value=description.initial_phase, allowed=allowed
         )
     return tuple(phases)
+
+
+def _check_shortcuts(
+    shortcuts: Mapping[str, str], data: Mapping[str, object], urdf: Urdf, file: str
+) -> None:
+    """Refuse shortcuts that are not paths of numbers."""
+    for key, path in shortcuts.items():
+        _check_shortcut(key, path, data, urdf, file)
 
 
 def _check_shortcut(key: str, path: str, data: Mapping[str, object], urdf: Urdf, file: str) -> None:

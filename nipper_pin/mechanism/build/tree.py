@@ -127,6 +127,7 @@ def tree_joints(model: pin.Model, urdf: Urdf) -> tuple[Joint, ...]:
             parent=source.parent,
             child=source.child,
             index=model.joints[identity].idx_v,
+            sense=-source.axis[1] or 1.0,
         )
         for identity in range(1, model.njoints)
         if (source := urdf.joints[model.names[identity]])

@@ -10,13 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...tolerances.mechanics import IN_PLANE_RAD
+from ...tolerances.mechanics import IN_PLANE_RAD, URDF_TOLERANCE
 from .plane import JointAxis, Plane, direction_text, find_plane
 from .urdf_parts import Urdf, UrdfJoint, UrdfLink
 from .urdf_values import placed
-
-# Less is round-off of files with six digits.
-_SAID_DEG = 1e-4
 
 
 def in_side_view(urdf: Urdf, file: str) -> Urdf:
@@ -98,10 +95,9 @@ def _joint(
 def _along(axis: FloatArray) -> tuple[float, float, float]:
     """Unit axis of a slide, in the plane."""
     x, z = float(axis[0]), float(axis[2])
-    size = max(abs(x), abs(z))
-    # Squares of others leave the range of doubles.
-    if not 1e-100 < size < 1e100:
-        x, z = x / size, z / size
+    # A power of two changes no digit, and keeps squares in the range of doubles.
+    _, power = math.frexp(max(abs(x), abs(z)))
+    x, z = math.ldexp(x, -power), math.ldexp(z, -power)
     length = math.sqrt(x * x + z * z)
     return x / length, 0.0, z / length
 
@@ -132,7 +128,7 @@ def side_view_text(urdf: Urdf) -> str:
         if len(clockwise) == len(hinges) and len(hinges) > 1:
             which = f"all hinges ({which})"
         words.append(f"coordinates of {which} grow clockwise in the side view, by their axes")
-    if math.degrees(plane.off_rad) > _SAID_DEG:
+    if plane.off_rad > URDF_TOLERANCE:
         off = math.degrees(plane.off_rad)
         words.append(f"axes up to {off:.2g} deg out of the plane of the others are put into it")
     return "; ".join(words)

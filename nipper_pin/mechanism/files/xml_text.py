@@ -12,6 +12,7 @@ from ...errors import ModelError
 from ...texts import MOST_TEXT
 
 _DECLARED = re.compile(rb"""\s*<\?xml[^>]*?\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_WORDS = re.compile(r"""(\s*<\?xml[^>]*?)\sencoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -20,6 +21,8 @@ _MARKS = (
     (b"\0<", "utf-16-be"),
 )
 _EXPRESSION = re.compile(r"\$[({]")
+# Writers of XML call themselves for each element in another; those of a URDF are five deep.
+_DEEPEST = 100
 # The elements that are read; others belong to other programs.
 _READ = ("link", "joint", "material")
 
@@ -35,6 +38,18 @@ def encoding_of(content: bytes) -> str:
             return encoding
     declared = _DECLARED.match(content)
     return "utf-8" if declared is None else declared[1].decode("ascii")
+
+
+def as_unicode(text: str) -> str:
+    """XML text without the encoding that it declares, unless that is UTF-8: it is written in that.
+
+    Args:
+        text: The text, decoded.
+    """
+    declared = _WORDS.match(text)
+    if declared is None or declared[2].lower() == "utf-8":
+        return text
+    return declared[1] + text[declared.end() :]
 
 
 def parse_xml(text: str, file: str) -> ElementTree.Element:
@@ -65,10 +80,22 @@ def parse_xml(text: str, file: str) -> ElementTree.Element:
         raise ModelError(
             file=file, key="root element", value=root.tag, allowed="a URDF starts with <robot>"
         )
+    _check_depth(root, file)
     if space:
         _leave_namespace(root, space + "}")
     _refuse_xacro(root, file)
     return root
+
+
+def _check_depth(root: ElementTree.Element, file: str) -> None:
+    """Refuse elements in one another that are too many to be written again."""
+    level, depth = [root], 0
+    while level:
+        level = [inner for element in level for inner in element]
+        depth += 1
+        if depth > _DEEPEST:
+            allowed = f"at most {_DEEPEST} elements in one another"
+            raise ModelError(file=file, key="XML", value=f"more than {_DEEPEST}", allowed=allowed)
 
 
 def _leave_namespace(root: ElementTree.Element, space: str) -> None:

@@ -153,6 +153,7 @@ def _of_links(mechanism: Mechanism, values: FloatArray) -> FloatArray:
     """
     sums: dict[str, FloatArray] = {}
     for joint in mechanism.joints:
-        own = values[:, joint.index] if joint.kind == "revolute" else np.zeros(len(values))
+        turns = joint.kind == "revolute"
+        own = joint.sense * values[:, joint.index] if turns else np.zeros(len(values))
         sums[joint.child] = sums.get(joint.parent, np.zeros(len(values))) + own
     return np.stack([sums[link] for link in mechanism.links], axis=1)

@@ -154,7 +154,7 @@ MUTATIONS = (
     ),
     Mutation(
         "mesh-outside", "mesh paths may leave the model folder through links",
-        "mechanism/files/urdf_values.py", "if not path.is_relative_to(mesh_folder.resolve()):",
+        "mechanism/files/urdf_shapes.py", "if not path.is_relative_to(mesh_folder.resolve()):",
         "if not path.is_absolute():",
     ),
 )  # fmt: skip

@@ -35,6 +35,7 @@ def e62_laws(mechanism: Mechanism) -> tuple[OscillatingGuide, Geared] | None:
         or not isinstance(pendulum, OscillatingGuide)
         or not isinstance(gears, Geared)
         or pendulum.guide_offset_m != 0.0
+        or any(joint.sense < 0.0 for joint in mechanism.joints)
         or [spring.index for spring in mechanism.springs] != [names.index("steeve")]
     ):
         return None
