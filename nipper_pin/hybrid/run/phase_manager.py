@@ -156,7 +156,8 @@ class PhaseManager:
 
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
-        others = (s for s in self.mechanism.stops if s.name not in hit and s.name not in state.closed)
+        known = hit | state.closed
+        others = (stop for stop in self.mechanism.stops if stop.name not in known)
         found = touching(self.system, state.q, state.v, others)
         if not found:
             return state, frozenset()
