@@ -10,7 +10,7 @@ from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
 from .impact import Impact, collide, no_impact
-from .sequence import in_sequence
+from .sequence import MOST_STRIKES, in_sequence
 from .system import System
 
 
@@ -21,6 +21,7 @@ def strike(
     jacobian: FloatArray,
     contacts: Sequence[Stop],
     law: Simultaneous | None = None,
+    most: int = MOST_STRIKES,
 ) -> Impact:
     """Return the impact of the stops in contact.
 
@@ -31,6 +32,7 @@ def strike(
         jacobian: Closure Jacobian G at q, shape (m, nv).
         contacts: Stops with zero gap: the colliding ones and those that touch.
         law: Law of contacts that share a motion; by default that of the mechanism.
+        most: Number of strikes from contact to contact at which to give up.
 
     Raises:
         ImpactError: No impulses satisfy the law.
@@ -38,12 +40,12 @@ def strike(
     law = law or system.mechanism.simultaneous
     groups = system.apart(contacts)
     if len(groups) == 1:
-        return _of_part(system, q, v, jacobian, contacts, law)
+        return _of_part(system, q, v, jacobian, contacts, law, most)
     none, part = no_impact(system, v.copy()), np.array(system.parts)
     v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
     P_N: dict[str, float] = {}
     for group in groups:
-        own = _of_part(system, q, v, jacobian, group, law)
+        own = _of_part(system, q, v, jacobian, group, law, most)
         mine = part == part[group[0].index]
         v_after[mine] = own.v_after[mine]
         delta, P_g, lost = delta + own.delta, P_g + own.P_g, lost + own.energy_lost
@@ -74,6 +76,7 @@ def _of_part(
     jacobian: FloatArray,
     contacts: Sequence[Stop],
     law: Simultaneous,
+    most: int,
 ) -> Impact:
     """The impact of contacts that share a motion."""
     rates = [stop.rate(v) for stop in contacts]
@@ -83,7 +86,7 @@ def _of_part(
     except ImpactError:
         if law == "newton":
             raise
-        return in_sequence(system, q, v, jacobian, contacts)
+        return in_sequence(system, q, v, jacobian, contacts, most)
     if law == "newton" or same_by_every_law(v, at_once.v_after, contacts, at_once.P_N):
         return at_once
-    return in_sequence(system, q, v, jacobian, contacts)
+    return in_sequence(system, q, v, jacobian, contacts, most)

@@ -28,7 +28,7 @@ def touching(system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop]
     if not near:
         return near
     turning, rates = system.turning, system.turns(v)
-    slow = STILL_GAP_RATE * float(rates.max())
+    slow = STILL_GAP_RATE * max(float(rates.max()), system.shaft.speed_rad_s)
     return [
         stop
         for stop in near

@@ -12,8 +12,9 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.moving_mass import impact_condition, impulse_sizes
+from ...dynamics.strike import same_by_every_law
 from ...dynamics.system import System
-from ...errors import SingularConfigurationError
+from ...errors import ImpactError, SingularConfigurationError
 from ...mechanism import Stop
 from ...tolerances.mechanics import EPS
 from ..event import Event, EventKind
@@ -21,6 +22,7 @@ from ..segment import Segment
 from .determined import at_end
 from .local_error import unresolved, unsure
 from .saltation import impact_map
+from .sequence_map import sequence_map
 from .truncated_bounces import left_out
 from .variational import flight_map, free_coordinates
 from .zonotope import NOTHING_KNOWN, Deviations
@@ -165,18 +167,30 @@ class LinearMaps:
         slopes = None
         if not rest and any(stop.law is not None for stop in stops):
             slopes = [stop.rebound_slope(rate) for stop, rate in zip(stops, rates, strict=True)]
+        contacts = [system.mechanism.stop(name) for name in event.P_N]
+        passed = (
+            not rest
+            and system.mechanism.simultaneous == "sequential"
+            and not same_by_every_law(event.v_before, event.v_after, contacts, event.P_N)
+        )
         try:
-            matrix, pushes = impact_map(system, event.q, event.v_before, stops, restitution, slopes)
-        except (SingularConfigurationError, np.linalg.LinAlgError):
+            if passed:
+                matrix, pushes = sequence_map(system, event.q, event.v_before, contacts, stops)
+            else:
+                matrix, pushes = impact_map(
+                    system, event.q, event.v_before, stops, restitution, slopes
+                )
+        except (ImpactError, SingularConfigurationError, np.linalg.LinAlgError):
             size = 2 * system.body.nv
             matrix = np.full((size, size), NOTHING_KNOWN)
             pushes = matrix[: len(stops)]
         _, jacobian = system.body.closures(event.q[None])
         struck = [stop.index for stop in stops]
         lost = min(EPS * impact_condition(system, event.q, jacobian[0], struck), 1.0)
-        # The law itself determines the rates of the stops that are struck.
         rough = lost * np.abs(event.delta)
-        rough[struck] = 0.0
+        if not passed:
+            # The law itself determines the rates of the stops that are struck.
+            rough[struck] = 0.0
         own = Deviations.independent(np.zeros_like(rough), rough)
         motion_before = np.concatenate([event.v_before, a])
         return ImpactMap(matrix, own, pushes, motion_before, lost, self._beside(event))

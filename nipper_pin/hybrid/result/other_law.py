@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...dynamics.sequence import in_sequence
 from ...dynamics.strike import same_by_every_law, strike
 from ...dynamics.system import System
 from ...errors import ImpactError
@@ -53,10 +52,7 @@ def _differs(system: System, event: Event, stops: Sequence[Stop], other: Simulta
         return False
     jacobian = system.body.closures(event.q[None])[1][0]
     try:
-        if other == "sequential":
-            instead = in_sequence(system, event.q, before, jacobian, stops, _MOST_STRIKES)
-        else:
-            instead = strike(system, event.q, before, jacobian, stops, other)
+        instead = strike(system, event.q, before, jacobian, stops, other, _MOST_STRIKES)
     except ImpactError:
         # Strikes without a near end come to rest, as those without restitution do at once.
         return any(stop.restitution > 0.0 for stop in stops)

@@ -80,14 +80,16 @@ def impulses(solution: Solution) -> Iterator[str]:
 
 
 def _restitution(solution: Solution, place: int) -> Iterator[str]:
-    """Newton's law with complementarity at one collision, and its loss of energy."""
+    """The law of impacts at one collision, and its loss of energy."""
     event = solution.events[place]
+    # Impulses that pass from contact to contact end where none approaches.
+    at_once = solution.mechanism.simultaneous == "newton"
     lost, fastest = 0.0, 0.0
     rates = []
     for name, impulse in event.P_N.items():
         stop = solution.mechanism.stop(name)
         before, after = stop.rate(event.v_before), stop.rate(event.v_after)
-        xi = after + stop.restitution * before
+        xi = after + stop.restitution * before if at_once else after
         rates.append((name, impulse, before, xi))
         fastest = max(fastest, abs(before))
         lost -= 0.5 * impulse * (before + after)
@@ -95,7 +97,7 @@ def _restitution(solution: Solution, place: int) -> Iterator[str]:
         where = f"event {event.number}, stop {name}"
         yield from beyond(f"{where}: impulse pulls", -impulse, 0.0)
         yield from beyond(f"{where}: below the law", -xi, RESTITUTION_LAW * fastest)
-        if impulse > 0.0:
+        if impulse > 0.0 and at_once:
             yield from beyond(
                 f"{where}: impulse and excess rate", abs(xi), RESTITUTION_LAW * fastest
             )
