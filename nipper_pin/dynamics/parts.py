@@ -1,7 +1,7 @@
 """Parts of a machine that do not touch one another: an impact at one leaves the others alone.
 
-Two coordinates belong to one part if a link, a closure, a coupling or a strut moves with both. What is driven
-by a held shaft moves whatever the others do, and connects nothing.
+Two coordinates belong to one part if a link, a closure, a coupling or a strut moves with both. What
+is driven by a held shaft moves whatever the others do, and connects nothing.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ gaps of the stops that close exactly zero, or at a given time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -63,6 +63,7 @@ def advance(
     t_limit: float,
     resolution: Resolution,
     place: int = 0,
+    watched: Collection[str] | None = None,
 ) -> Advance:
     """Follow the motion from a state just after an event to the next event.
 
@@ -73,6 +74,7 @@ def advance(
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
         place: Place of the motion among the segments of the run.
+        watched: Names of the stops that end it; all if there are none.
 
     Returns:
         The motion and what ended it.
@@ -80,7 +82,7 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    way = _Way(system, state, t_limit, resolution)
+    way = _Way(system, state, t_limit, resolution, watched)
     known = np.full_like(state.v, np.nan) if a is None else a
     begin = Begin(state.t, state.q, state.v, known, state.jacobian)
     h = way.first
@@ -138,12 +140,19 @@ class _Way:
         state: The state just after the event.
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
+        watched: Names of the stops that end it; all if there are none.
     """
 
     def __init__(
-        self, system: System, state: State, t_limit: float, resolution: Resolution
+        self,
+        system: System,
+        state: State,
+        t_limit: float,
+        resolution: Resolution,
+        watched: Collection[str] | None,
     ) -> None:
         """Find what the phase asks for."""
+        self._watched = watched
         self._system, self._state = system, state
         self._t_limit, self._resolution = t_limit, resolution
         self.phase = phase = system.constraint_set(state.closed)
@@ -180,7 +189,7 @@ class _Way:
     def end(self, solved: _Solved) -> _End:
         """Find the first triggers on a panel, and the state there or at its end."""
         panel = solved.panel
-        found = triggers(self._system, self.phase, panel, solved.forces)
+        found = triggers(self._system, self.phase, panel, solved.forces, self._watched)
         t = found[0].t if found else min(panel.t + panel.h, self._t_limit)
         for check in self._checks:
             check.refuse(panel, found[0].t if found else self._t_limit)

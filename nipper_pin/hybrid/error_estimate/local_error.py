@@ -23,7 +23,7 @@ from ..motion.panel import Panel, defect, nearby
 
 
 def unsure(system: System, split: Partition) -> FloatArray:
-    """Round-off of independent positions, and of closures in the places of dependent ones, (nv,)."""
+    """Round-off of independent positions, of closures in the places of dependent ones, (nv,)."""
     found = INDEPENDENT_ROUND_OFF * system.mechanism.extents
     found[split.columns] = INDEPENDENT_ROUND_OFF * system.body.reach_m
     return found

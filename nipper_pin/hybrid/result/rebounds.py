@@ -117,8 +117,8 @@ class Rebounds:
         a = system.accelerations(motion, q[None], v[None], phase)[0]
         _, jacobian = system.body.closures(q[None])
         start = State(event.t, q, v, jacobian[0], motion, closed)
-        limit = event.t + system.shaft.period
-        reached = advance(system, start, a, limit, self._case.resolution)
+        limit, part = event.t + system.shaft.period, system.coupled([stop.name])
+        reached = advance(system, start, a, limit, self._case.resolution, watched=part)
         struck = [trigger.stop for trigger in reached.triggers]
         if stop.name in struck or not struck:
             return (reached.segment,) if struck else ()

@@ -93,36 +93,48 @@ class Bounces:
         """Nothing is kept here."""
 
     def _rests(self, struck: Struck, known: Sequence[_Limit]) -> list[Rest]:
-        """The rests of stops whose limits are known, one after another, in order of time."""
-        together: dict[frozenset[str], list[_Limit]] = {}
-        for limit in known:
-            together.setdefault(self._system.coupled([limit.stop.name]), []).append(limit)
+        """The rests of stops whose limits are known, in order of time."""
+        instant = SIMULTANEOUS * self._system.shaft.period
+        groups: list[list[_Limit]] = []
+        for part in sorted(self._in_step(struck, known), key=_latest):
+            # Parts that move alike come to rest as one.
+            if groups and _latest(part) - _latest(groups[-1]) <= instant:
+                groups[-1].extend(part)
+            else:
+                groups.append(part)
         state, rests = struck.after, list[Rest]()
-        bouncing = {stop.name for stop in struck.rebounding}
-        for part, limits in sorted(together.items(), key=lambda item: max(x.t for x in item[1])):
-            if len(limits) < len(bouncing & part):
-                continue
-            rest = self._rest(state, part, limits)
-            if rest is None:
-                continue
-            if rests and rest.t - rests[-1].t <= SIMULTANEOUS * self._system.shaft.period:
-                # Of parts that move alike: what differs by round-off is one time.
-                earlier = rests[-1].t
-                rest = rest._replace(t=earlier, error=rest.error + (rest.t - earlier))
-            rests.append(rest)
-            state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        for group in groups:
+            rest = self._rest(state, group)
+            if rest is not None:
+                rests.append(rest)
+                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
         return rests
 
-    def _rest(self, state: State, part: frozenset[str], limits: Sequence[_Limit]) -> Rest | None:
-        """The rest of stops of one part that bounce in step; None while they do not end as one."""
-        system, period = self._system, self._system.shaft.period
-        t = max(limit.t for limit in limits)
-        error = max(limit.error + (t - limit.t) for limit in limits)
-        if len(limits) > 1 and self._case.rest_rate is None:
-            lasts = t - min(limit.start for limit in limits)
-            if error > max(self._case.resolution.tolerance * lasts, TIME_ROUND_OFF * period):
-                return None
-        stops, names = [limit.stop for limit in limits], {limit.stop.name for limit in limits}
+    def _in_step(self, struck: Struck, known: Sequence[_Limit]) -> list[list[_Limit]]:
+        """The limits by part, of parts all of whose bouncing stops come to rest, as one."""
+        parts: dict[frozenset[str], list[_Limit]] = {}
+        for limit in known:
+            parts.setdefault(self._system.coupled([limit.stop.name]), []).append(limit)
+        bouncing = {stop.name for stop in struck.rebounding}
+        return [
+            limits
+            for part, limits in parts.items()
+            if len(limits) == len(bouncing & part) and (len(limits) == 1 or self._as_one(limits))
+        ]
+
+    def _as_one(self, limits: Sequence[_Limit]) -> bool:
+        """True if stops of one part come to rest at one time, as far as the tolerance tells."""
+        if self._case.rest_rate is not None:
+            return True
+        lasts = _latest(limits) - min(limit.start for limit in limits)
+        shortest = TIME_ROUND_OFF * self._system.shaft.period
+        return _error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
+
+    def _rest(self, state: State, limits: Sequence[_Limit]) -> Rest | None:
+        """The rest of stops that come to rest as one; None if they are not pressed shut."""
+        system, stops = self._system, [limit.stop for limit in limits]
+        names = {stop.name for stop in stops}
+        part = system.coupled(names)
         shut = [stop for stop in system.constraint_set(state.closed).shut if stop.name in part]
         try:
             impact = arrest(system, state.q, state.v, state.jacobian, [*stops, *shut])
@@ -132,12 +144,27 @@ class Bounces:
             # Stops that depend on one another through the closures do not rest together.
             return None
         for name in state.closed - part:
-            # Round-off of what moves neither way.
+            # Round-off in a part that the impact does not reach.
             impact.v_after[system.mechanism.stop(name).index] = 0.0
         closed = pressed(
             system, state.motion, state.q, impact.v_after, state.jacobian, state.closed | names
         )
-        return Rest(t, error, sorted(names), impact, closed) if names <= closed else None
+        if names <= closed:
+            return Rest(_latest(limits), _error(limits), sorted(names), impact, closed)
+        loose = system.coupled(names - closed)
+        others = [limit for limit in limits if limit.stop.name not in loose]
+        return self._rest(state, others) if others else None
+
+
+def _latest(limits: Sequence[_Limit]) -> float:
+    """Time of the last of several limits [s]."""
+    return max(limit.t for limit in limits)
+
+
+def _error(limits: Sequence[_Limit]) -> float:
+    """Error of that time, taken for all of them [s]."""
+    latest = _latest(limits)
+    return max(limit.error + (latest - limit.t) for limit in limits)
 
 
 def rest_of_series(
