@@ -1,12 +1,13 @@
 """True over stated error of the E62-class model, against a solution that shares nothing with it.
 
-    python scripts/maintain/measure/measure_stated_errors.py --cases 200 [--turns] [--folder FOLDER]
+    python scripts/maintain/measure/measure_stated_errors.py --cases 200 [--turns | --dimensions]
 
 Random machines (speed, restitution, spring, also touch angles at which the jaw touches slowly) are
 solved in 80-bit arithmetic by tests/reference/extended.py, and by both engines at many tolerances,
 transitions and whole turns, in processes with other BLAS kernels, of which each case has one. With
---turns all are whole turns, of the reduced engine, with their quantities. The folder keeps each
-case that is done: the same command goes on where it was stopped, and a larger --cases adds to it.
+--turns all are whole turns, of the reduced engine, with their quantities; with --dimensions all
+numbers of the machine differ, by up to ten per cent. The folder (--folder) keeps each case that is
+done: the same command goes on where it was stopped, and a larger --cases adds to it.
 """
 
 from __future__ import annotations
@@ -42,13 +43,13 @@ def _append(path: Path, row: dict[str, Any]) -> None:
         file.write(json.dumps(row) + "\n")
 
 
-def solve(folder: Path, seed: int, count: int, *, turns: bool) -> None:
+def solve(folder: Path, seed: int, count: int, **kind: bool) -> None:
     """Independent solutions of all cases."""
     path = folder / "truth.jsonl"
     done = {row["trial"]["number"] for row in _lines(path)}
     for number in range(count):
         if number not in done:
-            _append(path, solved(trial(seed, number, turns=turns)))
+            _append(path, solved(trial(seed, number, **kind)))
 
 
 def judge(folder: Path, kernel: str, count: int, *, direct: bool) -> None:
@@ -101,15 +102,17 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=19)
     parser.add_argument("--folder", type=Path)
     parser.add_argument("--turns", action="store_true", help="turns of the reduced engine only")
+    parser.add_argument("--dimensions", action="store_true", help="machines of other dimensions")
     parser.add_argument("--kernel", choices=KERNELS, help="judge with this one, no report")
     given = parser.parse_args()
     if given.folder is None:
-        given.folder = Path("build/stated_turns" if given.turns else "build/stated_errors")
+        kind = "turns" if given.turns else "dimensions" if given.dimensions else "errors"
+        given.folder = Path("build") / f"stated_{kind}"
     given.folder.mkdir(parents=True, exist_ok=True)
     if given.kernel:
         judge(given.folder, given.kernel, given.cases, direct=not given.turns)
         return
-    solve(given.folder, given.seed, given.cases, turns=given.turns)
+    solve(given.folder, given.seed, given.cases, turns=given.turns, dimensions=given.dimensions)
     for kernel in KERNELS:
         command = [sys.executable, __file__, "--kernel", kernel, "--cases", str(given.cases)]
         command += ["--turns"] if given.turns else []

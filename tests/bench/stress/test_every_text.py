@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
@@ -294,19 +295,51 @@ def test_panels_that_are_looked_at() -> None:
     assert found[1][2] == pytest.approx([2.0, 2.125, 2.25, 2.375, 2.5], rel=1e-15)
 
 
+def parts_of(begin: float, end: float, count: int) -> Any:
+    """A segment of panels of one length."""
+    ends = np.linspace(begin, end, count + 1).tolist()
+    panel = SimpleNamespace(order=13)
+    pieces = [(panel, *pair) for pair in pairwise(ends)]
+    return SimpleNamespace(t_start=begin, pieces=lambda: iter(pieces))
+
+
+@pytest.mark.parametrize("top", [0.437, 0.5, 0.811])
+@pytest.mark.parametrize("crests", [3, 7, 40, 100, 399])
+def test_the_highest_of_many_crests(crests: int, top: float) -> None:
+    """A body on a stiff spring swings while it flies: 1 - (t - top)^2 + cos(w (t - top)) / 4.
+
+    At t = top both terms are largest; the next crests are lower by less than (2 pi / w)^2, far
+    more than the table of a run is held to.
+    """
+    w = 2.0 * math.pi * crests
+
+    def gap(t: np.ndarray) -> np.ndarray:
+        return 1.0 - (t - top) ** 2 + 0.25 * np.cos(w * (t - top))
+
+    stop: Any = SimpleNamespace(gaps=lambda q: q)
+    trajectory = SimpleNamespace(evaluate=lambda t, **_: SimpleNamespace(q=gap(t)))
+    run: Any = SimpleNamespace(trajectory=trajectory, segments=[parts_of(0.0, 1.0, 2 * crests)])
+    found = rebound_invariants._highest(run, stop, 0.0, 1.0)
+    assert found == pytest.approx(1.25, rel=1e-9)
+    before = rebound_invariants._highest(run, stop, 0.0, top - 0.5 / crests)
+    wanted = gap(np.linspace(0.0, top - 0.5 / crests, 400_001)).max()
+    assert before == pytest.approx(wanted, abs=0.125 * (w / 400_000) ** 2)
+
+
 def test_highest_gap_of_a_motion() -> None:
     """A parabola's top to 1e-9 of its height; that of the higher of two stretches; or an end."""
 
     def gap(t: np.ndarray) -> np.ndarray:
         first = 0.3 - 5.0 * (t - 0.123) ** 2
-        second = 0.5 - 90.0 * (t - 0.876) ** 2
+        # They meet at t = 0.5.
+        second = 0.5 - (0.2 + 5.0 * 0.377**2) * ((t - 0.876) / 0.376) ** 2
         return np.where(t <= 0.5, first, second)
 
     stop: Any = SimpleNamespace(gaps=lambda q: q)
     trajectory = SimpleNamespace(
         evaluate=lambda t, left: SimpleNamespace(q=gap(t - (1e-12 if left else -1e-12)))
     )
-    segments = [SimpleNamespace(t_start=t) for t in (0.0, 0.5, 1.0)]
+    segments = [parts_of(t, t + 0.5, 1) for t in (0.0, 0.5, 1.0)]
     run: Any = SimpleNamespace(trajectory=trajectory, segments=segments)
     assert rebound_invariants._highest(run, stop, 0.0, 1.0) == pytest.approx(0.5, rel=1e-9)
     assert rebound_invariants._highest(run, stop, 0.0, 0.5) == pytest.approx(0.3, rel=1e-9)

@@ -23,6 +23,7 @@ from nipper_pin.bench.stress import (
     excesses,
     judge,
     judging,
+    trial,
 )
 from nipper_pin.bench.stress.checks.agreement import mirror_images, within_errors
 from nipper_pin.bench.stress.checks.engines import engines_agree
@@ -31,8 +32,9 @@ from nipper_pin.bench.stress.machines.small_machines import (
 )
 from nipper_pin.bench.stress.refusals import MEASURED, allowed_share
 from nipper_pin.cli import main
-from nipper_pin.hybrid.event import Event
+from nipper_pin.hybrid.event import Event, EventKind
 from nipper_pin.hybrid.result.rebounds import Rebounds
+from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.build import mechanism as build
 
@@ -269,3 +271,39 @@ def test_the_machine_of_all_elements_is_in_reach_of_the_mirror() -> None:
     image = small().mirror_image()
     assert image is not None
     assert image.stop("j0 lower").sense == -machine.stop("j0 lower").sense
+
+
+# Of seed 1; each ends at its largest number of collisions.
+CUT_OFF = (91, 262)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", CUT_OFF)
+@pytest.mark.parametrize(("which", "kind"), [(2, "tolerance"), (3, "mirror")])
+def test_a_case_that_ends_at_its_largest_number_of_collisions_is_judged_on_what_it_has(
+    monkeypatch: pytest.MonkeyPatch, number: int, which: int, kind: str
+) -> None:
+    """It is right as it is, and wrong if one collision of one of its runs has another impulse.
+
+    Runs are made in this order: the case, the same again, the finer one, the mirrored one.
+    """
+    runs: list[Solution] = []
+
+    def other(mechanism: Mechanism, case: Case) -> Solution:
+        solution = simulate(mechanism, case)
+        if len(runs) == which:
+            hits = [e for e in solution.events if e.kind is EventKind.COLLISION]
+            # A series may end sooner in one of two runs, so that its last collisions have no match.
+            early = [e for e in hits if solution.errors[e.number - 1].impulse < 1e-3]
+            solution = stronger(solution, early[len(early) // 2].number - 1, 0.1)
+        runs.append(solution)
+        return solution
+
+    item = trial(1, number)
+    assert judge(item).kind == Outcome.TOO_MANY_COLLISIONS.name
+    monkeypatch.setattr(judging, "simulate", other)
+    verdict = judge(item)
+    assert len(runs) == 4
+    assert (verdict.word, verdict.kind) == (WRONG, kind)
+    collisions = sum(event.kind is EventKind.COLLISION for event in runs[0].events)
+    assert collisions == item.case["max_collisions"]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebfit, chebpts2, chebroots, chebtrim
 
 from ....arrays import FloatArray
 from ....hybrid.result.solution import Solution
@@ -15,9 +15,8 @@ from ....tolerances.bench import AMPLITUDE_SHARE, CLOSURE_SUM, EPS
 from ..observations import beyond, some
 
 _LOOKED_AT = 12
-# Points over the whole flight, then about its highest one, three times: 3e-5 of the flight apart in
-# the end, where a parabola leaves less than 1e-9 of its height.
-_FIRST, _NEXT = 65, 17
+# Terms beyond those of a panel: two of its integrals, and some for gaps that closures determine.
+_FURTHER = 8
 
 
 def rebounds(solution: Solution) -> Iterator[str]:
@@ -71,25 +70,35 @@ def _numbers(where: str, stop: Stop, hit: Collision) -> Iterator[str]:
 
 
 def _highest(solution: Solution, stop: Stop, begin: float, end: float) -> float:
-    """Largest gap between two times, from positions alone; the gap has kinks between segments."""
-    borders = [item.t_start for item in solution.segments if begin < item.t_start < end]
-    parts = pairwise([begin, *borders, end])
-    return max(_highest_of(solution, stop, *part) for part in parts)
+    """Largest gap between two times, from positions alone.
 
+    On each panel they are a polynomial of the time, or nearly so: a fit of more terms tells where
+    all its crests are, however many there are, and the positions there tell how high they are.
+    """
 
-def _highest_of(solution: Solution, stop: Stop, begin: float, end: float) -> float:
     def gaps(times: FloatArray) -> FloatArray:
         return stop.gaps(solution.trajectory.evaluate(times, left=True).q)
 
-    times = np.linspace(begin, end, _FIRST)
-    for _ in range(3):
-        place = int(np.argmax(gaps(times)))
-        low, high = times[max(place - 1, 0)], times[min(place + 1, len(times) - 1)]
-        times = np.linspace(low, high, _NEXT)
-    values = gaps(times)
-    place = int(np.argmax(values))
-    if not 0 < place < len(times) - 1:
-        return float(values.max())
-    left, middle, right = values[place - 1 : place + 2]
-    bend = 2.0 * middle - left - right
-    return float(middle + 0.125 * (right - left) ** 2 / bend if bend > 0.0 else middle)
+    best, fits = -np.inf, []
+    for first, last, count in _parts(solution, begin, end):
+        times = 0.5 * (first + last) + 0.5 * (last - first) * chebpts2(count)
+        values = gaps(np.clip(times, first, last))
+        fits.append((first, last, chebfit(chebpts2(count), values, count - 1)))
+        best = max(best, float(values.max()))
+    for first, last, terms in fits:
+        if terms[0] + np.abs(terms[1:]).sum() <= best:
+            continue
+        places = chebroots(chebder(chebtrim(terms, EPS * np.abs(terms).max())))
+        crests = places.real[(places.imag == 0.0) & (np.abs(places.real) < 1.0)]
+        if crests.size:
+            times = 0.5 * (first + last) + 0.5 * (last - first) * np.sort(crests)
+            best = max(best, float(gaps(times).max()))
+    return best
+
+
+def _parts(solution: Solution, begin: float, end: float) -> Iterator[tuple[float, float, int]]:
+    """Ends [s] of the parts of panels between two times, and terms that tell each of them."""
+    for segment in solution.segments:
+        for panel, first, last in segment.pieces():
+            if last > begin and first < end:
+                yield max(first, begin), min(last, end), panel.order + _FURTHER

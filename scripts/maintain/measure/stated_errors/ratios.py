@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from .dimensions import machine
 from .found import TOLERANCES, Ratios, following
 from .reduced_turns import of_reduced_turn
-from .truth import LEVER_M, Trial
+from .truth import Trial
 
 # Largest number of collisions that the reduced engine writes, and that a run requests.
 _MOST_COLLISIONS = 250
@@ -89,7 +90,8 @@ def of_transition(one: Trial, events: list[dict[str, Any]], engine: str, found: 
 
     hits = [event for event in events if (event["kind"], event["stop"]) == ("collision", "jaw")]
     # The tables of a reduced model hold for all springs and restitutions of its jaw.
-    mechanism = _touching(one.touch_deg) if engine == "reduced" else _mechanism(one)
+    shared = engine == "reduced" and not one.numbers
+    mechanism = _touching(one.touch_deg) if shared else _mechanism(one)
     for tolerance in TOLERANCES:
         where = (engine, "transition", tolerance)
         table = transition_table(
@@ -109,7 +111,7 @@ def of_transition(one: Trial, events: list[dict[str, Any]], engine: str, found: 
             for what, key, value, error, scale in (
                 ("time of a collision", "time", rows.TIME, rows.TIME_ERROR, 1),
                 ("approach rate", "approach", rows.APPROACH, rows.RATE_ERROR, 1),
-                ("impulse", "impulse", rows.IMPULSE, rows.IMPULSE_ERROR, LEVER_M),
+                ("impulse", "impulse", rows.IMPULSE, rows.IMPULSE_ERROR, one.lever_m),
                 ("amplitude", "amplitude", rows.AMPLITUDE, rows.AMPLITUDE_ERROR, 1),
                 ("time of a rebound", "rebound", rows.REBOUND, rows.REBOUND_ERROR, 1),
             ):
@@ -124,6 +126,8 @@ def _mechanism(one: Trial) -> Any:
     """The machine of a case."""
     from nipper_pin import load
 
+    if one.numbers:
+        return machine(one.numbers)
     values: dict[str, Any] = {
         "stops.jaw.restitution": one.jaw,
         "stops.steeve.restitution": one.steeve,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .found import TOLERANCES, Ratios, following
-from .truth import LEVER_M, Trial
+from .truth import Trial
 
 _MOST_COLLISIONS = 250
 # Quantities: name in a table of ratios, key of the truth, value, stated error, and its unit by the
@@ -74,7 +74,7 @@ def of_events(
         found.add(where, f"time of a {kind}", wrong, mine.time_error[i])
         if kind != "collision":
             continue
-        lever = LEVER_M if stop == "jaw" else 1
+        lever = one.lever_m if stop == "jaw" else 1
         loss = np.longdouble(true["impulse"]) * -np.longdouble(true["approach"]) / 2
         loss *= 1 - np.longdouble(one.jaw if stop == "jaw" else one.steeve)
         for what, value, exact, error in (
@@ -117,7 +117,7 @@ def of_quantities(
         times = speed if (name, key, value, error) in _TIMES else 1
         found.add(where, name, have - np.longdouble(true[key]) * times, stated)
     for place, stop in enumerate(_STOPS):
-        lever = LEVER_M if stop == "jaw" else 1
+        lever = one.lever_m if stop == "jaw" else 1
         for name, key in (("impulse sum", "impulse_sum"), ("largest impulse", "largest_impulse")):
             wrong = getattr(mine, key)[0, place] - np.longdouble(true[f"{key}_{stop}"]) / lever
             found.add(where, name, wrong, float(getattr(mine, f"{key}_error")[0, place]))
