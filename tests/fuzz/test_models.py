@@ -205,14 +205,14 @@ def test_most_wrong_values_are_refused_and_not_everything_is() -> None:
     assert isinstance(_built(URDF, TOML), Mechanism)
 
 
-def test_shapes_that_the_parser_leaves_out_are_named() -> None:
-    """Found above: one unreadable shape of a link ended in an IndexError of the shape behind it."""
+def test_shapes_that_cannot_be_read_are_named() -> None:
+    """Found above: one of them in a link ended in an IndexError of the shape behind it."""
     right = '<mesh filename="meshes/frame_wall.stl"/>'
     assert right in URDF
     wrong = URDF.replace(right, '<mesh filename="meshes/frame_wall.stl" scale=""/>', 1)
     refusal = _built(wrong, TOML)
     assert isinstance(refusal, InputError)
-    assert "collision" in refusal.message
+    assert "link frame visual frame_wall mesh scale" in refusal.message
 
 
 def test_names_that_no_message_can_show_are_refused() -> None:

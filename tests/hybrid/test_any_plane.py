@@ -6,6 +6,8 @@ that grows to 5e-14 of a rate; the bounds leave it a factor of twenty.
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,11 +16,13 @@ from any_plane import Matrix, rewritten
 from small_machines import frame, hinge, link, slide, sources
 
 from nipper_pin import Case, Window, load, simulate
+from nipper_pin.cli import main
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Mechanism, from_sources, with_numbers
 from nipper_pin.mechanism.build.placements import joint_placements
 from nipper_pin.mechanism.load import number_of
 from nipper_pin.view.scene.solids import Solid, solids
+from nipper_pin.view.sketch.places import sketch
 
 HINGES, SLIDES = ("pole_hinge", "arm_hinge"), ("rail",)
 PARTS = [
@@ -178,3 +182,19 @@ def placed(mechanism: Mechanism, solid: Solid) -> Matrix:
     joint = mechanism.model.getJointId(mechanism.joints[solid.body].name)
     found: Matrix = joint_placements(mechanism.model)[joint].homogeneous @ solid.placement
     return found
+
+
+def test_a_turned_machine_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the other one: its places in the drawing, and the words of `check`."""
+    plain = load("e62")
+    turned = rewritten(plain.urdf, about_z(np.pi / 2), {}, np.random.default_rng(5))
+    folder = tmp_path / "e62"
+    shutil.copytree(plain.mesh_folder, folder)
+    (folder / "e62.urdf").write_text(turned, encoding="utf-8")
+    assert main(["check", str(folder), "--drawing", str(tmp_path / "drawing.svg")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "the plane of y and z of the URDF is the side view here" in said
+    one, two = sketch(plain), sketch(load(folder))
+    for first, second in zip(one.nodes, two.nodes, strict=True):
+        assert first.name == second.name
+        np.testing.assert_allclose(second.place, first.place, atol=1e-12)

@@ -10,6 +10,19 @@ import pinocchio as pin
 from ...arrays import FloatArray
 
 
+def own_frame(model: pin.Model, link: str) -> pin.Frame:
+    """Frame of a link as its file has it, in which it is drawn: the side view may have another."""
+    own = own_name(link)
+    name = own if model.existFrame(own, pin.FrameType.OP_FRAME) else link
+    kind = pin.FrameType.BODY if name == link else pin.FrameType.OP_FRAME
+    return model.frames[model.getFrameId(name, kind)]
+
+
+def own_name(link: str) -> str:
+    """Name of that frame in a model, where it is one of its own."""
+    return f"{link} in the file"
+
+
 def joint_placements(model: pin.Model) -> list[pin.SE3]:
     """World placement of every joint at q = 0, by joint identity, without any ``pin.Data``."""
     placements = [pin.SE3.Identity()]

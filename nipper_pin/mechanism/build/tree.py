@@ -13,6 +13,7 @@ from ..files.meshes import check_corners, check_size
 from ..files.urdf_parts import Urdf, UrdfJoint
 from ..files.urdf_shapes import UrdfShape
 from ..mechanism import Joint
+from .placements import own_name
 
 _ALONG_AXES = {
     (1.0, 0.0, 0.0): pin.JointModelPX,
@@ -81,7 +82,9 @@ def _add_own_axes(model: pin.Model, urdf: Urdf) -> None:
     for link, axes in urdf.own_axes.items():
         frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
         at = frame.placement * pin.SE3(axes, np.zeros(3))
-        own = pin.Frame(link, frame.parentJoint, frame.parentFrame, at, pin.FrameType.OP_FRAME)
+        own = pin.Frame(
+            own_name(link), frame.parentJoint, frame.parentFrame, at, pin.FrameType.OP_FRAME
+        )
         model.addFrame(own, False)
 
 

@@ -18,6 +18,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...mechanism import Mechanism
+from ...mechanism.build.placements import own_frame
 from ...mechanism.drives import OscillatingGuide
 from ...mechanism.files.urdf import parse_xml
 from ...mechanism.files.urdf_shapes import mesh_path, path_inside
@@ -25,8 +26,6 @@ from ...mechanism.files.urdf_values import numbers, origin, rotation_from_rpy
 from .colours import link_colour
 
 Colour = tuple[float, float, float]
-# Frames of links here, and as the file has them where the side view has others.
-_LINK, _OWN = pin.FrameType.BODY, pin.FrameType.OP_FRAME
 FIXED = -1
 CYLINDER = -2
 
@@ -122,9 +121,7 @@ def _links(
     """Links of the URDF, the body that each moves with, and where it stands in that."""
     order = [mechanism.model.getJointId(joint.name) for joint in mechanism.joints]
     for link in robot.findall("link"):
-        name, model = link.get("name", ""), mechanism.model
-        kind = _OWN if model.existFrame(name, _OWN) else _LINK
-        frame = model.frames[model.getFrameId(name, kind)]
+        frame = own_frame(mechanism.model, link.get("name", ""))
         body = order.index(frame.parentJoint) if frame.parentJoint else FIXED
         yield link, body, frame.placement
 
@@ -187,7 +184,7 @@ def _bars(mechanism: Mechanism, body: int, joint: int) -> list[Solid]:
     ends += [
         np.array(frame.placement.translation)
         for frame in model.frames
-        if frame.parentJoint == joint and frame.type == _LINK and frame.name in named
+        if frame.parentJoint == joint and frame.name in named
     ]
     thick = 0.02 * mechanism.reach_m
     ends = [end for end in ends or [model.inertias[joint].lever] if np.linalg.norm(end) > thick]

@@ -12,6 +12,9 @@ from ...mechanism import Mechanism, Spring, TabulatedSpring
 from ...mechanism.build.placements import joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
 
+# A joint may have the name of a link.
+_LINK = pin.FrameType.BODY
+
 
 @dataclass(frozen=True)
 class Link:
@@ -110,7 +113,7 @@ def sketch(mechanism: Mechanism) -> Sketch:
         ]
         for closure in mechanism.closures:
             for frame in (closure.frame_a, closure.frame_b):
-                if model.frames[model.getFrameId(frame)].parentJoint == order[body]:
+                if model.frames[model.getFrameId(frame, _LINK)].parentJoint == order[body]:
                     points.append(_frame(model, frame, world)[[0, 2]])
         for stop, mark in zip(mechanism.stops, stops, strict=True):
             hinge = next(item for item in mechanism.joints if item.index == stop.index)
@@ -156,11 +159,11 @@ def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     """A joint that closes a loop."""
     model, closure = mechanism.model, mechanism.closures[place]
     frames = (closure.frame_a, closure.frame_b)
-    parents = [model.frames[model.getFrameId(name)].parentJoint for name in frames]
+    parents = [model.frames[model.getFrameId(name, _LINK)].parentJoint for name in frames]
     along, kind = np.zeros(2), "cut pin"
     if closure.slot_frame is not None:
         kind = "slot"
-        frame = model.frames[model.getFrameId(closure.slot_frame)]
+        frame = model.frames[model.getFrameId(closure.slot_frame, _LINK)]
         rotation = (world[frame.parentJoint] * frame.placement).rotation
         along = rotation[[0, 2], 0 if closure.slot_axis == "x" else 2]
     return Node(closure.name, kind, _frame(model, closure.frame_a, world)[[0, 2]], along,
@@ -195,7 +198,7 @@ def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[Floa
 
 
 def _frame(model: pin.Model, name: str, world: list[pin.SE3]) -> FloatArray:
-    frame = model.frames[model.getFrameId(name)]
+    frame = model.frames[model.getFrameId(name, _LINK)]
     return np.asarray((world[frame.parentJoint] * frame.placement).translation)
 
 
