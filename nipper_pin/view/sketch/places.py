@@ -135,7 +135,8 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     along, at = np.zeros(2), world[identity].translation[[0, 2]]
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, place, world)
-    springs = (*mechanism.springs, *mechanism.tabulated_springs)
+    names = [item.name for item in mechanism.springs if item.index == joint.index]
+    names += [item.name for item in mechanism.tabulated_springs if item.index == joint.index]
     return Node(
         joint.name,
         "pin" if joint.kind == "revolute" else "slide",
@@ -143,7 +144,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         along,
         model.parents[identity] == 0,
         next((item.name for item in mechanism.drives if item.index == joint.index), ""),
-        ", ".join(item.name for item in springs if item.index == joint.index),
+        ", ".join(names),
     )
 
 
