@@ -82,7 +82,7 @@ def test_rows_of_each_half_are_those_of_the_machine_alone(name: str) -> None:
 def rows(run: Solution, stop: str) -> list[tuple[list[float], float]]:
     """Loss, height and time of every collision of a stop, and its relative error."""
     found = []
-    for hit in (item for item in run.collisions if item.stop == stop):
+    for hit in (item for item in run.collisions if item.stop == stop and item.impulse > 0.0):
         lever = run.mechanism.stop(stop).lever
         error = run.errors[hit.event.number - 1].impulses[stop] / lever / hit.impulse
         height, lasts = hit.rebound_amplitude, hit.rebound_time
