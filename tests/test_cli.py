@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import re
@@ -14,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from nipper_pin import Case, Window, load, load_solution, simulate
-from nipper_pin.cli import _parser, main
+from nipper_pin.cli import main
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
@@ -319,24 +318,3 @@ def test_many_turns_repeat(capsys: pytest.CaptureFixture[str]) -> None:
     assert document["work"]["turns_computed"] == 1
     one = len(simulate(load("e62"), Case(speed_rpm=450.0, window=Window.CYCLE)).collisions)
     assert len(document["collisions"]) == 50 * one
-
-
-def test_defaults_are_those_that_the_help_names() -> None:
-    """Every "(default X)" in the help of an option is the value that it has where it is left out.
-
-    Options whose default is decided later have None here; their commands are tested for it.
-    """
-    (commands,) = (
-        action for action in _parser()._actions if isinstance(action, argparse._SubParsersAction)
-    )
-    checked = 0
-    for name, command in commands.choices.items():
-        for action in command._actions:
-            told = re.search(r"\(default:? ([^,;)]*)", action.help or "")
-            if told is None or action.default is None or action.default is argparse.SUPPRESS:
-                continue
-            checked += 1
-            assert str(told[1]).strip() in {
-                str(action.default), f"{action.default:g}" if action.type is float else "",
-            }, f"{name} {action.option_strings}"  # fmt: skip
-    assert checked >= 8

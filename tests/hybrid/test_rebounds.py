@@ -49,6 +49,7 @@ GAPS: dict[str, tuple[list[Gap], list[float]]] = {
     "cut at the crest": ([PARABOLA] * 2, [0.0, 0.5, 1.0]),
     "cut behind the crest": ([PARABOLA] * 3, [0.0, 0.6, 0.8, 1.0]),
     "a kink": ([line((0.0, 0.0), TOP), line(TOP, (1.0, 0.0))], [0.0, 0.4, 1.0]),
+    "a crest that is cut off": ([PARABOLA, line((0.4, 0.96), (1.0, 0.0))], [0.0, 0.4, 1.0]),
     "a level": ([line((0.0, 0.0), (0.2, 0.3)), Polynomial([0.3]), line((0.7, 0.3), (1.0, 0.0))],
                 [0.0, 0.2, 0.7, 1.0]),
     "the first of two crests": ([waves(2.0, -1.0)], [0.0, 1.0]),
@@ -70,20 +71,22 @@ def panel(gap: Gap, begin: float, end: float, stop: Stop, *, integrated: bool) -
                  for x in (q, v, a)), Partition.of([], 1), integrated=integrated)  # fmt: skip
 
 
-@pytest.mark.parametrize("beyond", [0.0, 0.2])
+@pytest.mark.parametrize(("panels", "beyond"), [(1, 0.0), (1, 0.4), (3, 0.4)])
 @pytest.mark.parametrize("integrated", [True, False])
 @pytest.mark.parametrize("stop", [LOWER, UPPER], ids=["lower", "upper"])
 @pytest.mark.parametrize("name", GAPS)
 def test_the_highest_point_of_a_rebound(
-    name: str, stop: Stop, integrated: bool, beyond: float
+    name: str, stop: Stop, integrated: bool, panels: int, beyond: float
 ) -> None:
     """That of a fine grid, to its spacing; the last panel of each piece may reach beyond it."""
     gaps, times = GAPS[name]
-    segments = [
-        Segment(t, end, frozenset(), (panel(gap, t, end + beyond * (end - t), stop,
-                integrated=integrated),), kinematic=not integrated)
-        for gap, (t, end) in zip(gaps, pairwise(times), strict=True)
-    ]  # fmt: skip
+    segments = []
+    for gap, (begin, end) in zip(gaps, pairwise(times), strict=True):
+        edges = np.linspace(begin, end, panels + 1)
+        edges[-1] += beyond * (end - begin)
+        parts = (panel(gap, *edge, stop, integrated=integrated) for edge in pairwise(edges))
+        closed: frozenset[str] = frozenset()
+        segments.append(Segment(begin, end, closed, tuple(parts), kinematic=not integrated))
 
     def event(number: int, t: float) -> Any:
         return SimpleNamespace(

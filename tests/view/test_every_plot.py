@@ -142,6 +142,10 @@ def assert_phases_in_time(judge: Judge, figure: Figure, panels: list[Axes]) -> N
     assert first == pytest.approx(judge.index(0.0), abs=1e-6)
     whole = 40.0 * judge.run.segments[-1].t_end / (60.0 / judge.run.case.speed_rpm)
     assert last - first == pytest.approx(whole, rel=1e-9)
+    # Indices begin again after a turn.
+    for tick, label in zip(top.get_xticks(), top.get_xticklabels(), strict=True):
+        assert float(label.get_text()) == pytest.approx(tick % 40.0)
+    assert max(top.get_xticks()) >= 40.0
     assert panels[-1].get_xlabel() == "time from the start of the run [ms]"
 
 

@@ -17,7 +17,6 @@ from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import load
-from nipper_pin.terms import digits, fixed
 from nipper_pin.view.run import table
 from nipper_pin.view.run.table import print_solution
 
@@ -307,24 +306,3 @@ def test_a_run_that_ends_in_mid_rebound_says_so() -> None:
     text = text_of(simulate(mechanism, Case(speed_rpm=650.0)))
     assert "-: the window ends before the rebound does." in text
     assert "No transition of the jaw was completed." in text
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (None, "-"),
-        (0.0, "0"),
-        (-16.8265, "-16.83"),
-        (0.0012344, "0.001234"),
-        (2.8639e-8, "2.864e-8"),
-        (-9.9999e-5, "-1.000e-4"),
-        (123456.7, "123457"),
-        (1.5e7, "1.500e7"),
-    ],
-)
-def test_digits(value: float | None, text: str) -> None:
-    assert digits(value) == text
-
-
-def test_round_off_below_zero_is_no_minus_zero() -> None:
-    assert fixed(-1e-9, 2) == "0.00"

@@ -123,6 +123,8 @@ class Drive:
 class Spring:
     """A linear spring on a joint; it pushes the coordinate down.
 
+    In the model it is called as its joint is, and a second one ``NAME_2``; dampers likewise.
+
     Attributes:
         joint: The joint.
         stiffness: Stiffness [N/m; N m/rad on a hinge].
@@ -166,7 +168,7 @@ class Damper:
 
 @dataclass(frozen=True)
 class Force:
-    """A force element with a registered law on a joint, of the same name in the model.
+    """A force element with a registered law on a joint; in the model it is called as a spring is.
 
     Attributes:
         joint: The joint.

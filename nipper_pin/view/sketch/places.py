@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...mechanism import Mechanism, Spring, TabulatedSpring
+from ...mechanism import Mechanism
 from ...mechanism.build.placements import joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
 
@@ -142,8 +142,8 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     along, at = np.zeros(2), world[identity].translation[[0, 2]]
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, place, world)
-    springs: tuple[Spring | TabulatedSpring, ...]
-    springs = (*mechanism.springs, *mechanism.tabulated_springs)
+    names = [item.name for item in mechanism.springs if item.index == joint.index]
+    names += [item.name for item in mechanism.tabulated_springs if item.index == joint.index]
     return Node(
         joint.name,
         "pin" if joint.kind == "revolute" else "slide",
@@ -151,7 +151,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         along,
         model.parents[identity] == 0,
         next((item.name for item in mechanism.drives if item.index == joint.index), ""),
-        ", ".join(item.name for item in springs if item.index == joint.index),
+        ", ".join(names),
     )
 
 
