@@ -13,8 +13,7 @@ for name in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "T
              "MPLBACKEND", "MATPLOTLIBRC", "PYTHONIOENCODING", "PYTHONWARNINGS",
              "PYTHONUNBUFFERED", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):  # fmt: skip
     os.environ.pop(name, None)
-os.environ |= {"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1", "TZ": "UTC"}
-os.umask(0o022)
+os.environ.update({"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1", "TZ": "UTC"})
 
 # A job that a script starts in the background ignores interrupts, and so would the commands that
 # tests interrupt: they would wait for ever.
@@ -28,6 +27,11 @@ import not_tested
 import pytest
 
 from nipper_pin.mechanism import Mechanism, load
+
+
+def pytest_configure() -> None:
+    """What files are allowed is not what the tests are about either."""
+    os.umask(0o022)
 
 
 @pytest.fixture(scope="session")
