@@ -8,13 +8,6 @@ from pathlib import Path
 # fight for the processors. Read by BLAS when numpy is imported, so it has to stand first.
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-# What a terminal, a country or a user sets is not what the tests are about; each that is sets it.
-for name in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "TERM", "LANGUAGE",
-             "MPLBACKEND", "MATPLOTLIBRC", "PYTHONIOENCODING", "PYTHONWARNINGS",
-             "PYTHONUNBUFFERED", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):  # fmt: skip
-    os.environ.pop(name, None)
-os.environ.update({"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1", "TZ": "UTC"})
-
 # A job that a script starts in the background ignores interrupts, and so would the commands that
 # tests interrupt: they would wait for ever.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -29,8 +22,19 @@ import pytest
 from nipper_pin.mechanism import Mechanism, load
 
 
+# Of a terminal, and of what its user likes.
+PERSONAL = (
+    "COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "TERM", "LANGUAGE",
+    "MPLBACKEND", "MATPLOTLIBRC", "PYTHONIOENCODING", "PYTHONWARNINGS", "PYTHONUNBUFFERED",
+    "TTY_COMPATIBLE", "TTY_INTERACTIVE",
+)  # fmt: skip
+
+
 def pytest_configure() -> None:
-    """What files are allowed is not what the tests are about either."""
+    """Whoever runs the tests is not what they are about; each that is sets what it needs."""
+    for name in PERSONAL:
+        os.environ.pop(name, None)
+    os.environ.update({"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1", "TZ": "UTC"})
     os.umask(0o022)
 
 
