@@ -21,7 +21,6 @@ import pytest
 
 from nipper_pin.mechanism import Mechanism, load
 
-
 # Of a terminal, and of what its user likes.
 PERSONAL = (
     "COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "TERM", "LANGUAGE",
