@@ -21,6 +21,21 @@ import pytest
 
 from nipper_pin.mechanism import Mechanism, load
 
+# Of a terminal, and of what its user likes.
+PERSONAL = (
+    "COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "CLICOLOR_FORCE", "TERM", "LANGUAGE",
+    "MPLBACKEND", "MATPLOTLIBRC", "PYTHONIOENCODING", "PYTHONWARNINGS", "PYTHONUNBUFFERED",
+    "TTY_COMPATIBLE", "TTY_INTERACTIVE",
+)  # fmt: skip
+
+
+def pytest_configure() -> None:
+    """Whoever runs the tests is not what they are about; each that is sets what it needs."""
+    for name in PERSONAL:
+        os.environ.pop(name, None)
+    os.environ.update({"LC_ALL": "C.UTF-8", "PYTHONUTF8": "1", "TZ": "UTC"})
+    os.umask(0o022)
+
 
 @pytest.fixture(scope="session")
 def e62() -> Mechanism:

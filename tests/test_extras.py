@@ -67,7 +67,8 @@ def test_without_the_extras_the_same_is_printed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     monkeypatch.setenv("COLUMNS", "120")
-    here, there = tmp_path / "here", tmp_path / "there"
+    # Of one length: sentences are folded as they are printed, the path included.
+    here, there = tmp_path / "with", tmp_path / "none"
     here.mkdir()
     there.mkdir()
     done = run_without(MODULES, *command, folder=there)

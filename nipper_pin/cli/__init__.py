@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import os
 import select
 import shutil
@@ -17,9 +18,12 @@ from importlib import import_module
 # environment. BLAS reads this once, when numpy is imported.
 if "numpy" not in sys.modules:
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+# Figures are files: no window is needed, nor a name of one that this matplotlib knows.
+os.environ["MPLBACKEND"] = "agg"
 
 from ..errors import InputError, NipperError, one_line
 from ..given import read_number, read_whole
+from .surroundings import interrupts, open_streams
 
 _RIGHT = 0
 _NOT_SIMULATED = 1
@@ -57,13 +61,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status: 0 right, 1 the simulation could not be done, 2 unusable arguments or files.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    named = next((word for word in words[:1] if word in _COMMANDS), None)
-    options = _parser(named).parse_args(words)
-    options.words = words
+    open_streams()
+    with interrupts() as came:
+        try:
+            return _ended(words)
+        except Exception:
+            if came:
+                return _INTERRUPTED
+            raise
+
+
+def _ended(words: list[str]) -> int:
+    """Run the command, and tell of whatever it runs into."""
     try:
-        with warnings.catch_warnings():
-            warnings.showwarning = _note
-            options.run(options)
+        _run(words)
         # While it can still be told that there is no space.
         sys.stdout.flush()
     except InputError as error:
@@ -79,10 +90,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return _RIGHT
 
 
+def _run(words: list[str]) -> None:
+    named = next((word for word in words[:1] if word in _COMMANDS), None)
+    try:
+        options = _parser(named).parse_args(words)
+    except SystemExit:
+        sys.stdout.flush()
+        raise
+    options.words = words
+    with warnings.catch_warnings():
+        warnings.showwarning = _note
+        options.run(options)
+
+
 def _unwritten(error: OSError) -> int:
     """Tell of an output that is full, or of another failure of the system that nobody expected."""
     place = "the output" if error.filename is None else error.filename
     message = f"{place}: cannot be written or read ({error.strerror or error}); is there space?"
+    if error.errno == errno.EBADF:
+        message = "the output is closed, so that nothing can be printed; > /dev/null discards it"
     status = _complain(InputError(message), _UNUSABLE)
     try:
         sys.stdout.flush()

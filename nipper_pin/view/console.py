@@ -8,6 +8,7 @@ import sys
 import textwrap
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rich import box
 from rich.console import Console, ConsoleOptions, JustifyMethod, RenderableType
@@ -17,6 +18,8 @@ from rich.text import Text
 
 from ..errors import printable
 
+# Of a terminal that does not say, in letters.
+_USUAL = 80
 # Wider than any line.
 _UNBROKEN = 100_000
 # A space that no line breaks at: between a number and its unit, or a word and its number.
@@ -47,6 +50,12 @@ class _Column:
 
 class Terminal(Console):
     """Where all commands print: no text of a file can command it."""
+
+    def __init__(self, **options: Any) -> None:
+        """Take the options of rich; a terminal that says it has no width has the usual one."""
+        super().__init__(**options)
+        if self.width < 1:
+            self.width = _USUAL
 
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None

@@ -94,7 +94,7 @@ def test_meshes_of_one_corner_that_is_none_are_refused(name: str, tmp_path: Path
     """Whose reader makes one corner of all that are no numbers."""
     home = model(tmp_path, f'<mesh filename="{name}"/>', "collision")
     (home / name).write_bytes(NONE[name])
-    with pytest.raises(ModelError, match="link ls3 collision .*corner 1 at"):
+    with pytest.raises(ModelError, match=r"link ls3 collision .*corner 1 at"):
         load(home)
     with pytest.raises(ModelError, match="corner 1 at"):
         read_mesh(home / name)
