@@ -70,6 +70,8 @@ def whole(key: str, value: object, low: int, high: int, *, where: str = "") -> i
     Raises:
         InputError: It is another thing, or out of range.
     """
+    if type(value) is int and low <= value <= high:
+        return value
     plain = _plain(value)
     right = isinstance(plain, int) and not isinstance(plain, bool)
     if not (right and low <= plain <= high):

@@ -14,6 +14,9 @@ import nipper_pin as nip
 from nipper_pin.cli import main
 from nipper_pin.given import read_number, read_whole
 from nipper_pin.reduced import reduced_model, transition, transitions
+from nipper_pin.study.sensitivity import sensitivities
+from nipper_pin.study.speed_limit import speed_limit
+from nipper_pin.view.scene import Look
 
 E62 = nip.load("e62")
 # Words are those of a form or a file, arrays those of a column in place of one of its numbers.
@@ -87,6 +90,28 @@ CALLS: dict[str, tuple[Callable[[Any], object], tuple[Any, ...]]] = {
     "turns torques": (turns("torques"), NO_FLAG),
     **{f"design {key}": (design(key), NOT_WHOLE) for key in ("starts", "seed", "points")},
     **{f"fit {key}": (fit(key), NOT_WHOLE) for key in ("starts", "seed")},
+    **{
+        f"limit {key}": (
+            lambda value, key=key: speed_limit(
+                E62, **{"low_rpm": 440.0, "high_rpm": 450.0, "speeds": 2, key: value}
+            ),
+            wrong,
+        )
+        for key, wrong in (
+            ("low_rpm", (*NOT_ONE, 0.0, -1.0)),
+            ("high_rpm", (*NOT_ONE, 0.0, -1.0)),
+            ("speeds", (*NOT_WHOLE, 1)),
+            ("turns", (*NOT_WHOLE, 0)),
+        )
+    },
+    "sensitivities speed_rpm": (lambda value: sensitivities(E62, value), (*NOT_ONE, 0.0)),
+    "sensitivities workers": (
+        lambda value: sensitivities(E62, 450.0, workers=value),
+        (*NOT_WHOLE, 0),
+    ),
+    "look slow": (lambda value: Look(slow=value), (*NOT_ONE, 0.5)),
+    "look exaggerate": (lambda value: Look(exaggerate=value), (*NOT_ONE, 99.0)),
+    "rows most": (lambda value: nip.read_sweep("nowhere", value), (0, -1, 2.5, "3", True, [2])),
     "check speed_rpm": (
         lambda value: nip.check(E62, speed_rpm=value),
         tuple(item for item in NOT_ONE if item is not None),

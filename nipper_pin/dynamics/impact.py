@@ -170,7 +170,7 @@ def _still(
         return []
     others = [i for i in range(len(contacts)) if i not in chosen]
     # Rates of hinges and slides are compared, so each counts by the unit of its coordinate.
-    units = [float(system.body.units[stop.index]) for stop in contacts]
+    units = [system.body.unit_of[stop.index] for stop in contacts]
     after = [(contacts[i].rate(v) + contacts[i].rate(delta)) / units[i] for i in others]
     # At active contacts xi is zero by construction, up to round-off.
     xi = [rate - wanted[i] / units[i] for i, rate in zip(others, after, strict=True)]
@@ -296,10 +296,12 @@ def _impulses(
     for row, stop in enumerate(stops, start=m):
         rows[row, stop.index] = stop.sense
     delta, impulses = system.body.impulse_response(q, rows, z, system.drive_armature)
-    # What rows of closures leave is a rate of slides: it counts by the same unit.
-    lengths = np.array([system.mechanism.unit_m] * m + [system.body.units[i] for i in columns])
-    size = _size(z / system.body.units)
-    residual = _size(product(rows, z + delta) / lengths)
+    units = lengths = None
+    if system.body.scaled:
+        # What rows of closures leave is a rate of slides: it counts by the same unit.
+        units = system.body.units
+        lengths = np.array([system.mechanism.unit_m] * m + [units[i] for i in columns])
+    size, residual = _size(z, units), _size(product(rows, z + delta), lengths)
     for _ in range(_REFINEMENTS):
         if residual <= IMPACT_RESIDUAL * size:
             break
@@ -307,7 +309,7 @@ def _impulses(
         left = z + delta
         left[list(held)] = 0.0
         more, further = system.body.impulse_response(q, rows, left, system.drive_armature)
-        refined = _size(rows @ (left + more) / lengths)
+        refined = _size(rows @ (left + more), lengths)
         if not refined < residual:
             break
         delta, impulses, residual = delta + more, impulses + further, refined
@@ -323,6 +325,8 @@ def _impulses(
     return delta, impulses[:m], impulses[m:]
 
 
-def _size(vector: FloatArray) -> float:
-    """Euclidean norm; of a few numbers, faster than the largest of them."""
+def _size(vector: FloatArray, units: FloatArray | None = None) -> float:
+    """Euclidean norm in units of each number; of a few, faster than the largest of them."""
+    if units is not None:
+        vector = vector / units
     return math.sqrt(np.vdot(vector, vector))

@@ -25,6 +25,7 @@ class OpenTree:
         nv: Number of coordinates.
         reach_m: Largest extent of the mechanism [m].
         units: Of each coordinate, as :attr:`Mechanism.units`, shape (nv,).
+        unit_of: The same as plain numbers.
         scaled: Whether any of them is not one.
         closure_rows: Number of closure equations, two a cut joint, then one a coupling.
         cuts: Frames a and b of every cut joint.
@@ -39,6 +40,7 @@ class OpenTree:
         self.nv = int(model.nv)
         self.reach_m = mechanism.reach_m
         self.units = mechanism.units
+        self.unit_of: list[float] = self.units.tolist()
         self.scaled = bool((self.units != 1.0).any())
         self._plain = pin.Model(model)
         self._plain_data = self._plain.createData()

@@ -275,7 +275,7 @@ class _Way:
 def _closed_up(system: System, phase: ConstraintSet, end: Exact, hit: list[Stop]) -> Exact:
     """The end of a segment with the gaps of the stops that it ends at exactly zero."""
     met = end.q
-    units = system.body.units
+    units = system.body.unit_of
     left = max(abs(stop.gap(met)) / units[stop.index] for stop in hit)
     for stop in hit:
         met[stop.index] = stop.at

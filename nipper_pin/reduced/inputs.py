@@ -52,8 +52,8 @@ def one_row(key: str, value: ArrayLike | None, default: FloatArray, low: float) 
     """Values of all springs in one case, shape (springs,)."""
     if value is None:
         return default
-    if isinstance(value, float):
-        return np.full(len(default), number(key, value, low, LARGEST))
+    if type(value) is float and low <= value <= LARGEST:
+        return np.full(len(default), value)
     given = numbers(key, value)
     row: FloatArray = spring_rows(
         key, given if given.ndim == 0 else given[None], len(default), low

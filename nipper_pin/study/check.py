@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -73,7 +73,7 @@ class ModelReport:
     outcome: str
     struck: frozenset[str]
     no_transition: str
-    urdf: UrdfAdvice
+    urdf: UrdfAdvice = field(default_factory=UrdfAdvice)
 
     @property
     def masses(self) -> tuple[LinkMass, ...]:

@@ -19,7 +19,8 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..errors import SimulationError
-from ..hybrid.case import Case, Window
+from ..given import MOST_WORKERS, number, whole
+from ..hybrid.case import FASTEST_RPM, Case, Window
 from ..hybrid.simulate import simulate
 from ..mechanism import Mechanism, rad_s_from_rpm
 from ..reduced import build, transition
@@ -195,6 +196,8 @@ def sensitivities(
         InputError: The model has no working cycle of two phases without freedom.
         SimulationError: The model cannot be simulated, or not with slightly changed numbers.
     """
+    speed_rpm = number("speed_rpm", speed_rpm, 0.0, FASTEST_RPM, open_low=True)
+    whole("workers", workers, 1, MOST_WORKERS)
     chosen = every_path(mechanism) if paths is None else tuple(paths)
     sources = Sources.of(mechanism)
     inner = [path for path in chosen if path != SPEED]

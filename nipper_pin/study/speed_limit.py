@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import FloatArray
 from ..errors import InputError, SimulationError
-from ..given import whole
+from ..given import number, whole
 from ..mechanism import Mechanism
 from ..mechanism.cylinder import INDEX_PER_TURN
 from ..reduced.turns import (
@@ -191,11 +191,13 @@ def _need_drive(mechanism: Mechanism) -> None:
 
 def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:
     """The speeds of a range, checked."""
-    whole("speeds", speeds, 1, _MOST_SPEEDS)
-    if not 0.0 < low_rpm < high_rpm <= _FASTEST_RPM or speeds < 2:
+    whole("speeds", speeds, 2, _MOST_SPEEDS)
+    low_rpm = number("low_rpm", low_rpm, 0.0, _FASTEST_RPM, open_low=True)
+    high_rpm = number("high_rpm", high_rpm, 0.0, _FASTEST_RPM, open_low=True)
+    if not low_rpm < high_rpm:
         message = (
-            f"speeds from {low_rpm!r} to {high_rpm!r} r/min, {speeds!r} of them, cannot be used: "
-            f"two or more, from a speed above 0 to a larger one, at most {_FASTEST_RPM:g}"
+            f"speeds from {low_rpm:g} to {high_rpm:g} r/min cannot be used: from a speed to a "
+            "larger one"
         )
         raise InputError(message, low_rpm=low_rpm, high_rpm=high_rpm, speeds=speeds)
     return np.linspace(low_rpm, high_rpm, speeds)

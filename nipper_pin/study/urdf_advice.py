@@ -39,8 +39,8 @@ class UrdfAdvice:
         stops: TOML text of the stops that would enforce the limits of joints; empty without any.
     """
 
-    sentences: tuple[str, ...]
-    stops: str
+    sentences: tuple[str, ...] = ()
+    stops: str = ""
 
 
 def urdf_advice(solution: Solution) -> UrdfAdvice:

@@ -56,9 +56,11 @@ def view(
     look = Look(slow=slow, exaggerate=exaggerate)
     if file is None:
         need_page()
+        from ..given import flag, whole
         from .scene.server import serve
 
-        serve(_page(solution, look), port, browser=browser)
+        port = whole("port", port, 0, 65535)
+        serve(_page(solution, look), port, browser=flag("browser", browser))
         return None
     target = Path(file)
     if target.suffix == ".html":

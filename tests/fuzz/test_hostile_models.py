@@ -156,7 +156,7 @@ def test_links_in_a_circle_are_no_model(tmp_path: Path) -> None:
 
 
 def test_more_turns_than_a_machine_lives_are_refused() -> None:
-    with pytest.raises(InputError, match="from 1 to 1000000"):
+    with pytest.raises(InputError, match="from 1 to 1,000,000"):
         Case(speed_rpm=450.0, window="cycle", cycles=10**20)
 
 

@@ -13,8 +13,9 @@ from small_machines import link, machine, slide
 
 from nipper_pin import Case, ElementError, ImpactError, simulate
 from nipper_pin.arrays import FloatArray
-from nipper_pin.mechanism.forces import ForceTable, register_force
-from nipper_pin.mechanism.restitution import RestitutionTable, register_restitution
+from nipper_pin.mechanism.files.register import FORCES, RESTITUTIONS
+from nipper_pin.mechanism.forces import ForceTable
+from nipper_pin.mechanism.restitution import RestitutionTable
 
 RETURNED: dict[str, Any] = {
     "gains": 1.17,
@@ -43,7 +44,6 @@ class Returning:
         return 0.0
 
 
-@register_restitution
 class ReturningRestitution(RestitutionTable, frozen=True, kw_only=True, tag="returning"):
     """A restitution of any kind."""
 
@@ -70,7 +70,6 @@ class Rubbing:
         return self.c * rate**2
 
 
-@register_force
 class RubbingForce(ForceTable, frozen=True, kw_only=True, tag="rubbing"):
     """A damper of any sign."""
 
@@ -78,6 +77,14 @@ class RubbingForce(ForceTable, frozen=True, kw_only=True, tag="rubbing"):
 
     def build(self, kind: str) -> Rubbing:
         return Rubbing(c=self.c)
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The laws are known in these tests alone."""
+    for register, table in ((RESTITUTIONS, ReturningRestitution), (FORCES, RubbingForce)):
+        monkeypatch.setattr(register, "_added", dict(register._added))
+        register.add(table)
 
 
 def falling(**tables: Any) -> Any:

@@ -74,7 +74,8 @@ def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None
             name: asdict(report.stop_force[name]) for name in ("jaw", "steeve")
         },
         "smallest_stop_moment_N_m": {},
-        "outcome": turn.outcome.value, "no_transition": "", "provenance": dict(e62.provenance),
+        "outcome": turn.outcome.value, "no_transition": "", "advice": [], "stops_to_paste": "",
+        "provenance": dict(e62.provenance),
     }  # fmt: skip
     assert report.struck == {"jaw", "steeve"}
     opened = next(

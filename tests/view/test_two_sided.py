@@ -78,7 +78,7 @@ def test_the_viewer_reads_gaps_and_pushes_away_from_the_stop(boxed: Solution) ->
 def test_an_exaggerated_gap_opens_away_from_its_stop() -> None:
     """Drawn five times as large, the gap of an upper stop grows downwards from the stop's place."""
     parts = [
-        link("crank", 1.0, 0.1), hinge("crank_axis", "frame", "crank"),
+        link("crank", 1.0, 0.1), hinge("crank_axis", "frame", "crank", (1.0, 0.0)),
         link("hand"), slide("reach", "crank", "hand"),
     ]  # fmt: skip
     drives = {"crank": {"joint": "crank_axis", "law": "fourier", "sine_rad": [0.5], **SHAFT}}

@@ -105,7 +105,7 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
         return panel.t
     if panel.integrated:
         return _flight_root(
-            panel, stop, gap, rate, GAP_ROUND_OFF * float(system.body.units[stop.index])
+            panel, stop, gap, rate, GAP_ROUND_OFF * system.body.unit_of[stop.index]
         )
     h, gaps = panel.h, stop.gaps(panel.q)
     series = interpolant(gaps)

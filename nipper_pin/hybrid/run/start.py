@@ -95,7 +95,7 @@ def initial_state(system: System, start_index: float, starts: Sequence[Start] = 
     q, v, jacobian = assemble(system.body, path, given, end_rates)
     for stop in mechanism.stops:
         gap = stop.gap(q)
-        if abs(gap) <= GAP_ROUND_OFF * system.body.units[stop.index]:
+        if abs(gap) <= GAP_ROUND_OFF * system.body.unit_of[stop.index]:
             q[stop.index] = stop.at
         elif stop.name not in closed and gap < 0.0:
             message = (

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...dynamics.assembly import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
+from ...given import number
 from ...hybrid.result.solution import Solution
 from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
 from ..reading import shown_until
@@ -44,9 +45,8 @@ class Look:
         """Validate."""
         for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
             value = getattr(self, key)
-            if value is not None and not 1.0 <= value <= most:
-                message = f"view: {key} = {value:g} cannot be used: 1 to {most:g}"
-                raise InputError(message, key=key, value=value)
+            if value is not None:
+                number(key, value, 1.0, most, allowed=f"1 to {most:g}", where="view")
 
 
 @dataclass(frozen=True)

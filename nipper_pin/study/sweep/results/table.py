@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
+from ....given import whole
 from .chunk_file import read_file
 from .chunk_table import DamageError
 from .record import columns_of, read_document
@@ -82,6 +83,8 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     need_pyarrow()
     import pyarrow as pa
 
+    if most is not None:
+        whole("most", most, 1, 2**53)
     document = read_document(Path(folder) / PLAN)
     files = sorted((Path(folder) / CHUNKS).glob("*.parquet"))
     step = 1 if most is None else -(-int(document["scenarios"]) // most)
