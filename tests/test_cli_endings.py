@@ -31,7 +31,7 @@ ASKED: dict[str, dict[str, object]] = {
     "view": {
         "simulate.mechanism.name": "e62", "simulate.case.window": "cycle",
         "simulate.case.speed_rpm": 450.0, "serve.port": 7000, "serve.browser": True,
-        "film.look.slow": 1000.0, "film.look.exaggerate": 1.0,
+        "film.look.slow": None, "film.look.exaggerate": 1.0,
     },
     "live": {
         "serve_live.mechanism.name": "e62", "serve_live.speed_rpm": 450.0,

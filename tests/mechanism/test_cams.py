@@ -155,7 +155,7 @@ CAM = {"law": "cam", "motion": "cycloidal", **ANGLES}
     ("drive", "words"),
     [
         ({**CAM, "lift_deg": 3.0}, r"lift_deg.*lift_mm and reflected_mass_kg for the prismatic"),
-        (CAM, "lift_mm is missing: .*with a lift_mm other than 0"),
+        (CAM, "lift_mm is missing.*with a lift_mm other than 0"),
         ({**CAM, "lift_mm": 0.0}, "lift_mm = 0.0.*with a lift_mm other than 0"),
         ({**CAM, "lift_mm": 3.0, "dwell_deg": 140.0}, "fit into a turn.*370 deg"),
         ({**CAM, "lift_mm": 3.0, "rise_deg": 0.0}, "rise_deg.*above 0"),

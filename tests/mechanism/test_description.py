@@ -78,7 +78,7 @@ MISTAKES = {
         "",
         "closures.rocker_axis.frame_b",
         None,
-        "missing; known here: block_mass_kg, frame_a, frame_b, slot_axis",
+        "key; known here: block_mass_kg, frame_a, frame_b, slot_axis",
     ),
     "short point": (
         "[-190.0, -20.0]",
@@ -186,7 +186,7 @@ def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
     assert evidence["key"] == key
     assert evidence["value"] == value
     assert allowed in evidence["allowed"]
-    assert str(caught.value).startswith((f"e62.toml: {key} = ", f"e62.toml: {key} is missing: "))
+    assert str(caught.value).startswith(f"e62.toml: {key} ")
 
 
 @pytest.mark.parametrize("name", UNKNOWN)

@@ -156,7 +156,7 @@ def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
     if value is not ...:
         assert evidence["value"] == value
     assert allowed in evidence["allowed"]
-    assert str(caught.value).startswith((f"e62.urdf: {key} = ", f"e62.urdf: {key} is missing: "))
+    assert str(caught.value).startswith(f"e62.urdf: {key} ")
 
 
 def test_origin_of_a_picture(spoil) -> None:  # type: ignore[no-untyped-def]
@@ -173,7 +173,7 @@ def test_moving_link_without_inertial(spoil) -> None:  # type: ignore[no-untyped
     before, start, rest = path.read_text(encoding="utf-8").partition('<link name="rocker">')
     _, _, after = rest.partition("</inertial>")
     path.write_text(before + start + after, encoding="utf-8")
-    with pytest.raises(ModelError, match=r"inertial is missing: .* needs mass and inertia"):
+    with pytest.raises(ModelError, match=r"link rocker inertial is missing.* mass and inertia"):
         load(folder)
 
 

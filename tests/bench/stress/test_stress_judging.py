@@ -180,8 +180,8 @@ def test_errors_of_derived_tables_are_seen(monkeypatch: pytest.MonkeyPatch) -> N
     """Amplitudes a millionth too large in all runs."""
     right = Rebounds.amplitude
 
-    def larger(self: Rebounds, event: Event) -> float | None:
-        found = right(self, event)
+    def larger(self: Rebounds, event: Event, stop: str) -> float | None:
+        found = right(self, event, stop)
         return None if found is None else found * (1.0 + 1e-6)
 
     monkeypatch.setattr(Rebounds, "amplitude", larger)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -27,6 +28,10 @@ def rebounds(solution: Solution) -> Iterator[str]:
         where = f"collision {hit.number}"
         stop = solution.mechanism.stop(hit.stop)
         yield from _numbers(where, stop, hit)
+        own = [item.energy_lost for item in hits if item.event is hit.event]
+        whole = hit.event.energy_lost
+        left, most = abs(math.fsum(own) - whole), 8.0 * EPS * len(own) * abs(whole)
+        yield from beyond(f"{where}: energy lost is not that of its event", left, most)
         following = [e for e in events[hit.event.number :] if hit.stop in e.P_N]
         amplitude, time = hit.rebound_amplitude, hit.rebound_time
         flies = stop.rate(hit.event.v_after) > 0.0
@@ -53,15 +58,12 @@ def rebounds(solution: Solution) -> Iterator[str]:
 
 
 def _numbers(where: str, stop: Stop, hit: Collision) -> Iterator[str]:
-    """Rates, impulse and loss of the row are those of its event."""
+    """Rates and impulse of the row are those of its event."""
     event = hit.event
-    several = [item for item in event.stops if item not in event.closed_before][1:]
-    lost = event.energy_lost_at(stop) if several else event.energy_lost
     rows = (
         ("approach rate", hit.approach_rate, stop.sense * event.v_before[stop.index]),
         ("separation rate", hit.separation_rate, stop.sense * event.v_after[stop.index]),
         ("impulse", hit.impulse * stop.lever, event.P_N[stop.name]),
-        ("energy lost", hit.energy_lost, lost),
         ("time", hit.t, event.t),
     )
     for name, found, told in rows:
