@@ -202,7 +202,9 @@ def rest_of_series(
         # Accelerations change at the rate of the turning; a deceleration that is small beside them
         # does so faster, and near a dead centre everything does.
         changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
-        changes += abs(_deceleration_at_rest(system, state, a, stop, mates, remaining) / deceleration - 1)
+        changes += abs(
+            _deceleration_at_rest(system, state, a, stop, mates, remaining) / deceleration - 1
+        )
         if changes < CONSTANT_DECELERATION or remaining <= TIME_ROUND_OFF * period:
             return t + remaining, min(changes, 1.0) * remaining
     large = rate**3 > DROPPED_SERIES * tolerance * series.fastest**3

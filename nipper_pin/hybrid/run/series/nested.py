@@ -9,13 +9,18 @@ from ....arrays import FloatArray
 from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ImpactError, SingularConfigurationError
-from ....tolerances.hybrid import DROPPED_SERIES
+from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST
 from ...case import Case
 from ...contact.complementarity import Closed, pressed
 from ...contact.nested_series import NestedSeries
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Series, Struck
+
+
+# Events of a series, those of the series inside among them, from which on it need not be small to be
+# left out, nor its limit be known as well as that of fewer.
+_MANY = 1000
 
 
 class NestedBounces:
@@ -56,10 +61,11 @@ class NestedBounces:
         series = self._known.get(key, NestedSeries())
         if series.times and knot_between(system, series.times[-1], state.t):
             series = NestedSeries()
-        series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v))
+        series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v), struck.number)
         self._known[key] = series
         fastest = max(struck.rates.values())
-        t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
+        count = struck.number - series.first
+        t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series, count)
         if not isfinite(t_rest):
             return None
         try:
@@ -87,6 +93,7 @@ def rest_of_nested(
     names: Collection[str],
     fastest: float,
     series: NestedSeries,
+    count: int,
 ) -> tuple[float, float]:
     """Time at which stops that throw one another open come to rest together, and its error.
 
@@ -98,6 +105,7 @@ def rest_of_nested(
         names: Names of all of them.
         fastest: Largest rate at which one of them opens [rad/s or m/s].
         series: The collisions of that one.
+        count: Number of all events since the first of them.
 
     Returns:
         Both in [s]; infinite while not known yet.
@@ -108,13 +116,16 @@ def rest_of_nested(
         # One that loses nothing comes to rest by what the others lose, if at all.
         return UNKNOWN
     tolerance = case.resolution.tolerance
-    if series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3:
+    large = series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3
+    if large and count < _MANY:
         return UNKNOWN
     t_rest, error = series.limit()
-    if system.shaft.smooth_for(state.t) < t_rest - state.t:
+    allowed = tolerance * (t_rest - series.start)
+    if count >= _MANY:
+        allowed = NESTED_AT_LAST * tolerance * system.shaft.period
+    unknown = not error <= allowed or t_rest <= state.t
+    if unknown or other_stop_meets(system, state, a, names, t_rest):
         return UNKNOWN
-    if not error <= tolerance * (t_rest - series.start) or other_stop_meets(
-        system, state, a, names, t_rest
-    ):
+    if system.shaft.smooth_for(state.t) < t_rest - state.t:
         return UNKNOWN
     return t_rest, error
