@@ -53,7 +53,8 @@ def _parts(mechanism: Mechanism, held: set[int]) -> list[int]:
 
     for joint in range(1, model.njoints):
         join(movers(joint))
-    for item in (*mechanism.closures, *mechanism.struts):
-        ends = (model.getFrameId(name, pin.FrameType.BODY) for name in (item.frame_a, item.frame_b))
+    closures, struts = mechanism.closures, mechanism.struts
+    for pair in [(item.frame_a, item.frame_b) for group in (closures, struts) for item in group]:
+        ends = (model.getFrameId(name, pin.FrameType.BODY) for name in pair)
         join(column for end in ends for column in movers(model.frames[end].parentJoint))
     return part

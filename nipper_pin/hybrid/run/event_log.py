@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...arrays import FloatArray
@@ -19,7 +19,7 @@ class EventLog:
         coupled: Returns the stops that have to do with some stops, by their names.
     """
 
-    def __init__(self, coupled: Callable[[Sequence[str]], Collection[str]]) -> None:
+    def __init__(self, coupled: Callable[[Sequence[str]], frozenset[str]]) -> None:
         """Begin without any."""
         self.events: list[Event] = []
         self._coupled = coupled
@@ -34,7 +34,7 @@ class EventLog:
         closed: Closed,
         series_error: float = 0.0,
     ) -> int:
-        """Write an event down, before the rests of parts that it does not touch and that come later.
+        """Write an event down: before those rests of parts that it does not touch that come later.
 
         Args:
             kind: Its kind.

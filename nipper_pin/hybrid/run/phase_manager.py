@@ -10,6 +10,7 @@ from ...arrays import FloatArray
 from ...dynamics.impact import Impact, collide, no_impact
 from ...dynamics.system import System
 from ...errors import SimulationError
+from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance
 from ..case import Case
 from ..contact.complementarity import (
@@ -76,9 +77,13 @@ class PhaseManager:
         if hit:
             self.collide(hit)
             return
-        still = frozenset(name for name, rate in rates.items() if rate == 0.0)
+        self._settle(frozenset(name for name, rate in rates.items() if rate == 0.0))
+
+    def _settle(self, still: Closed) -> None:
+        """Close the open stops with neither gap nor rate that are pressed shut."""
         if not still:
             return
+        state = self.state
         closed = self._pressed(state, state.v, state.closed | still)
         opened = state.closed - closed
         if opened:
@@ -86,7 +91,7 @@ class PhaseManager:
         newly = closed - state.closed
         if newly:
             self._close(state, newly, closed)
-            self.state = state._replace(closed=closed)
+            self.state = state._replace(closed=closed, series=self._apart(newly))
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit.
@@ -121,10 +126,30 @@ class PhaseManager:
         if released:
             state = self._release(released, reached.segment.panels[-1])
         if hit:
-            rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
-            # Of stops that touch within round-off of one time some may be on their way out.
-            self.collide({name for name in hit if rates[name] <= max(min(rates.values()), 0)})
+            self._meet(hit, reached.segment.panels[-1].a[-1])
         return True
+
+    def _meet(self, hit: Set[str], a: FloatArray) -> None:
+        """Collide with stops whose gaps have closed; without approach they only touch.
+
+        Args:
+            hit: Their names.
+            a: Acceleration just before, shape (nv,).
+        """
+        stops = [self.mechanism.stop(name) for name in sorted(hit)]
+        rates = {stop.name: stop.rate(self.state.v) for stop in stops}
+        # A rate that the acceleration turns within round-off of the time is none.
+        none = 0.5 * TIME_ROUND_OFF * self.system.shaft.period
+        if any(rates[stop.name] < -none * abs(stop.rate(a)) for stop in stops):
+            # Of stops that touch within round-off of one time some may be on their way out.
+            self.collide({name for name in hit if rates[name] <= 0.0})
+            return
+        still = [stop for stop in stops if rates[stop.name] <= none * abs(stop.rate(a))]
+        if still:
+            v = self.state.v.copy()
+            v[[stop.index for stop in still]] = 0.0
+            self.state = self.state._replace(v=v)
+            self._settle(frozenset(stop.name for stop in still))
 
     def collide(self, hit: set[str]) -> None:
         """Apply the impact law to the stops that have just closed and those closed before.

@@ -34,9 +34,8 @@ from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Series, Struck
 
-
-# Bounces that are followed at least until they are small. Of a restitution of 0.99 all that one sees
-# are not many more; a hundred thousand of 0.9999 would say nothing more.
+# Bounces that are followed at least, until they are small. With a restitution of 0.98 they are as
+# small as one sees; with 0.9999 it would take a hundred thousand.
 _MANY = 200
 
 

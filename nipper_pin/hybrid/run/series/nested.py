@@ -17,9 +17,8 @@ from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Series, Struck
 
-
-# Events of a series, those of the series inside among them, from which on it need not be small to be
-# left out, nor its limit be known as well as that of fewer.
+# Events of a series, with those of the series inside, from which on what is left out need not be
+# small, nor the limit be known as well as that of fewer.
 _MANY = 1000
 
 
