@@ -61,6 +61,7 @@ class System:
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
+        self._parts = coupled_stops(mechanism, self.held)
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._condition, self._inverse = 1.0, np.empty((0, 0))
@@ -73,8 +74,8 @@ class System:
 
     def coupled(self, names: Iterable[str]) -> frozenset[str]:
         """Names of all stops in the parts of some stops, by their names; these among them."""
-        known = coupled_stops(self.mechanism, self.held)
-        return frozenset().union(*(known[name] for name in names))
+        parts = {self._parts[name] for name in names}
+        return parts.pop() if len(parts) == 1 else frozenset().union(*parts)
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

@@ -38,6 +38,7 @@ class NestedSeries:
         times: Times of the last collisions [s].
         rates: Approach rates, positive and falling [rad/s or m/s].
         first: Number of the event that was the first collision.
+        events: Number of all events since then, those of series inside among them.
     """
 
     start: float = 0.0
@@ -45,13 +46,14 @@ class NestedSeries:
     times: tuple[float, ...] = field(default=())
     rates: tuple[float, ...] = field(default=())
     first: int = 0
+    events: int = 0
 
     def struck(self, t: float, rate: float, number: int = 0) -> NestedSeries:
         """Return the series with one more collision, an event; a faster one starts it anew."""
         if not self.rates or rate >= self.rates[-1]:
             return NestedSeries(t, rate, (t,), (rate,), number)
         times, rates = (*self.times, t)[-_MOST_POINTS:], (*self.rates, rate)[-_MOST_POINTS:]
-        return replace(self, times=times, rates=rates)
+        return replace(self, times=times, rates=rates, events=number - self.first)
 
     def limit(self) -> tuple[float, float]:
         """Extrapolate to rest.

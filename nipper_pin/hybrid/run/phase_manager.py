@@ -130,12 +130,7 @@ class PhaseManager:
         return True
 
     def _meet(self, hit: Set[str], a: FloatArray) -> None:
-        """Collide with stops whose gaps have closed; without approach they only touch.
-
-        Args:
-            hit: Their names.
-            a: Acceleration just before, shape (nv,).
-        """
+        """Collide with stops whose gaps close at an acceleration; without approach they touch."""
         stops = [self.mechanism.stop(name) for name in sorted(hit)]
         rates = {stop.name: stop.rate(self.state.v) for stop in stops}
         # A rate that the acceleration turns within round-off of the time is none.

@@ -63,8 +63,7 @@ class NestedBounces:
         series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v), struck.number)
         self._known[key] = series
         fastest = max(struck.rates.values())
-        count = struck.number - series.first
-        t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series, count)
+        t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
         if not isfinite(t_rest):
             return None
         try:
@@ -92,7 +91,6 @@ def rest_of_nested(
     names: Collection[str],
     fastest: float,
     series: NestedSeries,
-    count: int,
 ) -> tuple[float, float]:
     """Time at which stops that throw one another open come to rest together, and its error.
 
@@ -104,7 +102,6 @@ def rest_of_nested(
         names: Names of all of them.
         fastest: Largest rate at which one of them opens [rad/s or m/s].
         series: The collisions of that one.
-        count: Number of all events since the first of them.
 
     Returns:
         Both in [s]; infinite while not known yet.
@@ -116,11 +113,11 @@ def rest_of_nested(
         return UNKNOWN
     tolerance = case.resolution.tolerance
     large = series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3
-    if large and count < _MANY:
+    if large and series.events < _MANY:
         return UNKNOWN
     t_rest, error = series.limit()
     allowed = tolerance * (t_rest - series.start)
-    if count >= _MANY:
+    if series.events >= _MANY:
         allowed = NESTED_AT_LAST * tolerance * system.shaft.period
     unknown = not error <= allowed or t_rest <= state.t
     if unknown or other_stop_meets(system, state, a, names, t_rest):
