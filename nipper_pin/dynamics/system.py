@@ -42,6 +42,9 @@ class System:
         mechanism: The mechanism.
         shaft: Motion of the cylinder.
         drive: Behaviour of the driven shafts.
+
+    Attributes:
+        whole: True if all stops are in one part, as in most machines.
     """
 
     def __init__(
@@ -62,6 +65,8 @@ class System:
         self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
         self._parts = coupled_stops(mechanism, self.held)
+        first = next(iter(self._parts.values()), frozenset[str]())
+        self.whole = len(first) == len(self._parts)
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._condition, self._inverse = 1.0, np.empty((0, 0))
@@ -74,8 +79,7 @@ class System:
 
     def coupled(self, names: Iterable[str]) -> frozenset[str]:
         """Names of all stops in the parts of some stops, by their names; these among them."""
-        parts = {self._parts[name] for name in names}
-        return parts.pop() if len(parts) == 1 else frozenset().union(*parts)
+        return frozenset().union(*(self._parts[name] for name in names))
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

@@ -48,9 +48,12 @@ class EventLog:
         Returns:
             The number of the event.
         """
-        later = self._later(t, stops) if self.events and self.events[-1].t > t else ()
+        closed_before, later = state.closed, list[Event]()
+        if self.events and self.events[-1].t > t:
+            later = self._later(t, stops)
+            waiting = {name for rest in later for name in rest.stops}
+            closed_before, closed = closed_before - waiting, closed - waiting
         number = len(self.events) + 1
-        waiting = {name for rest in later for name in rest.stops}
         self.events.append(
             Event(
                 number=number,
@@ -64,8 +67,8 @@ class EventLog:
                 P_N=impact.P_N,
                 P_g=impact.P_g,
                 energy_lost=impact.energy_lost,
-                closed_before=state.closed - waiting,
-                closed_after=closed - waiting,
+                closed_before=closed_before,
+                closed_after=closed,
                 series_error=series_error,
                 source=number,
             )

@@ -131,17 +131,18 @@ class PhaseManager:
 
     def _meet(self, hit: Set[str], a: FloatArray) -> None:
         """Collide with stops whose gaps close at an acceleration; without approach they touch."""
-        stops = [self.mechanism.stop(name) for name in sorted(hit)]
-        rates = {stop.name: stop.rate(self.state.v) for stop in stops}
+        stops = [self.mechanism.stop(name) for name in hit]
         # A rate that the acceleration turns within round-off of the time is none.
         none = 0.5 * TIME_ROUND_OFF * self.system.shaft.period
-        if any(rates[stop.name] < -none * abs(stop.rate(a)) for stop in stops):
-            # Of stops that touch within round-off of one time some may be on their way out.
-            self.collide({name for name in hit if rates[name] <= 0.0})
-            return
-        still = [stop for stop in stops if rates[stop.name] <= none * abs(stop.rate(a))]
+        v = self.state.v
+        for stop in stops:
+            if stop.rate(v) < -none * abs(stop.rate(a)):
+                # Of stops that touch within round-off of one time some may be on their way out.
+                self.collide({item.name for item in stops if item.rate(v) <= 0.0})
+                return
+        still = [stop for stop in stops if stop.rate(v) <= none * abs(stop.rate(a))]
         if still:
-            v = self.state.v.copy()
+            v = v.copy()
             v[[stop.index for stop in still]] = 0.0
             self.state = self.state._replace(v=v)
             self._settle(frozenset(stop.name for stop in still))
@@ -154,7 +155,9 @@ class PhaseManager:
         """
         state = self.state
         self.collisions += 1
-        touching = hit | (state.closed & self.system.coupled(hit))
+        touching = hit | state.closed
+        if not self.system.whole:
+            touching = hit | (state.closed & self.system.coupled(hit))
         contacts = [s for s in self.mechanism.stops if s.name in touching]
         restitution = [stop.coefficient(stop.rate(state.v)) for stop in contacts]
         impact = collide(self.system, state.q, state.v, state.jacobian, contacts, restitution)
@@ -199,7 +202,7 @@ class PhaseManager:
 
     def _apart(self, names: Collection[str]) -> Series:
         """The series of stops that have nothing to do with these."""
-        if not self.state.series:
+        if not self.state.series or self.system.whole:
             return ()
         part = self.system.coupled(names)
         return tuple(item for item in self.state.series if item.stop not in part)
