@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from enum import StrEnum
 
 import numpy as np
@@ -42,6 +42,10 @@ class System:
         mechanism: The mechanism.
         shaft: Motion of the cylinder.
         drive: Behaviour of the driven shafts.
+
+    Attributes:
+        parts: Number of the part that each coordinate belongs to; held shafts have their own.
+        whole: True if all stops are in one part, as in most machines.
     """
 
     def __init__(
@@ -61,6 +65,11 @@ class System:
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
+        self.parts = parts(mechanism, self.held)
+        groups = self._grouped(mechanism.stops)
+        self.whole = len(groups) < 2
+        names = [frozenset(stop.name for stop in group) for group in groups]
+        self._together = {name: group for group in names for name in group}
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._condition, self._inverse = 1.0, np.empty((0, 0))
@@ -71,23 +80,19 @@ class System:
             self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
         return self._sets[closed]
 
-    @property
-    def parts(self) -> tuple[int, ...]:
-        """Number of the part that each coordinate belongs to; held shafts have their own."""
-        return parts(self.mechanism, self.held)
-
-    def apart(self, stops: Iterable[Stop]) -> list[list[Stop]]:
+    def apart(self, stops: Sequence[Stop]) -> list[list[Stop]]:
         """Stops in groups of one part each, in their order."""
-        part, groups = self.parts, dict[int, list[Stop]]()
+        return [list(stops)] if self.whole else self._grouped(stops)
+
+    def _grouped(self, stops: Iterable[Stop]) -> list[list[Stop]]:
+        groups: dict[int, list[Stop]] = {}
         for stop in stops:
-            groups.setdefault(part[stop.index], []).append(stop)
+            groups.setdefault(self.parts[stop.index], []).append(stop)
         return list(groups.values())
 
     def coupled(self, names: Collection[str]) -> frozenset[str]:
         """Names of all stops in the parts of some stops, by their names; these among them."""
-        part, stops = self.parts, self.mechanism.stops
-        own = {part[stop.index] for stop in stops if stop.name in names}
-        return frozenset(stop.name for stop in stops if part[stop.index] in own)
+        return frozenset().union(*(self._together[name] for name in names))
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

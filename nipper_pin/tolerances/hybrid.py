@@ -78,6 +78,9 @@ higher one. A choice."""
 NESTED_ERROR_PART = 0.015
 """[1] Part of the difference before that counts if the last is smaller. A choice: the last may be
 small because it changes its sign."""
+NESTED_AT_LAST = 1e3
+"""[1] By the tolerance, of a turn: error of the limit of a nested series of very many collisions. A
+choice: what is extrapolated from limits of the series inside loses two or three of their digits."""
 NEARLY_GEOMETRIC = 0.5
 """[1] Relative distance of a limit from that of a geometric series, beyond which it is not used. A
 choice: such collisions are not of one series yet."""

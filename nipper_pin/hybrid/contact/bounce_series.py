@@ -51,8 +51,6 @@ class BounceSeries:
         times: Times of the collisions [s].
         rates: Rebound rates of its coordinate, positive [rad/s or m/s].
         decelerations: At the start of the flights after them, positive [rad/s^2 or m/s^2].
-        uneven: By how much the last flight differs from one at the deceleration at both of its
-            ends, in its length or between them, relative; infinite before there is one.
         count: Number of collisions, with those that are no longer kept.
     """
 
@@ -62,25 +60,33 @@ class BounceSeries:
     times: tuple[float, ...] = field(default=())
     rates: tuple[float, ...] = field(default=())
     decelerations: tuple[float, ...] = field(default=())
-    uneven: float = inf
     count: int = 0
 
     def bounced(self, t: float, rate: float, deceleration: float) -> BounceSeries:
         """Return the series with one more collision."""
         times, rates = (*self.times, t), (*self.rates, rate)
-        decelerations, uneven = (*self.decelerations, deceleration), inf
-        if self.times and deceleration > 0.0:
-            length = 0.5 * (t - self.times[-1]) * deceleration / self.rates[-1]
-            uneven = max(abs(length - 1.0), abs(self.decelerations[-1] / deceleration - 1.0))
+        decelerations = (*self.decelerations, deceleration)
         if len(times) > _MOST_POINTS:
             left = _left_out(times, rates)
             times, rates, decelerations = (
                 item[:left] + item[left + 1 :] for item in (times, rates, decelerations)
             )
         return BounceSeries(
-            self.stop, self.start, max(self.fastest, rate), times, rates, decelerations, uneven,
+            self.stop, self.start, max(self.fastest, rate), times, rates, decelerations,
             self.count + 1,
         )  # fmt: skip
+
+    @property
+    def uneven(self) -> float:
+        """By how much the last flight differs from one at a constant deceleration, relative.
+
+        In its length, or between its ends; infinite before there is one.
+        """
+        if len(self.times) < 2 or self.decelerations[-1] <= 0.0:
+            return inf
+        far, near = self.decelerations[-2:]
+        length = 0.5 * (self.times[-1] - self.times[-2]) * near / self.rates[-2]
+        return max(abs(length - 1.0), abs(far / near - 1.0))
 
     def anew(self) -> BounceSeries:
         """Return the series without its collisions: beyond a knot they tell nothing of it."""
@@ -144,7 +150,7 @@ def _left_out(times: Sequence[float], rates: Sequence[float]) -> int:
         return 0
     # Collisions that lose little lie close beside the time that is left: a few that are far apart
     # tell more than all the last ones.
-    return min(range(1, len(times) - 1), key=lambda place: times[place + 1] - times[place - 1])
+    return min(range(1, len(times) - 2), key=lambda place: times[place + 1] - times[place - 1])
 
 
 def _later(changes: Sequence[float], order: int) -> float:

@@ -16,7 +16,7 @@ their errors. Nesting may go deeper: what comes to rest together is one inner se
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import inf
 
@@ -37,19 +37,23 @@ class NestedSeries:
         fastest: Its approach rate [rad/s or m/s].
         times: Times of the last collisions [s].
         rates: Approach rates, positive and falling [rad/s or m/s].
+        first: Number of the event that was the first collision.
+        events: Number of all events since then, those of series inside among them.
     """
 
     start: float = 0.0
     fastest: float = 0.0
     times: tuple[float, ...] = field(default=())
     rates: tuple[float, ...] = field(default=())
+    first: int = 0
+    events: int = 0
 
-    def struck(self, t: float, rate: float) -> NestedSeries:
-        """Return the series with one more collision; a faster one starts it anew."""
+    def struck(self, t: float, rate: float, number: int = 0) -> NestedSeries:
+        """Return the series with one more collision, an event; a faster one starts it anew."""
         if not self.rates or rate >= self.rates[-1]:
-            return NestedSeries(t, rate, (t,), (rate,))
-        times, rates = (*self.times, t), (*self.rates, rate)
-        return NestedSeries(self.start, self.fastest, times[-_MOST_POINTS:], rates[-_MOST_POINTS:])
+            return NestedSeries(t, rate, (t,), (rate,), number)
+        times, rates = (*self.times, t)[-_MOST_POINTS:], (*self.rates, rate)[-_MOST_POINTS:]
+        return replace(self, times=times, rates=rates, events=number - self.first)
 
     def limit(self) -> tuple[float, float]:
         """Extrapolate to rest.

@@ -39,4 +39,3 @@ def motion_at(solution: Solution, event: Event) -> Motion:
             q, v = reached.q, reached.v
     times = np.array([t])
     return Motion(times, system.shaft.angle(times), q[None], v[None])
-

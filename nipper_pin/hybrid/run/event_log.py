@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...arrays import FloatArray
@@ -19,7 +19,7 @@ class EventLog:
         coupled: Returns the stops that have to do with some stops, by their names.
     """
 
-    def __init__(self, coupled: Callable[[Sequence[str]], Collection[str]]) -> None:
+    def __init__(self, coupled: Callable[[Sequence[str]], frozenset[str]]) -> None:
         """Begin without any."""
         self.events: list[Event] = []
         self._coupled = coupled
@@ -34,7 +34,7 @@ class EventLog:
         closed: Closed,
         series_error: float = 0.0,
     ) -> int:
-        """Write an event down, before the rests of parts that it does not touch and that come later.
+        """Write an event down: before those rests of parts that it does not touch that come later.
 
         Args:
             kind: Its kind.
@@ -48,9 +48,12 @@ class EventLog:
         Returns:
             The number of the event.
         """
-        later = self._later(t, stops) if self.events and self.events[-1].t > t else ()
+        closed_before, later = state.closed, list[Event]()
+        if self.events and self.events[-1].t > t:
+            later = self._later(t, stops)
+            waiting = {name for rest in later for name in rest.stops}
+            closed_before, closed = closed_before - waiting, closed - waiting
         number = len(self.events) + 1
-        waiting = {name for rest in later for name in rest.stops}
         self.events.append(
             Event(
                 number=number,
@@ -64,8 +67,8 @@ class EventLog:
                 P_N=impact.P_N,
                 P_g=impact.P_g,
                 energy_lost=impact.energy_lost,
-                closed_before=state.closed - waiting,
-                closed_after=closed - waiting,
+                closed_before=closed_before,
+                closed_after=closed,
                 series_error=series_error,
                 source=number,
             )

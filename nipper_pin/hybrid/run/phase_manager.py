@@ -11,6 +11,7 @@ from ...dynamics.impact import Impact, no_impact
 from ...dynamics.strike import strike
 from ...dynamics.system import System
 from ...errors import SimulationError
+from ...tolerances.hybrid import TIME_ROUND_OFF
 from ..advance import advance
 from ..case import Case
 from ..contact.complementarity import (
@@ -69,27 +70,34 @@ class PhaseManager:
         never be seen.
         """
         state, lying = self._lying(self.state)
-        hit = {
-            stop.name
-            for stop in self.mechanism.stops
-            if stop.name not in state.closed | lying
-            and stop.gap(state.q) == 0.0
-            and stop.rate(state.v) < 0.0
-        }
+        hit = self.closing() - lying
         if hit:
             self.collide(hit)
             return
-        if not lying:
-            return
-        self.state = state
-        closed = self._pressed(state, state.v, state.closed | lying)
+        if lying:
+            self.state = state
+            self._settle(frozenset(lying))
+
+    def _settle(self, still: Closed) -> None:
+        """Close the open stops with neither gap nor rate that are pressed shut."""
+        state = self.state
+        closed = self._pressed(state, state.v, state.closed | still)
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
         newly = closed - state.closed
         if newly:
             self._close(state, newly, closed)
-            self.state = state._replace(closed=closed)
+            self.state = state._replace(closed=closed, series=self._apart(newly))
+
+    def closing(self) -> set[str]:
+        """Names of the open stops with a gap of zero that close: they collide together."""
+        q, v, closed = self.state.q, self.state.v, self.state.closed
+        return {
+            stop.name
+            for stop in self.mechanism.stops
+            if stop.name not in closed and stop.gap(q) == 0.0 and stop.rate(v) < 0.0
+        }
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit.
@@ -124,10 +132,26 @@ class PhaseManager:
         if released:
             state = self._release(released, reached.segment.panels[-1])
         if hit:
-            rates = {name: self.mechanism.stop(name).rate(state.v) for name in hit}
-            # Of stops that touch within round-off of one time some may be on their way out.
-            self.collide({name for name in hit if rates[name] <= max(min(rates.values()), 0)})
+            self._meet(hit, reached.segment.panels[-1].a[-1])
         return True
+
+    def _meet(self, hit: Set[str], a: FloatArray) -> None:
+        """Collide with stops whose gaps close at an acceleration; without approach they touch."""
+        stops = [self.mechanism.stop(name) for name in hit]
+        # A rate that the acceleration turns within round-off of the time is none.
+        none = 0.5 * TIME_ROUND_OFF * self.system.shaft.period
+        v = self.state.v
+        for stop in stops:
+            if stop.rate(v) < -none * abs(stop.rate(a)):
+                # Of stops that touch within round-off of one time some may be on their way out.
+                self.collide({item.name for item in stops if item.rate(v) <= 0.0})
+                return
+        still = [stop for stop in stops if stop.rate(v) <= none * abs(stop.rate(a))]
+        if still:
+            v = v.copy()
+            v[[stop.index for stop in still]] = 0.0
+            self.state = self.state._replace(v=v)
+            self._settle(frozenset(stop.name for stop in still))
 
     def collide(self, hit: set[str]) -> None:
         """Apply the impact law to the stops that have just closed and all that touch.
@@ -137,7 +161,10 @@ class PhaseManager:
         """
         state, lying = self._lying(self.state, hit)
         self.collisions += 1
-        meeting = hit | lying | (state.closed & self.system.coupled(hit))
+        met = hit | lying
+        meeting = met | state.closed
+        if not self.system.whole:
+            meeting = met | (state.closed & self.system.coupled(met))
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
         impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
         for name in state.closed - meeting:
@@ -149,9 +176,9 @@ class PhaseManager:
         struck = _struck(impact, hit)
         number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = State(
-            state.t, state.q, impact.v_after, state.jacobian, state.motion, closed, self._apart(hit)
+            state.t, state.q, impact.v_after, state.jacobian, state.motion, closed, self._apart(met)
         )
-        newly = (hit | lying) & closed
+        newly = met & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             self._close(after, newly, closed)
@@ -195,7 +222,7 @@ class PhaseManager:
 
     def _apart(self, names: Collection[str]) -> Series:
         """The series of stops that have nothing to do with these."""
-        if not self.state.series:
+        if not self.state.series or self.system.whole:
             return ()
         part = self.system.coupled(names)
         return tuple(item for item in self.state.series if item.stop not in part)

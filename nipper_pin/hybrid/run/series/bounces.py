@@ -34,8 +34,8 @@ from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Series, Struck
 
-# Bounces that are followed at least until they are small. Of a restitution of 0.99 all that one sees
-# are not many more; a hundred thousand of 0.9999 would say nothing more.
+# Bounces that are followed at least, until they are small. With a restitution of 0.98 they are as
+# small as one sees; with 0.9999 it would take a hundred thousand.
 _MANY = 200
 
 
@@ -73,11 +73,12 @@ class Bounces:
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add the bounces of a collision; see :meth:`.SeriesRule.followed`."""
         system, state = self._system, struck.after
-        before = {series.stop: series for series in struck.before.series}
+        before = struck.before.series
         found: list[BounceSeries] = []
         known: list[_Limit] = []
         for stop in struck.rebounding:
-            series = before.get(stop.name, BounceSeries(stop.name, state.t))
+            own = (item for item in before if item.stop == stop.name)
+            series = next(own, None) or BounceSeries(stop.name, state.t)
             if series.times and knot_between(system, series.times[-1], state.t):
                 series = series.anew()
             series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
@@ -87,7 +88,7 @@ class Bounces:
             )
             if isfinite(t_rest):
                 known.append(_Limit(stop, t_rest, error, series.start))
-        return (*state.series, *found), self._rests(struck, known)
+        return (*state.series, *found), self._rests(struck, known) if known else ()
 
     def forget(self, opened: Collection[str]) -> None:
         """Nothing is kept here."""
@@ -95,6 +96,9 @@ class Bounces:
     def _rests(self, struck: Struck, known: Sequence[_Limit]) -> list[Rest]:
         """The rests of stops whose limits are known, in order of time."""
         instant = SIMULTANEOUS * self._system.shaft.period
+        if len(known) == len(struck.rebounding) == 1:
+            rest = self._rest(struck.after, known)
+            return [] if rest is None else [rest]
         groups: list[list[_Limit]] = []
         for part in sorted(self._in_step(struck, known), key=_latest):
             # Parts that move alike come to rest as one.

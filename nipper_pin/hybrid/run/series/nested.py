@@ -9,13 +9,17 @@ from ....arrays import FloatArray
 from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ImpactError, SingularConfigurationError
-from ....tolerances.hybrid import DROPPED_SERIES
+from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST
 from ...case import Case
 from ...contact.complementarity import Closed, pressed
 from ...contact.nested_series import NestedSeries
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
 from .struck import Rest, Series, Struck
+
+# Events of a series, with those of the series inside, from which on what is left out need not be
+# small, nor the limit be known as well as that of fewer.
+_MANY = 1000
 
 
 class NestedBounces:
@@ -56,7 +60,7 @@ class NestedBounces:
         series = self._known.get(key, NestedSeries())
         if series.times and knot_between(system, series.times[-1], state.t):
             series = NestedSeries()
-        series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v))
+        series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v), struck.number)
         self._known[key] = series
         fastest = max(struck.rates.values())
         t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
@@ -108,13 +112,16 @@ def rest_of_nested(
         # One that loses nothing comes to rest by what the others lose, if at all.
         return UNKNOWN
     tolerance = case.resolution.tolerance
-    if series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3:
+    large = series.rates[-1] ** 3 > DROPPED_SERIES * tolerance * series.fastest**3
+    if large and series.events < _MANY:
         return UNKNOWN
     t_rest, error = series.limit()
-    if system.shaft.smooth_for(state.t) < t_rest - state.t:
+    allowed = tolerance * (t_rest - series.start)
+    if series.events >= _MANY:
+        allowed = NESTED_AT_LAST * tolerance * system.shaft.period
+    unknown = not error <= allowed or t_rest <= state.t
+    if unknown or other_stop_meets(system, state, a, names, t_rest):
         return UNKNOWN
-    if not error <= tolerance * (t_rest - series.start) or other_stop_meets(
-        system, state, a, names, t_rest
-    ):
+    if system.shaft.smooth_for(state.t) < t_rest - state.t:
         return UNKNOWN
     return t_rest, error

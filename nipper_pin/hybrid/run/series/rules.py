@@ -1,7 +1,8 @@
 """Rules of what follows a collision, by what a machine has.
 
-Bounces end at rest after a finite time: every machine with a stop has this rule. Two stops may also throw one another open, or jam a link between them: only a machine with two stops or
-more has these rules.
+Bounces end at rest after a finite time: every machine with a stop has this rule. Two stops may also
+throw one another open, or jam a link between them: only a machine with two stops or more has these
+rules.
 """
 
 from __future__ import annotations

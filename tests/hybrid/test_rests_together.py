@@ -1,0 +1,259 @@
+"""Several stops that bounce: in step, nearly in step, or each for itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from small_machines import SLED, link, machine, slide
+
+from nipper_pin import Case, Event, EventKind, Mechanism, Outcome, Solution, Window, simulate
+from nipper_pin.dynamics.parts import coupled_stops
+
+GRAVITY = 9.81
+Ball = tuple[float, float]
+"""Restitution, height of fall [m]."""
+
+
+def balls(items: Sequence[Ball]) -> Mechanism:
+    """Balls beside one another, which fall from rest; none touches another one."""
+    parts, stops = [], {}
+    for i, (e_N, height) in enumerate(items):
+        parts += [link(f"ball{i}"), slide(f"z{i}", "frame", f"ball{i}", (0.0, 1.0))]
+        stops[f"floor{i}"] = {"joint": f"z{i}", "restitution": e_N, "at_mm": -1e3 * height}
+    return machine(parts, len(items), gravity=GRAVITY, stops=stops)
+
+
+def carriage(items: Sequence[Ball], mass: float, force: float) -> Mechanism:
+    """Balls of 1 kg on a carriage that is free to move, each drawn to its stop on the carriage."""
+    parts = [link("carriage", mass), slide("z", "frame", "carriage", (0.0, 1.0))]
+    stops, springs = {}, {}
+    for i, (e_N, height) in enumerate(items):
+        parts += [link(f"ball{i}"), slide(f"z{i}", "carriage", f"ball{i}", (0.0, 1.0))]
+        stops[f"floor{i}"] = {"joint": f"z{i}", "restitution": e_N, "at_mm": -1e3 * height}
+        springs[f"pull{i}"] = {
+            "joint": f"z{i}", "coordinate_mm": [-1e3, 1e3], "force_N": [force, force]
+        }  # fmt: skip
+    return machine(parts, len(items) + 1, stops=stops, springs=springs)
+
+
+def rest_in_closed_form(ball: Ball, acceleration: float = GRAVITY) -> float:
+    """t_1 (1 + e) / (1 - e) of a ball that falls from rest [s]."""
+    with mp.workdps(40):
+        e_N, height = mpf(ball[0]), mpf(1e3 * ball[1]) / 1000
+        return float(mp.sqrt(2 * height / mpf(acceleration)) * (1 + e_N) / (1 - e_N))
+
+
+def run(mechanism: Mechanism, last: float, **case: object) -> Solution:
+    """One turn that lasts a fifth longer than a time [s]."""
+    numbers = {"speed_rpm": 50.0 / last, "window": Window.CYCLE, **case}
+    return simulate(mechanism, Case(**numbers))  # type: ignore[arg-type]
+
+
+def fallen(items: Sequence[Ball], **case: object) -> Solution:
+    """A turn in which all balls come to rest."""
+    return run(balls(items), max(map(rest_in_closed_form, items)), **case)
+
+
+def rests(solution: Solution) -> dict[str, Event]:
+    """The rest of every stop."""
+    found = [event for event in solution.events if event.kind is EventKind.REST]
+    return {name: event for event in found for name in event.stops}
+
+
+def check_balls(solution: Solution, items: Sequence[Ball]) -> None:
+    """Each rest lies where the closed form has it: to 1e-12, and within what is stated."""
+    assert solution.outcome is Outcome.COMPLETED
+    found = rests(solution)
+    for i, ball in enumerate(items):
+        event, exact = found[f"floor{i}"], rest_in_closed_form(ball)
+        off = abs(event.t - exact)
+        assert off <= 1e-12 * exact
+        assert off <= solution.errors[event.number - 1].time
+    assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+@pytest.mark.parametrize("ball", [(0.0, 0.2), (0.4, 0.2), (0.8, 0.05)])
+def test_equal_balls_come_to_rest_in_one_event(ball: Ball, count: int) -> None:
+    """They do what one alone does: as many collisions, and one rest for all."""
+    items = [ball] * count
+    together, alone = fallen(items), fallen([ball])
+    check_balls(together, items)
+    assert len({event.number for event in rests(together).values()}) == 1
+    hits = [event for event in together.events if event.kind is EventKind.COLLISION]
+    assert len(hits) == len(alone.collisions)
+    np.testing.assert_allclose(
+        [event.t for event in hits], [hit.t for hit in alone.collisions], rtol=4e-15
+    )
+
+
+@pytest.mark.parametrize(
+    "items",
+    [
+        [(0.4, 0.2), (0.4 + 1e-9, 0.2)],
+        [(0.4, 0.2), (0.4 + 1e-12, 0.2)],
+        [(0.4, 0.2), (0.4 + 1e-15, 0.2)],
+        [(0.4, 0.2), (0.4, 0.2 + 1e-9)],
+        [(0.4, 0.2), (0.4, 0.2 + 1e-12)],
+        [(0.4, 0.2), (0.4, 0.2 + 1e-14)],
+        [(0.7, 0.2), (0.7, 0.2), (0.7 + 1e-12, 0.2)],
+    ],
+)
+def test_balls_nearly_in_step_come_to_rest(items: list[Ball]) -> None:
+    """However little they differ, each has its own rest, within what is stated of it."""
+    check_balls(fallen(items), items)
+
+
+@pytest.mark.parametrize(
+    "items",
+    [
+        [(0.4, 0.2), (0.4, 0.3)],
+        [(0.4, 0.2), (0.6, 0.2), (0.5, 0.2)],
+        [(0.0, 0.2), (0.6, 0.2)],
+        [(0.3, 0.2), (0.6, 0.1), (0.5, 0.25), (0.45, 0.17), (0.7, 0.05)],
+        [(0.97, 0.1), (0.3, 0.2)],
+    ],
+)
+def test_each_ball_does_what_it_does_alone(items: list[Ball]) -> None:
+    """As many collisions at the same times, whatever the others do; and rebounds of its own.
+
+    A rest lies beyond the last collision that is computed, and the others strike before its time.
+    """
+    together = fallen(items)
+    check_balls(together, items)
+    assert [event.t for event in together.events] == sorted(event.t for event in together.events)
+    closed = frozenset[str]()
+    for number, event in enumerate(together.events, start=1):
+        assert event.number == event.source == number
+        assert event.closed_before == closed
+        closed = event.closed_after
+    assert together.checks.energy_balance < 1e-12
+    for i, ball in enumerate(items):
+        alone = run(balls([ball]), max(map(rest_in_closed_form, items)))
+        mine = [hit for hit in together.collisions if f"floor{i}" in hit.event.stops]
+        assert len(mine) == len(alone.collisions)
+        for one, other in zip(mine, alone.collisions, strict=True):
+            assert one.t == pytest.approx(other.t, rel=1e-13)
+        single = [hit for hit in mine if hit.stop == f"floor{i}"]
+        for one, other in zip(reversed(single), reversed(alone.collisions), strict=False):
+            assert one.rebound_time == pytest.approx(other.rebound_time, rel=1e-9)
+            assert one.rebound_amplitude == pytest.approx(other.rebound_amplitude, rel=1e-9)
+
+
+def test_the_state_of_a_rest_is_that_of_the_balls_that_go_on() -> None:
+    """At the rest of one ball, whose time lies beyond its last bounce, the other is on its way."""
+    items = [(0.5, 0.05), (0.9, 0.2)]
+    solution = fallen(items)
+    event = rests(solution)["floor0"]
+    motion = solution.motion_at(event)
+    assert motion.q[0, 0] == pytest.approx(-items[0][1], abs=1e-15)
+    with mp.workdps(40):
+        # Fall and rebounds of the second ball until then.
+        fall = mp.sqrt(2 * mpf(items[1][1]) / mpf(GRAVITY))
+        rate, start = mpf(GRAVITY) * fall * mpf(items[1][0]), fall
+        while start + 2 * rate / mpf(GRAVITY) < event.t:
+            start += 2 * rate / mpf(GRAVITY)
+            rate *= mpf(items[1][0])
+        flown = mpf(event.t) - start
+        height = float(rate * flown - mpf(GRAVITY) * flown**2 / 2)
+    assert motion.q[0, 1] + items[1][1] == pytest.approx(height, abs=1e-12)
+
+
+@pytest.mark.parametrize("e_N", [0.98, 0.985, 0.99, 0.995, 0.998])
+@pytest.mark.parametrize("height", [0.003, 0.2, 1.0])
+def test_high_restitution(e_N: float, height: float) -> None:
+    """The limit of a ball that loses little is known early: a few hundred bounces are followed."""
+    solution = fallen([(e_N, height)])
+    check_balls(solution, [(e_N, height)])
+    assert len(solution.collisions) <= 200
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "items", [[(0.999, 1.0)], [(0.9999, 0.01)], [(0.9999, 0.2), (0.9999, 0.1)], [(0.99, 0.2)] * 3]
+)
+def test_highest_restitution(items: list[Ball]) -> None:
+    """The same, of balls that would bounce a hundred thousand times."""
+    solution = fallen(items)
+    check_balls(solution, items)
+    assert len(solution.collisions) <= 200 * len(items)
+
+
+def test_a_short_fall_in_a_long_turn_is_located_to_round_off() -> None:
+    """The first collision is right to 1e-13 of its own time, in a turn twenty thousand times that.
+
+    The first panel of a flight is a part of a turn; its round-off goes with the square of that.
+    """
+    solution = run(balls([(0.5, 1.0)]), 9000.0)
+    exact = float(mp.sqrt(mpf(2) / mpf(GRAVITY)))
+    assert solution.collisions[0].t == pytest.approx(exact, rel=1e-13)
+    assert solution.collisions[0].approach_rate == pytest.approx(-GRAVITY * exact, rel=1e-12)
+
+
+# --- stops of one part --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+@pytest.mark.parametrize(("e_N", "mass"), [(0.3, 2.0), (0.7, 0.5), (0.7, 20.0)])
+def test_balls_on_one_carriage_in_step(e_N: float, mass: float, count: int) -> None:
+    """Relative to the carriage each falls with F (1 / m + n / M): the same as one ball."""
+    force, items = 10.0, [(e_N, 0.2)] * count
+    exact = rest_in_closed_form(items[0], force * (1.0 + count / mass))
+    solution = run(carriage(items, mass, force), exact)
+    assert solution.outcome is Outcome.COMPLETED
+    (event,) = set(rests(solution).values())
+    assert event.stops == tuple(sorted(f"floor{i}" for i in range(count)))
+    assert event.t == pytest.approx(exact, rel=1e-12)
+    assert abs(event.t - exact) <= solution.errors[event.number - 1].time
+    # What moved the carriage is over: the centre of mass has stayed where it was.
+    end = solution.trajectory.evaluate(solution.trajectory.span[1])
+    assert np.abs(end.v).max() <= 1e-11
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mass", [0.2, 2.0, 20.0])
+@pytest.mark.parametrize(
+    "items",
+    [
+        [(0.4, 0.2), (0.4 + 1e-9, 0.2)],
+        [(0.4, 0.2), (0.4, 0.2 + 1e-12)],
+        [(0.4, 0.2), (0.5, 0.2)],
+        [(0.8, 0.2), (0.8, 0.21)],
+    ],
+)
+def test_balls_on_one_carriage_out_of_step(items: list[Ball], mass: float) -> None:
+    """Those that disturb one another end as well, and all of them rest on the carriage."""
+    solution = run(carriage(items, mass, 10.0), 2.5)
+    assert solution.outcome is Outcome.COMPLETED
+    assert solution.segments[-1].closed == {"floor0", "floor1"}
+    assert all(hit.approach_rate < 0.0 for hit in solution.collisions)
+    assert solution.checks.energy_balance < 1e-8
+
+
+# --- parts --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("held", "parts"), [(True, [{"a"}, {"b", "c"}]), (False, [{"a", "b", "c"}])]
+)
+def test_parts_of_a_machine(held: bool, parts: list[set[str]]) -> None:
+    """Sliders on a driven sled do not touch one another, unless the drive yields; a strut does."""
+    sliders = [
+        item
+        for place, name in enumerate("abc")
+        for item in (link(name), slide(f"z{name}", "sled", name, (0.0, 1.0), (0.1 * place, 0.0)))
+    ]
+    tie = {"frame_a": "b", "frame_b": "c", "stiffness_N_per_m": 1.0, "free_length_mm": 10.0}
+    mechanism = machine(
+        [link("sled"), slide("x", "frame", "sled"), *sliders],
+        4,
+        stops={name: {"joint": f"z{name}", "restitution": 0.5} for name in "abc"},
+        drives={"cam": {"joint": "x", "law": "screw", "lead_mm_per_turn": 100.0, **SLED}},
+        springs={"tie": tie},
+    )
+    found = coupled_stops(mechanism, held)
+    assert {frozenset(part) for part in parts} == set(found.values())
+    assert all(name in found[name] for name in "abc")
