@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, Stop
 from ..tolerances.mechanics import GOOD_CONDITION, MAX_CONDITION, REPARTITION_GAIN
 from .assembly import (
     Partition,
@@ -21,6 +23,7 @@ from .coefficients import coefficients
 from .constraint_set import ConstraintSet, constraint_set
 from .elements import elements
 from .multibody import INFINITE_INERTIA, multibody
+from .parts import coupled_stops, parts
 from .shaft import Driven, ShaftMotion
 
 
@@ -68,6 +71,25 @@ class System:
         if closed not in self._sets:
             self._sets[closed] = constraint_set(self.mechanism, closed, held=self.held)
         return self._sets[closed]
+
+    def coupled(self, names: Iterable[str]) -> frozenset[str]:
+        """Names of all stops in the parts of some stops, by their names; these among them."""
+        known = coupled_stops(self.mechanism, self.held)
+        return frozenset().union(*(known[name] for name in names))
+
+    def apart(self, stops: Sequence[Stop]) -> list[list[Stop]]:
+        """Stops in groups of one part each, in their order."""
+        if len(stops) < 2:
+            return [list(stops)]
+        groups: dict[frozenset[str], list[Stop]] = {}
+        for stop in stops:
+            groups.setdefault(self.coupled([stop.name]), []).append(stop)
+        return list(groups.values())
+
+    @property
+    def parts(self) -> NDArray[np.intp]:
+        """Number of the part of the machine that each coordinate belongs to, shape (nv,)."""
+        return parts(self.mechanism, self.held)
 
     def split(
         self, jacobian: FloatArray, given: tuple[int, ...], preferred: tuple[int, ...]

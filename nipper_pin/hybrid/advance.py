@@ -6,7 +6,7 @@ gaps of the stops that close exactly zero, or at a given time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -37,6 +37,11 @@ _MOST_PANELS = 10_000
 _LONGER_WITHOUT_FREEDOM, _LONGER_STILL = 2.5, 1.25
 
 
+# Flights are a bit shorter than the panels that are made for them. Round-off of a gap goes with the
+# square of the panel's length: of a panel that is so much longer it is a thousandfold.
+_BALLISTIC_MARGIN, _MUCH_TOO_LONG = 1.1, 64.0
+
+
 class Advance(NamedTuple):
     """Result of :func:`advance`.
 
@@ -58,6 +63,7 @@ def advance(
     t_limit: float,
     resolution: Resolution,
     place: int = 0,
+    watched: Collection[str] | None = None,
 ) -> Advance:
     """Follow the motion from a state just after an event to the next event.
 
@@ -68,6 +74,7 @@ def advance(
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
         place: Place of the motion among the segments of the run.
+        watched: Names of the stops that end it; all if there are none.
 
     Returns:
         The motion and what ended it.
@@ -75,7 +82,7 @@ def advance(
     Raises:
         SimulationError: The motion cannot be followed.
     """
-    way = _Way(system, state, t_limit, resolution)
+    way = _Way(system, state, t_limit, resolution, watched)
     known = np.full_like(state.v, np.nan) if a is None else a
     begin = Begin(state.t, state.q, state.v, known, state.jacobian)
     h = way.first
@@ -93,6 +100,9 @@ def advance(
             # The same motion in shorter panels: they see what happens at its end, and each has the
             # coordinates that suit it.
             h = 0.5 * (end.t - begin.t)
+            continue
+        if not panels and way.much_too_long(solved.panel, end):
+            h = _BALLISTIC_MARGIN * (end.t - begin.t)
             continue
         panel = solved.panel
         if suited is not None and suited != panel.split:
@@ -130,12 +140,19 @@ class _Way:
         state: The state just after the event.
         t_limit: Where to stop at the latest [s].
         resolution: How finely the motion is resolved.
+        watched: Names of the stops that end it; all if there are none.
     """
 
     def __init__(
-        self, system: System, state: State, t_limit: float, resolution: Resolution
+        self,
+        system: System,
+        state: State,
+        t_limit: float,
+        resolution: Resolution,
+        watched: Collection[str] | None,
     ) -> None:
         """Find what the phase asks for."""
+        self._watched = watched
         self._system, self._state = system, state
         self._t_limit, self._resolution = t_limit, resolution
         self.phase = phase = system.constraint_set(state.closed)
@@ -172,7 +189,7 @@ class _Way:
     def end(self, solved: _Solved) -> _End:
         """Find the first triggers on a panel, and the state there or at its end."""
         panel = solved.panel
-        found = triggers(self._system, self.phase, panel, solved.forces)
+        found = triggers(self._system, self.phase, panel, solved.forces, self._watched)
         t = found[0].t if found else min(panel.t + panel.h, self._t_limit)
         for check in self._checks:
             check.refuse(panel, found[0].t if found else self._t_limit)
@@ -207,6 +224,12 @@ class _Way:
             hit += touching(self._system, end.exact.q, end.exact.v, others)
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))
+
+    def much_too_long(self, panel: Panel, end: _End) -> bool:
+        """Return whether a flight ends so early that the round-off of its panel moves its end."""
+        flown = end.t - panel.t
+        too_long = not self.kinematic and bool(end.found) and _MUCH_TOO_LONG * flown < panel.h
+        return too_long and flown > self.shortest
 
     def too_many(self, begin: Begin, h: float) -> ConvergenceError:
         """The error of a phase that needs too many panels."""
@@ -276,4 +299,4 @@ def _ballistic_length(begin: Begin, open_stops: Sequence[Stop]) -> float:
         for stop in open_stops
         if q[stop.index] == stop.at and stop.rate(v) > 0.0 and stop.rate(a) < 0.0
     ]
-    return 1.1 * float(min(lengths, default=np.inf))
+    return _BALLISTIC_MARGIN * float(min(lengths, default=np.inf))

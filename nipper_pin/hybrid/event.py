@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+
+import numpy as np
 
 from ..arrays import FloatArray
 
@@ -57,3 +60,22 @@ class Event:
     closed_after: frozenset[str]
     series_error: float
     source: int
+
+
+def found_after(events: Sequence[Event], rest: Event) -> Event:
+    """Return the event after which a rest was found: the last bounce, whose state it has.
+
+    Events of parts that it has nothing to do with may lie between them. Any other event, and a rest
+    that none comes before, is its own.
+
+    Args:
+        events: Events in order of time.
+        rest: One of them.
+    """
+    if rest.kind is not EventKind.REST:
+        return rest
+    for place in range(rest.number - 2, -1, -1):
+        event = events[place]
+        if event.kind is not EventKind.REST and np.array_equal(event.q, rest.q):
+            return event
+    return rest

@@ -20,7 +20,7 @@ class State(NamedTuple):
         jacobian: Closure Jacobian, shape (m, nv).
         motion: Driven coordinates at this time, as one row.
         closed: Closed stops.
-        series: Bounces that have not come to rest yet.
+        series: Bounces that have not come to rest yet, of each stop that bounces.
     """
 
     t: float
@@ -29,4 +29,4 @@ class State(NamedTuple):
     jacobian: FloatArray
     motion: Driven
     closed: Closed
-    series: BounceSeries | None = None
+    series: tuple[BounceSeries, ...] = ()

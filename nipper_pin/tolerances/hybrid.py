@@ -84,6 +84,9 @@ choice: such collisions are not of one series yet."""
 CONSTANT_DECELERATION = 0.1
 """[1] Change of a deceleration up to which the rest follows from it alone. A choice: the change, by
 the remaining time, is stated as the error."""
+STEADY_DECELERATION = 1e-12
+"""[1] Change of a deceleration over a flight, and of the flight's length by it, up to which it does
+not change. A choice: 4500 eps, for accelerations that solve a linear system."""
 DROPPED_SERIES = 100.0
 """[1] By the tolerance: cube of the relative rate from which a series may end. Measured: it leaves
 at most 2e-3 of that cube in rates of inertial shafts, 0.2 of the tolerance."""

@@ -17,7 +17,7 @@ def _recorded(rest: float, later: float) -> EventLog:
     none = np.zeros(1)
     impact = Impact(none, none, np.zeros(0), {}, 0.0)
     state = State(0.5, none, none, np.zeros((0, 1)), (none, none, none), Closed())
-    log = EventLog()
+    log = EventLog(lambda stops: {"jaw", "steeve"})
     log.record(EventKind.REST, state, rest, ["jaw"], impact, Closed(), series_error=1e-6)
     log.record(EventKind.COLLISION, state, later, ["steeve"], impact, Closed())
     return log

@@ -21,7 +21,7 @@ from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.energy_balance import _exchanged
-from nipper_pin.hybrid.run.series import single as rests
+from nipper_pin.hybrid.run.series import bounces as rests
 from nipper_pin.mechanism import Characteristic, Stop, from_sources
 
 
@@ -109,7 +109,7 @@ def test_no_limit_is_taken_across_a_knot_of_a_drive(
             in_rests.pop()
 
     monkeypatch.setattr(ShaftMotion, "smooth_for", knot_near)
-    monkeypatch.setattr("nipper_pin.hybrid.run.series.single.rest_of_series", series)
+    monkeypatch.setattr("nipper_pin.hybrid.run.series.bounces.rest_of_series", series)
     followed = simulate(e62, case)
     assert asked
     assert len(followed.collisions) > len(free.collisions)

@@ -13,12 +13,12 @@ from nipper_pin.hybrid.run import phase_manager
 from nipper_pin.hybrid.run.series.rules import series_rules
 
 ONE_STOP = Path(__file__).parents[2] / "models" / "benchmarks" / "impact_oscillator"
-ALONE = "bounces of one stop"
-SEVERAL = ["jams between two stops", "stops that throw one another open", ALONE]
+BOUNCES = "bounces to rest"
+SEVERAL = ["jams between two stops", "stops that throw one another open", BOUNCES]
 
 
 def test_rules_of_two_stops_need_two() -> None:
-    for model, expected in ((ONE_STOP, [ALONE]), ("e62", SEVERAL)):
+    for model, expected in ((ONE_STOP, [BOUNCES]), ("e62", SEVERAL)):
         mechanism = load(model)
         assert len(mechanism.stops) == min(len(expected), 2)
         system = System(mechanism, ShaftMotion(mechanism, 50.0, 0.0))

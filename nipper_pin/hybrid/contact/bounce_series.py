@@ -35,6 +35,8 @@ _MOST_POINTS = 8
 # Collisions with more than this part of the fastest rate are too far away to improve the limit, and
 # the little that they change says nothing about its error.
 _FAR = 0.5
+# By how much the rates of the collisions that are kept should differ, if the earliest is dropped.
+_SPAN = 2.0
 _MOST_STEPS = 12
 
 
@@ -49,6 +51,9 @@ class BounceSeries:
         times: Times of the collisions [s].
         rates: Rebound rates of its coordinate, positive [rad/s or m/s].
         decelerations: At the start of the flights after them, positive [rad/s^2 or m/s^2].
+        uneven: By how much the last flight differs from one at the deceleration at both of its
+            ends, in its length or between them, relative; infinite before there is one.
+        count: Number of collisions, with those that are no longer kept.
     """
 
     stop: str
@@ -57,21 +62,29 @@ class BounceSeries:
     times: tuple[float, ...] = field(default=())
     rates: tuple[float, ...] = field(default=())
     decelerations: tuple[float, ...] = field(default=())
+    uneven: float = inf
+    count: int = 0
 
     def bounced(self, t: float, rate: float, deceleration: float) -> BounceSeries:
         """Return the series with one more collision."""
+        times, rates = (*self.times, t), (*self.rates, rate)
+        decelerations, uneven = (*self.decelerations, deceleration), inf
+        if self.times and deceleration > 0.0:
+            length = 0.5 * (t - self.times[-1]) * deceleration / self.rates[-1]
+            uneven = max(abs(length - 1.0), abs(self.decelerations[-1] / deceleration - 1.0))
+        if len(times) > _MOST_POINTS:
+            left = _left_out(times, rates)
+            times, rates, decelerations = (
+                item[:left] + item[left + 1 :] for item in (times, rates, decelerations)
+            )
         return BounceSeries(
-            self.stop,
-            self.start,
-            max(self.fastest, rate),
-            (*self.times, t)[-_MOST_POINTS:],
-            (*self.rates, rate)[-_MOST_POINTS:],
-            (*self.decelerations, deceleration)[-_MOST_POINTS:],
-        )
+            self.stop, self.start, max(self.fastest, rate), times, rates, decelerations, uneven,
+            self.count + 1,
+        )  # fmt: skip
 
     def anew(self) -> BounceSeries:
         """Return the series without its collisions: beyond a knot they tell nothing of it."""
-        return BounceSeries(self.stop, self.start, self.fastest)
+        return BounceSeries(self.stop, self.start, self.fastest, count=self.count)
 
     def limit(self, e_N: float) -> tuple[float, float]:
         """Extrapolate to rest.
@@ -125,6 +138,15 @@ class BounceSeries:
         return ends
 
 
+def _left_out(times: Sequence[float], rates: Sequence[float]) -> int:
+    """Place of the collision that tells least of the limit."""
+    if rates[1] >= _SPAN * rates[-1]:
+        return 0
+    # Collisions that lose little lie close beside the time that is left: a few that are far apart
+    # tell more than all the last ones.
+    return min(range(1, len(times) - 1), key=lambda place: times[place + 1] - times[place - 1])
+
+
 def _later(changes: Sequence[float], order: int) -> float:
     """Error of an order, estimated from the differences before and after it."""
     # No order is better than what the next one changes.
@@ -174,7 +196,7 @@ def _root(
         # Adding a multiple of the product of (t - t_k) changes the slope, not the points.
         step = (value - (slope + half * alpha) / inverse) / (half * alpha)
         t += step
-        if not t > 0.0:
+        if not 0.0 < t < inf:
             break
         if abs(step) <= SERIES_LIMIT_STEP * abs(t - near) + TIME_ROUND_OFF * t:
             return t

@@ -9,7 +9,6 @@ import numpy as np
 from ...arrays import FloatArray
 from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.moving_mass import force_size, impulse_sizes
-from ...dynamics.parts import apart
 from ...dynamics.pivoting import complementary, delassus, independent
 from ...dynamics.shaft import Driven
 from ...dynamics.system import System
@@ -69,10 +68,10 @@ def pressed(
     a = system.accelerations(motion, q[None], v[None], free)[0]
     if len(stops) == 1 and free.freedom > 0 and stops[0].rate(a) <= 0.0:
         return at_rest
-    size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a)
     closed: list[Stop] = []
-    for group in apart(system, stops):
+    for group in system.apart(stops):
         matrix = delassus(system, q, jacobian, group)
+        size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a, group[0].index)
         nothing = size * impulse_sizes(system, q, [stop.index for stop in group])
         found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
         if found is None:

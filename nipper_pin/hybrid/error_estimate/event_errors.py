@@ -17,8 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.system import System
-from ...tolerances.hybrid import CLOCK_ROUND_OFF, RATE_ROUND_OFF, SERIES_ERROR_SAFETY
-from ..event import Event, EventKind
+from ...tolerances.hybrid import (
+    CLOCK_ROUND_OFF,
+    RATE_ROUND_OFF,
+    SERIES_ERROR_SAFETY,
+    SIMULTANEOUS,
+)
+from ..event import Event, EventKind, found_after
 from ..segment import Segment
 from .linear_maps import ImpactMap, LinearMaps, of_rates, pushing
 from .local_error import round_off
@@ -65,7 +70,9 @@ def event_errors(
     state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
     last: dict[int, _Step] = {}
     found: list[EventError] = []
-    for event in events:
+    # A rest is found at the last bounce: what other parts do until its time comes afterwards.
+    order = sorted(events, key=lambda item: found_after(events, item).number)
+    for event in order:
         first = place
         # A rest lies beyond the end of the motion before it.
         while (
@@ -88,7 +95,8 @@ def event_errors(
             # Nothing that makes the event before late goes on.
             stated = replace(stated, since=stated.time + found[-1].time)
         found.append(stated)
-    return tuple(found)
+    stated_of = {event.number: stated for event, stated in zip(order, found, strict=True)}
+    return tuple(stated_of[event.number] for event in events)
 
 
 def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
@@ -241,13 +249,16 @@ def _with_round_off(event: Event, impact: ImpactMap, pushed: dict[str, float]) -
 
 
 def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
-    """By how much a gap is seen to close late: round-off of time, and of a dependent gap [s]."""
+    """By how much a gap is seen to close late [s]: round-off of time, and of a dependent gap."""
     event, segment, wrong = arrival.event, arrival.segments[-1], 0.0
     split = segment.panels[-1].split
     if not segment.kinematic and index in split.dependent:
         wrong = float(round_off(system, split, event.q)[index])
         wrong += float(maps.flight(segment).position[index])
-    return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
+    late = CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
+    struck = [name for name in event.stops if name not in event.closed_before]
+    # Of several stops that close together the first one gives the time.
+    return late + SIMULTANEOUS * system.shaft.period if len(struck) > 1 else late
 
 
 def _rested(
@@ -256,13 +267,15 @@ def _rested(
     """Deviations after a rest and its errors, from the deviations after the last collision."""
     event, deviations, late = arrival.event, before.deviations, before.deviations.late
     left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)
-    index = system.mechanism.stop(event.stops[0]).index
-    rate = float(event.v_before[index])
+    columns = [system.mechanism.stop(name).index for name in event.stops]
+    rates = event.v_before[columns]
     impulses = dict.fromkeys(event.P_N, 0.0)
-    if rate != 0.0 and pushing(system, event):
-        # What is left of the series lasts in proportion to its rate.
+    if rates.all() and pushing(system, event):
+        # What is left of the series lasts in proportion to its rate; of several stops the one that
+        # is known least tells.
         beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
-        shorter = beyond * deviations.states[system.body.nv + index] / rate
+        wrong = deviations.states[[system.body.nv + index for index in columns]] / rates[:, None]
+        shorter = beyond * wrong[int(np.abs(wrong).sum(axis=1).argmax())]
         late, left = late + shorter, left + shorter
         impact = maps.impact(event)
         impulses = _with_round_off(event, impact, _pushed(system, event, impact, deviations))

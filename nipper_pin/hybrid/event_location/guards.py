@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from enum import StrEnum
 from functools import cache
 from typing import NamedTuple
@@ -61,6 +61,7 @@ def triggers(
     phase: ConstraintSet,
     panel: Panel,
     forces: FloatArray,
+    watched: Collection[str] | None = None,
 ) -> tuple[Trigger, ...]:
     """Earliest triggers on a panel, simultaneous ones together.
 
@@ -69,13 +70,18 @@ def triggers(
         phase: The phase.
         panel: The panel.
         forces: Forces of the closed stops at its nodes, shape (N, closed).
+        watched: Names of the stops that count; all if there are none.
     """
     found = []
     for stop in phase.open:
+        if watched is not None and stop.name not in watched:
+            continue
         t = _gap_root(system, phase, panel, stop)
         if t is not None:
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
     for column, stop in enumerate(phase.shut):
+        if watched is not None and stop.name not in watched:
+            continue
         t = _force_root(system, phase, panel, forces[:, column], column)
         if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
             found.append(Trigger(t, TriggerKind.FORCE, stop.name))
@@ -244,7 +250,7 @@ def _is_nothing(system: System, panel: Panel, stop: Stop, force: FloatArray) -> 
     q, v, a = panel.q[0], panel.v[0], panel.a[0]
     motion = system.shaft.driven_at(panel.t)
     resists = math.sqrt(system.body.mass_matrix(q)[stop.index, stop.index])
-    nothing = ACTIVE_SET_ROUND_OFF * resists * force_size(system, motion, q, v, a)
+    nothing = ACTIVE_SET_ROUND_OFF * resists * force_size(system, motion, q, v, a, stop.index)
     return float(np.abs(force).max()) <= nothing
 
 

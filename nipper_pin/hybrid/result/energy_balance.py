@@ -13,7 +13,7 @@ from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.impact import drive_impulses
 from ...dynamics.system import System
 from ...tolerances.hybrid import ENERGY_AGREEMENT
-from ..event import Event, EventKind
+from ..event import Event, found_after
 from ..motion.panel import Panel, forces_at
 from ..motion.residual_check import rows_met
 from ..segment import Segment
@@ -94,7 +94,7 @@ def energy_balance(
     else:
         motion = trajectory.evaluate(first)
         q0, v0 = motion.q, motion.v
-    if events and _happened(events) >= last:
+    if events and found_after(events, events[-1]).t >= last:
         q1, v1 = events[-1].q[None], events[-1].v_after[None]
     else:
         motion = trajectory.evaluate(last, left=True)
@@ -113,15 +113,6 @@ def energy_balance(
         dissipated=heat,
         kinetic_peak=float(peak),
     )
-
-
-def _happened(events: Sequence[Event]) -> float:
-    """Time of the state of the last event [s]: a rest has that of the bounce that told its time."""
-    place = len(events) - 1
-    # Events of copied turns have the same state, too, so only rests are followed back.
-    while place and events[place].kind is EventKind.REST and events[place - 1].q is events[-1].q:
-        place -= 1
-    return events[place].t
 
 
 def _exchanged(

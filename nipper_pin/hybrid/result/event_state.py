@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..event import Event, EventKind
+from ..event import Event, EventKind, found_after
 from ..run.phase_manager import go_on
 from ..state import State
 from .trajectory import Motion
@@ -30,7 +30,7 @@ def motion_at(solution: Solution, event: Event) -> Motion:
     if event.kind is EventKind.REST:
         if solution.segments and t <= solution.segments[-1].t_end:
             return solution.trajectory.evaluate(t)
-        began = _known_at(solution, event)
+        began = found_after(solution.events, event).t
         _, jacobian = system.body.closures(q[None])
         motion = system.shaft.driven_at(began)
         start = State(began, q, v, jacobian[0], motion, event.closed_after)
@@ -40,9 +40,3 @@ def motion_at(solution: Solution, event: Event) -> Motion:
     times = np.array([t])
     return Motion(times, system.shaft.angle(times), q[None], v[None])
 
-
-def _known_at(solution: Solution, rest: Event) -> float:
-    """Time of the state that a rest was found from [s]: that of the bounce before it."""
-    before = solution.events[: rest.number - 1]
-    bounces = (item.t for item in reversed(before) if item.kind is not EventKind.REST)
-    return next(bounces, rest.t)

@@ -114,7 +114,8 @@ class Rebounds:
         a = system.accelerations(motion, q[None], v[None], phase)[0]
         _, jacobian = system.body.closures(q[None])
         start = State(event.t, q, v, jacobian[0], motion, closed)
-        reached = advance(system, start, a, event.t + system.shaft.period, self._resolution)
+        end, part = event.t + system.shaft.period, system.coupled([stop.name])
+        reached = advance(system, start, a, end, self._resolution, watched=part)
         return reached.segment if reached.triggers else None
 
 

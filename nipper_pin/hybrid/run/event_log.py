@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from ...arrays import FloatArray
@@ -13,11 +13,16 @@ from ..state import State
 
 
 class EventLog:
-    """Events of a run, in order of time."""
+    """Events of a run, in order of time.
 
-    def __init__(self) -> None:
+    Args:
+        coupled: Returns the stops that have to do with some stops, by their names.
+    """
+
+    def __init__(self, coupled: Callable[[Sequence[str]], Collection[str]]) -> None:
         """Begin without any."""
         self.events: list[Event] = []
+        self._coupled = coupled
 
     def record(
         self,
@@ -28,8 +33,8 @@ class EventLog:
         impact: Impact,
         closed: Closed,
         series_error: float = 0.0,
-    ) -> None:
-        """Write an event down.
+    ) -> int:
+        """Write an event down, before the rests of parts that it does not touch and that come later.
 
         Args:
             kind: Its kind.
@@ -39,10 +44,13 @@ class EventLog:
             impact: What it changes.
             closed: Closed stops after it.
             series_error: Estimated error of such a limit [s].
+
+        Returns:
+            The number of the event.
         """
-        if self.events and self.events[-1].t > t:
-            self._bring_forward(t)
+        later = self._later(t, stops) if self.events and self.events[-1].t > t else ()
         number = len(self.events) + 1
+        waiting = {name for rest in later for name in rest.stops}
         self.events.append(
             Event(
                 number=number,
@@ -56,12 +64,15 @@ class EventLog:
                 P_N=impact.P_N,
                 P_g=impact.P_g,
                 energy_lost=impact.energy_lost,
-                closed_before=state.closed,
-                closed_after=closed,
+                closed_before=state.closed - waiting,
+                closed_after=closed - waiting,
                 series_error=series_error,
                 source=number,
             )
         )
+        for rest in later:
+            self._append(rest)
+        return number
 
     def repeat(self, event: Event, delay: float, wound: FloatArray) -> None:
         """Write an event down again, with its impulses; arguments as :meth:`Panel.shifted`."""
@@ -69,11 +80,29 @@ class EventLog:
         number = len(self.events) + 1
         self.events.append(replace(event, t=event.t + delay, q=q, number=number))
 
-    def _bring_forward(self, t: float) -> None:
-        """Let the last rests, limits beyond the state that goes on, come no later than time t."""
-        for place in range(len(self.events) - 1, -1, -1):
-            rest = self.events[place]
-            if rest.t <= t:
-                break
-            error = rest.series_error + rest.t - t
-            self.events[place] = replace(rest, t=t, series_error=error)
+    def _later(self, t: float, stops: Sequence[str]) -> list[Event]:
+        """Take out the rests after time t that have nothing to do with some stops.
+
+        The others are limits beyond the state that goes on, and come no later than that time.
+        """
+        part, place = self._coupled(stops), len(self.events)
+        while place and self.events[place - 1].t > t:
+            place -= 1
+        rests, later = self.events[place:], []
+        del self.events[place:]
+        for rest in rests:
+            if part.isdisjoint(rest.stops):
+                later.append(rest)
+            else:
+                error = rest.series_error + rest.t - t
+                self._append(replace(rest, t=t, series_error=error))
+        return later
+
+    def _append(self, rest: Event) -> None:
+        """Append a rest, whose stops close then and no sooner."""
+        number = len(self.events) + 1
+        before = self.events[-1].closed_after if self.events else rest.closed_before
+        after = (before | rest.closed_after) - (rest.closed_before - rest.closed_after)
+        self.events.append(
+            replace(rest, number=number, source=number, closed_before=before, closed_after=after)
+        )

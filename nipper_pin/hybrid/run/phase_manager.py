@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Set
+from collections.abc import Collection, Set
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from ..state import State
 from .diagnosis import located
 from .event_log import EventLog
 from .series.rules import series_rules
-from .series.struck import Rest, Struck
+from .series.struck import Rest, Series, Struck
 
 
 class PhaseManager:
@@ -53,7 +53,7 @@ class PhaseManager:
         self.mechanism = system.mechanism
         self.segments: list[Segment] = []
         self.collisions = 0
-        self._log = EventLog()
+        self._log = EventLog(system.coupled)
         self._rules = series_rules(system, case, self._log.events)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
 
@@ -137,16 +137,19 @@ class PhaseManager:
         """
         state, lying = self._lying(self.state, hit)
         self.collisions += 1
-        meeting = hit | lying | state.closed
+        met = hit | lying
+        meeting = met | (state.closed & self.system.coupled(met))
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
         impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
-        self._log.record(EventKind.COLLISION, state, state.t, _struck(impact, hit), impact, closed)
-        number = len(self.events)
-        after = State(state.t, state.q, impact.v_after, state.jacobian, state.motion, closed)
-        newly = (hit | lying) & closed
+        struck = _struck(impact, hit)
+        number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
+        after = State(
+            state.t, state.q, impact.v_after, state.jacobian, state.motion, closed, self._apart(met)
+        )
+        newly = met & closed
         if newly:
             # Without rebound, the collision is the end of its own series.
             self._close(after, newly, closed)
@@ -157,7 +160,12 @@ class PhaseManager:
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
         known = hit | state.closed
-        others = (stop for stop in self.mechanism.stops if stop.name not in known)
+        reached = self.system.coupled(hit) if hit else None
+        others = (
+            stop
+            for stop in self.mechanism.stops
+            if stop.name not in known and (reached is None or stop.name in reached)
+        )
         found = touching(self.system, state.q, state.v, others)
         if not found:
             return state, frozenset()
@@ -168,11 +176,11 @@ class PhaseManager:
         """Go on with the series that a collision belongs to, or end it."""
         for rule in self._rules:
             if rule.concerns(struck):
-                series, rest = rule.followed(struck, self._acceleration(struck.after))
-                if series is not None:
-                    self.state = self.state._replace(series=series)
-                if rest is not None:
+                series, rests = rule.followed(struck, self._acceleration(struck.after))
+                self.state = self.state._replace(series=series)
+                for rest in rests:
                     self._rest(rest)
+                if rests:
                     return
 
     def _rest(self, rest: Rest) -> None:
@@ -181,7 +189,15 @@ class PhaseManager:
         self._log.record(
             EventKind.REST, state, rest.t, rest.stops, rest.impact, rest.closed, rest.error
         )
-        self.state = state._replace(v=rest.impact.v_after, closed=rest.closed, series=None)
+        series = self._apart(rest.stops)
+        self.state = state._replace(v=rest.impact.v_after, closed=rest.closed, series=series)
+
+    def _apart(self, names: Collection[str]) -> Series:
+        """The series of stops that have nothing to do with these."""
+        if not self.state.series:
+            return ()
+        part = self.system.coupled(names)
+        return tuple(item for item in self.state.series if item.stop not in part)
 
     def _close(self, state: State, newly: Set[str], closed: Closed) -> None:
         """Write down that stops rest without an impact."""
@@ -197,16 +213,16 @@ class PhaseManager:
             released = state.closed - pressed_next(self.system, phase, panel, state.t) or released
         return self._open(released)
 
-    def _open(self, released: Iterable[str]) -> State:
+    def _open(self, released: Collection[str]) -> State:
         """Open stops that do not push."""
         state = self.state
         closed = after_release(state.closed, released)
         # Stops that are not pressed shut are no series any more.
         for rule in self._rules:
-            rule.forget()
+            rule.forget(released)
         still = no_impact(self.system, state.v)
         self._log.record(EventKind.RELEASE, state, state.t, sorted(released), still, closed)
-        self.state = state._replace(closed=closed, series=None)
+        self.state = state._replace(closed=closed, series=self._apart(released))
         return self.state
 
     def copy(

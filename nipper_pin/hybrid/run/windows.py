@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...errors import InputError
-from ..event import EventKind
+from ..event import Event, EventKind
 from ..segment import Segment
 from .outcome import Outcome
 from .periodicity import repeats
@@ -25,13 +25,38 @@ def transition(manager: PhaseManager) -> Outcome:
     name = _closing_stop(manager)
     manager.collide({name})
     while True:
-        last = manager.events[-1]
-        if last.kind is EventKind.REST and name in last.stops:
+        rest = _rest_of(manager, name)
+        if rest is not None and _followed(manager, name, rest.t):
             return Outcome.AT_REST
         if manager.collisions >= manager.case.max_collisions:
             return Outcome.TOO_MANY_COLLISIONS
         if not manager.step(manager.system.shaft.period):
             return Outcome.NO_REST
+
+
+def _rest_of(manager: PhaseManager, name: str) -> Event | None:
+    """The rest of a stop, if the latest events hold it."""
+    for event in reversed(manager.events):
+        if event.kind is not EventKind.REST:
+            return None
+        if name in event.stops:
+            return event
+    return None
+
+
+def _followed(manager: PhaseManager, name: str, t_rest: float) -> bool:
+    """Follow parts that do not touch a stop until its rest [s]; False if they strike too often."""
+    together = manager.system.coupled([name])
+    stops = {stop.name for stop in manager.mechanism.stops}
+    if stops <= together | manager.state.closed:
+        return True
+    while manager.step(t_rest):
+        if manager.collisions >= manager.case.max_collisions:
+            return False
+    # What comes to rest later is no part of the transition.
+    while name not in manager.events[-1].stops:
+        manager.events.pop()
+    return True
 
 
 def _closing_stop(manager: PhaseManager) -> str:
@@ -102,4 +127,4 @@ def turns(
 
 
 def _at_the_end(manager: PhaseManager) -> Outcome:
-    return Outcome.COMPLETED if manager.state.series is None else Outcome.STILL_BOUNCING
+    return Outcome.COMPLETED if not manager.state.series else Outcome.STILL_BOUNCING

@@ -20,15 +20,15 @@ def knot_between(system: System, before: float, t: float) -> bool:
 def other_stop_meets(
     system: System, state: State, a: FloatArray, bouncing: Collection[str], t_rest: float
 ) -> bool:
-    """True if another stop may close while the bounces that are left out go on.
+    """True if another stop of their part may close while the bounces that are left out go on.
 
     It would meet a stop that still bounces, not one at rest.
     """
-    left = t_rest - state.t
+    left, part = t_rest - state.t, system.coupled(bouncing)
     return any(
         lowest_gap(stop.gap(state.q), stop.rate(state.v), stop.rate(a), left) <= 0.0
         for stop in system.mechanism.stops
-        if stop.name not in state.closed and stop.name not in bouncing
+        if stop.name in part and stop.name not in state.closed and stop.name not in bouncing
     )
 
 

@@ -6,7 +6,7 @@ slower in the end: no motion goes on from there.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from ....arrays import FloatArray
 from ....dynamics.system import System
@@ -14,7 +14,7 @@ from ....errors import ImpactError
 from ....mechanism import Mechanism
 from ....tolerances.hybrid import JAM_SLOWING, SIMULTANEOUS, SLOWEST_JAM_RATE
 from ...event import Event, EventKind
-from .struck import Struck
+from .struck import Rest, Series, Struck
 
 # As many collisions in one instant are a jam if no stop is struck slower in the end.
 _JAM = 20
@@ -41,7 +41,7 @@ class Jams:
         events = self._events
         return first >= 0 and events[struck.number - 1].t - events[first].t <= self._instant
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[None, None]:
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Refuse to go on from a jam.
 
         Raises:
@@ -49,9 +49,9 @@ class Jams:
         """
         del a
         check_jam(self._mechanism, self._events[: struck.number], self._instant)
-        return None, None
+        return struck.after.series, ()
 
-    def forget(self) -> None:
+    def forget(self, opened: Collection[str]) -> None:
         """Nothing is kept here."""
 
 

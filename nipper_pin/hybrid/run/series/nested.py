@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from math import inf, isfinite
 
 from ....arrays import FloatArray
@@ -15,7 +15,7 @@ from ...contact.complementarity import Closed, pressed
 from ...contact.nested_series import NestedSeries
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
-from .struck import Rest, Struck
+from .struck import Rest, Series, Struck
 
 
 class NestedBounces:
@@ -36,17 +36,23 @@ class NestedBounces:
     def concerns(self, struck: Struck) -> bool:
         """Return whether a collision at one stop opens others."""
         closed, rates = struck.before.closed, struck.rates
-        return len(struck.hit) == 1 and any(rates[name] > 0.0 for name in closed)
+        return len(struck.hit) == 1 and any(rates.get(name, 0.0) > 0.0 for name in closed)
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[None, Rest | None]:
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add such a collision; see :meth:`.SeriesRule.followed`."""
+        rest = self._followed(struck, a)
+        return struck.after.series, () if rest is None else (rest,)
+
+    def _followed(self, struck: Struck, a: FloatArray) -> Rest | None:
+        """The rest of all these stops, once it is known."""
         system, before, state = self._system, struck.before, struck.after
         names = before.closed | struck.hit
         phase = system.constraint_set(names)
         if phase.freedom < 0:
-            return None, None
+            return None
         (name,) = struck.hit
-        key = name, before.closed
+        part = system.coupled(struck.hit)
+        key = name, before.closed & part
         series = self._known.get(key, NestedSeries())
         if series.times and knot_between(system, series.times[-1], state.t):
             series = NestedSeries()
@@ -55,20 +61,22 @@ class NestedBounces:
         fastest = max(struck.rates.values())
         t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
         if not isfinite(t_rest):
-            return None, None
+            return None
         try:
-            impact = arrest(system, state.q, state.v, state.jacobian, phase.shut)
+            shut = [stop for stop in phase.shut if stop.name in part]
+            impact = arrest(system, state.q, state.v, state.jacobian, shut)
         except (ImpactError, SingularConfigurationError):
             # Stops that depend on one another through the closures do not rest together.
-            return None, None
+            return None
         stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, names)
         if stay != names:
-            return None, None
-        return None, Rest(t_rest, error, sorted(names - state.closed), impact, names)
+            return None
+        return Rest(t_rest, error, sorted(names - state.closed), impact, names)
 
-    def forget(self) -> None:
-        """End all series: one of the stops is pressed no more."""
-        self._known.clear()
+    def forget(self, opened: Collection[str]) -> None:
+        """End the series of a part: one of its stops is pressed no more."""
+        part = self._system.coupled(opened)
+        self._known = {key: own for key, own in self._known.items() if key[0] not in part}
 
 
 def rest_of_nested(

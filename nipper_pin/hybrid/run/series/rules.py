@@ -1,7 +1,6 @@
 """Rules of what follows a collision, by what a machine has.
 
-Bounces of one stop end at rest after a finite time: every machine with a stop has this rule. Two
-stops may also throw one another open, or jam a link between them: only a machine with two stops or
+Bounces end at rest after a finite time: every machine with a stop has this rule. Two stops may also throw one another open, or jam a link between them: only a machine with two stops or
 more has these rules.
 """
 
@@ -12,9 +11,10 @@ from collections.abc import Sequence
 from ....dynamics.system import System
 from ...case import Case
 from ...event import Event
+from .bounces import Bounces
 from .jams import Jams
 from .nested import NestedBounces
-from .single import SingleBounces
+
 from .struck import SeriesRule
 
 
@@ -26,7 +26,7 @@ def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[S
         case: The case.
         events: The events of the run, as they are written down.
     """
-    alone = SingleBounces(system, case)
+    bounces = Bounces(system, case)
     if len(system.mechanism.stops) < 2:
-        return (alone,)
-    return Jams(system, events), NestedBounces(system, case), alone
+        return (bounces,)
+    return Jams(system, events), NestedBounces(system, case), bounces

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from ....arrays import FloatArray
@@ -12,6 +12,8 @@ from ...contact.bounce_series import BounceSeries
 from ...contact.complementarity import Closed
 from ...state import State
 
+Series = tuple[BounceSeries, ...]
+
 
 class Struck(NamedTuple):
     """A collision that has been computed.
@@ -19,7 +21,7 @@ class Struck(NamedTuple):
     Attributes:
         number: Number of its event.
         before: State just before it, with the series of bounces until then.
-        after: State just after it.
+        after: State just after it, with those series that it does not disturb.
         hit: Names of the stops that have just closed.
         rates: Rate of every stop in contact after it, by name [rad/s or m/s].
         rebounding: The stops that have just closed and open again.
@@ -63,7 +65,7 @@ class SeriesRule(Protocol):
         """Return whether a collision may belong to such a series."""
         ...
 
-    def followed(self, struck: Struck, a: FloatArray) -> tuple[BounceSeries | None, Rest | None]:
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
         """Add a collision to its series.
 
         Args:
@@ -71,11 +73,11 @@ class SeriesRule(Protocol):
             a: Acceleration just after it, shape (nv,).
 
         Returns:
-            The series of a stop that bounces alone, None of other kinds; and the end of the series
-            once that is known.
+            All series of bounces after it; and the ends of those whose end is known, in order of
+            time.
         """
         ...
 
-    def forget(self) -> None:
-        """End the series in which stops stay in contact: one of them is pressed no more."""
+    def forget(self, opened: Collection[str]) -> None:
+        """End the series of stops that stay in contact, where one of these is pressed no more."""
         ...

@@ -1,0 +1,251 @@
+"""Bounces of one stop or of several, which end at rest: at their limits, or at a threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from math import inf, isfinite, tau
+from typing import NamedTuple
+
+import numpy as np
+
+from ....arrays import FloatArray
+from ....dynamics.assembly import close_positions, close_velocities
+from ....dynamics.impact import arrest
+from ....dynamics.system import System
+from ....errors import (
+    ConvergenceError,
+    ElementError,
+    ImpactError,
+    SingularConfigurationError,
+)
+from ....mechanism import Stop
+from ....tolerances.hybrid import (
+    CONSTANT_DECELERATION,
+    DROPPED_SERIES,
+    SIMULTANEOUS,
+    STEADY_DECELERATION,
+    TIME_ROUND_OFF,
+)
+from ....tolerances.mechanics import EPS
+from ...case import Case
+from ...contact.bounce_series import BounceSeries
+from ...contact.complementarity import pressed
+from ...state import State
+from .guards import UNKNOWN, knot_between, other_stop_meets
+from .struck import Rest, Series, Struck
+
+
+# Bounces that are followed at least until they are small. Of a restitution of 0.99 all that one sees
+# are not many more; a hundred thousand of 0.9999 would say nothing more.
+_MANY = 200
+
+
+class _Limit(NamedTuple):
+    """Where the bounces of a stop end: its time, the error of that, and their start [s]."""
+
+    stop: Stop
+    t: float
+    error: float
+    start: float
+
+
+class Bounces:
+    """Bounces of stops, each of which has a series of its own.
+
+    A collision goes on with the series of every stop that it throws open, and ends those of the
+    other stops in its part of the machine, whose motion it changes. So stops that do not touch one
+    another bounce each for itself, and stops of one part that are struck together, again and again.
+
+    Args:
+        system: The system.
+        case: The case.
+    """
+
+    name = "bounces to rest"
+
+    def __init__(self, system: System, case: Case) -> None:
+        """The series themselves are part of the state of a run."""
+        self._system, self._case = system, case
+
+    def concerns(self, struck: Struck) -> bool:
+        """Return whether a stop rebounds."""
+        return bool(struck.rebounding)
+
+    def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
+        """Add the bounces of a collision; see :meth:`.SeriesRule.followed`."""
+        system, state = self._system, struck.after
+        before = {series.stop: series for series in struck.before.series}
+        found: list[BounceSeries] = []
+        known: list[_Limit] = []
+        for stop in struck.rebounding:
+            series = before.get(stop.name, BounceSeries(stop.name, state.t))
+            if series.times and knot_between(system, series.times[-1], state.t):
+                series = series.anew()
+            series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
+            found.append(series)
+            t_rest, error = rest_of_series(
+                system, self._case, state, a, stop, series, struck.rebounding
+            )
+            if isfinite(t_rest):
+                known.append(_Limit(stop, t_rest, error, series.start))
+        return (*state.series, *found), self._rests(struck, known)
+
+    def forget(self, opened: Collection[str]) -> None:
+        """Nothing is kept here."""
+
+    def _rests(self, struck: Struck, known: Sequence[_Limit]) -> list[Rest]:
+        """The rests of stops whose limits are known, in order of time."""
+        instant = SIMULTANEOUS * self._system.shaft.period
+        groups: list[list[_Limit]] = []
+        for part in sorted(self._in_step(struck, known), key=_latest):
+            # Parts that move alike come to rest as one.
+            if groups and _latest(part) - _latest(groups[-1]) <= instant:
+                groups[-1].extend(part)
+            else:
+                groups.append(part)
+        state, rests = struck.after, list[Rest]()
+        for group in groups:
+            rest = self._rest(state, group)
+            if rest is not None:
+                rests.append(rest)
+                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        return rests
+
+    def _in_step(self, struck: Struck, known: Sequence[_Limit]) -> list[list[_Limit]]:
+        """The limits by part, of parts all of whose bouncing stops come to rest, as one."""
+        parts: dict[frozenset[str], list[_Limit]] = {}
+        for limit in known:
+            parts.setdefault(self._system.coupled([limit.stop.name]), []).append(limit)
+        bouncing = {stop.name for stop in struck.rebounding}
+        return [
+            limits
+            for part, limits in parts.items()
+            if len(limits) == len(bouncing & part) and (len(limits) == 1 or self._as_one(limits))
+        ]
+
+    def _as_one(self, limits: Sequence[_Limit]) -> bool:
+        """True if stops of one part come to rest at one time, as far as the tolerance tells."""
+        if self._case.rest_rate is not None:
+            return True
+        lasts = _latest(limits) - min(limit.start for limit in limits)
+        shortest = TIME_ROUND_OFF * self._system.shaft.period
+        return _error(limits) <= max(self._case.resolution.tolerance * lasts, shortest)
+
+    def _rest(self, state: State, limits: Sequence[_Limit]) -> Rest | None:
+        """The rest of stops that come to rest as one; None if they are not pressed shut."""
+        system, stops = self._system, [limit.stop for limit in limits]
+        names = {stop.name for stop in stops}
+        part = system.coupled(names)
+        shut = [stop for stop in system.constraint_set(state.closed).shut if stop.name in part]
+        try:
+            impact = arrest(system, state.q, state.v, state.jacobian, [*stops, *shut])
+        except (ImpactError, SingularConfigurationError):
+            if len(stops) == 1:
+                raise
+            # Stops that depend on one another through the closures do not rest together.
+            return None
+        for name in state.closed - part:
+            # Round-off in a part that the impact does not reach.
+            impact.v_after[system.mechanism.stop(name).index] = 0.0
+        closed = pressed(
+            system, state.motion, state.q, impact.v_after, state.jacobian, state.closed | names
+        )
+        if names <= closed:
+            return Rest(_latest(limits), _error(limits), sorted(names), impact, closed)
+        loose = system.coupled(names - closed)
+        others = [limit for limit in limits if limit.stop.name not in loose]
+        return self._rest(state, others) if others else None
+
+
+def _latest(limits: Sequence[_Limit]) -> float:
+    """Time of the last of several limits [s]."""
+    return max(limit.t for limit in limits)
+
+
+def _error(limits: Sequence[_Limit]) -> float:
+    """Error of that time, taken for all of them [s]."""
+    latest = _latest(limits)
+    return max(limit.error + (latest - limit.t) for limit in limits)
+
+
+def rest_of_series(
+    system: System,
+    case: Case,
+    state: State,
+    a: FloatArray,
+    stop: Stop,
+    series: BounceSeries,
+    mates: Sequence[Stop],
+) -> tuple[float, float]:
+    """Time at which a stop that bounces comes to rest, and its error.
+
+    Args:
+        system: The system.
+        case: The case.
+        state: State just after a bounce.
+        a: Acceleration there, shape (nv,).
+        stop: The stop.
+        series: Its bounces.
+        mates: The stops that bounce at this instant, itself among them.
+
+    Returns:
+        Both in [s]; infinite while not known yet.
+    """
+    e_N, rate, deceleration = stop.restitution, series.rates[-1], series.decelerations[-1]
+    if case.rest_rate is not None:
+        return (state.t if rate < case.rest_rate else inf), 0.0
+    if deceleration <= 0.0 or e_N >= 1.0:
+        return UNKNOWN
+    t, tolerance, period = state.t, case.resolution.tolerance, system.shaft.period
+    remaining = 2.0 * rate / (deceleration * (1.0 - e_N))
+    if remaining <= tolerance * period:
+        # Accelerations change at the rate of the turning; a deceleration that is small beside them
+        # does so faster, and near a dead centre everything does.
+        changes = tau * max(2.0, float(np.abs(a).max()) / deceleration) / period * remaining
+        changes += abs(_deceleration_at_rest(system, state, a, stop, mates, remaining) / deceleration - 1)
+        if changes < CONSTANT_DECELERATION or remaining <= TIME_ROUND_OFF * period:
+            return t + remaining, min(changes, 1.0) * remaining
+    large = rate**3 > DROPPED_SERIES * tolerance * series.fastest**3
+    if large and series.count < _MANY:
+        return UNKNOWN
+    if system.shaft.smooth_for(t) < 2.0 * remaining:
+        # What follows a knot of a drive's table is another function of time.
+        return UNKNOWN
+    t_rest, error = series.limit(e_N)
+    if series.uneven <= STEADY_DECELERATION:
+        there = _deceleration_at_rest(system, state, a, stop, mates, remaining)
+        changes = max(abs(there / deceleration - 1.0), series.uneven) + 4.0 * EPS
+        if changes * remaining <= error:
+            t_rest, error = t + remaining, changes * remaining
+    known = error <= tolerance * (t - series.start + remaining)
+    bouncing = [item.name for item in mates]
+    if not known or other_stop_meets(system, state, a, bouncing, t_rest):
+        return UNKNOWN
+    return t_rest, error
+
+
+def _deceleration_at_rest(
+    system: System,
+    state: State,
+    a: FloatArray,
+    stop: Stop,
+    mates: Sequence[Stop],
+    remaining: float,
+) -> float:
+    """Deceleration of a stop where it will be at rest [rad/s^2 or m/s^2]; infinite if unknown."""
+    phase, t = system.constraint_set(state.closed), state.t + remaining
+    columns = [item.index for item in mates]
+    try:
+        split = system.split(state.jacobian, phase.given, (*columns, *phase.yielding))
+        if not set(columns).isdisjoint(split.dependent):
+            return inf
+        q = (state.q + remaining * (state.v + 0.5 * remaining * a))[None]
+        v = (state.v + remaining * a)[None]
+        motion = system.shaft.driven_at(t)
+        system.prescribe(motion, q, v, phase)
+        q[:, columns], v[:, columns] = [item.at for item in mates], 0.0
+        q, jacobian = close_positions(system.body, q, split)
+        there = system.accelerations(motion, q, close_velocities(v, jacobian, split), phase)
+    except (ConvergenceError, ElementError, SingularConfigurationError):
+        return inf
+    return -stop.rate(there[0])
