@@ -69,13 +69,7 @@ class PhaseManager:
         never be seen.
         """
         state, lying = self._lying(self.state)
-        hit = {
-            stop.name
-            for stop in self.mechanism.stops
-            if stop.name not in state.closed | lying
-            and stop.gap(state.q) == 0.0
-            and stop.rate(state.v) < 0.0
-        }
+        hit = self.closing() - lying
         if hit:
             self.collide(hit)
             return
@@ -90,6 +84,15 @@ class PhaseManager:
         if newly:
             self._close(state, newly, closed)
             self.state = state._replace(closed=closed)
+
+    def closing(self) -> set[str]:
+        """Names of the open stops with a gap of zero that close: they collide together."""
+        q, v, closed = self.state.q, self.state.v, self.state.closed
+        return {
+            stop.name
+            for stop in self.mechanism.stops
+            if stop.name not in closed and stop.gap(q) == 0.0 and stop.rate(v) < 0.0
+        }
 
     def step(self, t_limit: float) -> bool:
         """Advance to the next event or to the limit; False at the limit.

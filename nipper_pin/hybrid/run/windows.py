@@ -23,7 +23,7 @@ def transition(manager: PhaseManager) -> Outcome:
         SimulationError: The motion cannot be followed.
     """
     name = _closing_stop(manager)
-    manager.collide({name})
+    manager.collide({name} | manager.closing())
     while True:
         rest = _rest_of(manager, name)
         if rest is not None and _followed(manager, name, rest.t):
