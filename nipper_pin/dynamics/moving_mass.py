@@ -89,9 +89,9 @@ def moving_mass(system: System, q: FloatArray) -> tuple[list[int], FloatArray]:
 
 
 def force_size(
-    system: System, motion: Driven, q: FloatArray, v: FloatArray, a: FloatArray
+    system: System, motion: Driven, q: FloatArray, v: FloatArray, a: FloatArray, index: int
 ) -> float:
-    """Size of the forces that balance in a state, the root of f' M^-1 f of each kind, added up.
+    """Size of the forces that balance in a part, the root of f' M^-1 f of each kind, added up.
 
     Times the root of a diagonal term of M^-1 or of M it bounds what they come to in an
     acceleration or a force of that coordinate: round-off is a small part of that.
@@ -102,6 +102,7 @@ def force_size(
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
         a: Acceleration, shape (nv,).
+        index: A coordinate of the part.
     """
     moving, mass = moving_mass(system, q)
     weight, whole = system.body.inverse_dynamics(*np.array([[q, q], [v, v], [0.0 * a, a]]))
@@ -110,6 +111,7 @@ def force_size(
         trains = np.zeros(system.body.nv)
         trains[system.driven_columns] = system.train_torques(motion, q[None], v[None])[0]
         kinds.append(trains)
-    forces = np.array(kinds)[:, moving].T
-    squares = np.einsum("ij,ij->j", forces, np.linalg.solve(mass, forces))
+    own = np.flatnonzero(system.parts[moving] == system.parts[index])
+    forces = np.array(kinds)[:, moving].T[own]
+    squares = np.einsum("ij,ij->j", forces, np.linalg.solve(mass[np.ix_(own, own)], forces))
     return float(np.sqrt(np.maximum(squares, 0.0)).sum())

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ..arrays import FloatArray
 from ..errors import ImpactError
 from ..mechanism import Simultaneous, Stop
@@ -38,17 +36,17 @@ def strike(
         ImpactError: No impulses satisfy the law.
     """
     law = law or system.mechanism.simultaneous
-    groups = system.apart(contacts)
-    if len(groups) == 1:
+    if system.whole:
         return _of_part(system, q, v, jacobian, contacts, law, most)
     none, part = no_impact(system, v.copy()), np.array(system.parts)
     v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
     P_N: dict[str, float] = {}
-    for group in groups:
+    for group in system.apart(contacts):
         own = _of_part(system, q, v, jacobian, group, law, most)
+        # Round-off in a part that the impact does not reach is none of it.
         mine = part == part[group[0].index]
-        v_after[mine] = own.v_after[mine]
-        delta, P_g, lost = delta + own.delta, P_g + own.P_g, lost + own.energy_lost
+        v_after[mine], delta[mine] = own.v_after[mine], own.delta[mine]
+        P_g, lost = P_g + own.P_g, lost + own.energy_lost
         P_N |= own.P_N
     return Impact(v_after, delta, P_g, {stop.name: P_N[stop.name] for stop in contacts}, lost)
 

@@ -23,6 +23,7 @@ from random_chains import chain
 from nipper_pin.dynamics.assembly import Partition, close_positions
 from nipper_pin.dynamics.impact import arrest, collide, drive_impulses
 from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.strike import strike
 from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.contact.complementarity import pressed
 from nipper_pin.mechanism import Stop
@@ -177,6 +178,42 @@ def test_random_impacts_are_of_every_kind() -> None:
         chosen = complementary(W.T @ meeting.response() @ W, (1.0 + e) * before)[0][0]
         kinds.add((len(before), len(chosen)))
     assert {(2, 1), (2, 2), (3, 1), (3, 2), (3, 3), (4, 2)} <= kinds
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_strikes_in_sequence_are_single_impacts(seed: int) -> None:
+    """The sum of impacts at one contact each, by the engine's own law, until none approaches.
+
+    That of the largest r^2 / A_ii comes first, M^-1 and loops by the dense matrices. Each impact is
+    right to 1e-10, as above, and there are no more than hundreds.
+    """
+    meeting = met(seed)
+    system, contacts, rng = meeting.system, meeting.contacts, meeting.rng
+    before = rng.normal(0.0, 1.0, len(contacts))
+    before[0] = -abs(before[0]) - 0.1
+    v = meeting.velocity(before)
+    W = meeting.normals()
+    A = np.diag(W.T @ meeting.response() @ W)
+    now, P = v, dict.fromkeys((stop.name for stop in contacts), 0.0)
+    lost = 0.0
+    for _ in range(3000):
+        rates = np.array([stop.rate(now) for stop in contacts])
+        first = int((rates / np.sqrt(A)).argmin())
+        if rates[first] >= -1e-12:
+            break
+        stop = contacts[first]
+        one = collide(system, meeting.q, now, meeting.jacobian, [stop], [stop.restitution])
+        now, lost = one.v_after, lost + one.energy_lost
+        P[stop.name] += one.P_N[stop.name]
+    found = strike(system, meeting.q, v, meeting.jacobian, contacts, "sequential")
+    assert np.abs(found.v_after - now).max() <= 1e-9 * np.abs(v).max()
+    assert list(found.P_N.values()) == pytest.approx(list(P.values()), rel=1e-9, abs=1e-9)
+    assert found.energy_lost == pytest.approx(lost, rel=1e-9, abs=1e-9)
+    assert np.abs(meeting.jacobian @ found.v_after).max(initial=0.0) <= 1e-10 * np.abs(v).max()
+    M = system.body.mass_matrix(meeting.q)
+    left = M @ found.delta - W @ list(found.P_N.values()) - found.P_g @ meeting.jacobian
+    left[system.driven] = 0.0
+    assert np.abs(left).max() <= 1e-9 * np.abs(M @ found.delta).max()
 
 
 @pytest.mark.parametrize("seed", SEEDS)

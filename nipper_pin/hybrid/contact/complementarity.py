@@ -68,10 +68,10 @@ def pressed(
     a = system.accelerations(motion, q[None], v[None], free)[0]
     if len(stops) == 1 and free.freedom > 0 and stops[0].rate(a) <= 0.0:
         return at_rest
-    size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a)
     closed: list[Stop] = []
     for group in system.apart(stops):
         matrix = delassus(system, q, jacobian, group)
+        size = ACTIVE_SET_ROUND_OFF * force_size(system, motion, q, v, a, group[0].index)
         nothing = size * impulse_sizes(system, q, [stop.index for stop in group])
         found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
         if found is None:

@@ -33,7 +33,7 @@ def law_that_matters(solution: Solution) -> str:
     for event in solution.events:
         if event.kind is not EventKind.COLLISION or event.source != event.number:
             continue
-        for stops in system.apart(solution.mechanism.stop(name) for name in event.P_N):
+        for stops in system.apart([solution.mechanism.stop(name) for name in event.P_N]):
             if len(stops) > 1 and _differs(system, event, stops, _OTHER[law]):
                 names = " and ".join(", ".join(stop.name for stop in stops).rsplit(", ", 1))
                 return (

@@ -167,9 +167,6 @@ class PhaseManager:
             meeting = met | (state.closed & self.system.coupled(met))
         contacts = [stop for stop in self.mechanism.stops if stop.name in meeting]
         impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
-        for name in state.closed - meeting:
-            # Round-off in a part that the impact does not reach.
-            impact.v_after[self.mechanism.stop(name).index] = 0.0
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
         closed = self._pressed(state, impact.v_after, at_rest)
@@ -188,11 +185,12 @@ class PhaseManager:
 
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
+        known = hit | state.closed
         reached = self.system.coupled(hit) if hit else None
         others = (
             stop
             for stop in self.mechanism.stops
-            if stop.name not in hit | state.closed and (reached is None or stop.name in reached)
+            if stop.name not in known and (reached is None or stop.name in reached)
         )
         found = touching(self.system, state.q, state.v, others)
         if not found:

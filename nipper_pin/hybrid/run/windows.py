@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from ...errors import InputError
-from ...tolerances.mechanics import STILL_GAP_RATE
 from ..event import Event, EventKind
 from ..segment import Segment
 from .outcome import Outcome
@@ -26,7 +23,7 @@ def transition(manager: PhaseManager) -> Outcome:
         SimulationError: The motion cannot be followed.
     """
     name = _closing_stop(manager)
-    manager.collide(_closing_stops(manager, name))
+    manager.collide({name} | manager.closing())
     while True:
         # Most events are no rests.
         resting = manager.events[-1].kind is EventKind.REST
@@ -94,20 +91,6 @@ def _closing_stop(manager: PhaseManager) -> str:
         )
         raise InputError(message, stop=name, rate=rate)
     return name
-
-
-def _closing_stops(manager: PhaseManager, name: str) -> set[str]:
-    """Names of the stops that close in the touch configuration: that one, and others with it."""
-    state = manager.state
-    slow = STILL_GAP_RATE * float(np.abs(state.v).max())
-    others = {
-        stop.name
-        for stop in manager.mechanism.stops
-        if stop.name not in state.closed
-        and stop.gap(state.q) == 0.0
-        and stop.rate(state.v) < -slow
-    }
-    return {name, *others}
 
 
 def turns(
