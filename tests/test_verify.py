@@ -153,9 +153,7 @@ def test_a_run_without_one_of_its_files(
     assert f"{name} is {'missing' if how == 'missing' else 'no file of its own'}" in err
 
 
-def test_a_run_and_a_case_alone_are_whole(
-    saved: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_and_a_case_alone_are_whole(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where no tables are beside them: Python may have saved them."""
     for file in (saved / "run").iterdir():
         if file.name not in {"solution.npz", "case.json"}:

@@ -9,16 +9,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from weakref import WeakKeyDictionary
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ..mechanism import Mechanism
 from ..mechanism.build.placements import supports
 
-_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, tuple[int, ...]]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, NDArray[np.intp]]] = WeakKeyDictionary()
 
 
-def parts(mechanism: Mechanism, held: bool) -> tuple[int, ...]:
-    """Number of the part that each coordinate belongs to.
+def parts(mechanism: Mechanism, held: bool) -> NDArray[np.intp]:
+    """Number of the part that each coordinate belongs to, shape (nv,).
 
     Args:
         mechanism: The mechanism.
@@ -27,7 +29,7 @@ def parts(mechanism: Mechanism, held: bool) -> tuple[int, ...]:
     known = _KNOWN.setdefault(mechanism, {})
     if held not in known:
         driven = {drive.index for drive in mechanism.drives} if held else set[int]()
-        known[held] = tuple(_parts(mechanism, driven))
+        known[held] = np.array(_parts(mechanism, driven), dtype=np.intp)
     return known[held]
 
 

@@ -38,7 +38,7 @@ def strike(
     law = law or system.mechanism.simultaneous
     if system.whole:
         return _of_part(system, q, v, jacobian, contacts, law, most)
-    none, part = no_impact(system, v.copy()), np.array(system.parts)
+    none, part = no_impact(system, v.copy()), system.parts
     v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
     P_N: dict[str, float] = {}
     for group in system.apart(contacts):

@@ -44,7 +44,7 @@ class System:
         drive: Behaviour of the driven shafts.
 
     Attributes:
-        parts: Number of the part that each coordinate belongs to; held shafts have their own.
+        parts: Number of the part of each coordinate, shape (nv,); held shafts have their own.
         whole: True if all stops are in one part, as in most machines.
     """
 
@@ -87,7 +87,7 @@ class System:
     def _grouped(self, stops: Iterable[Stop]) -> list[list[Stop]]:
         groups: dict[int, list[Stop]] = {}
         for stop in stops:
-            groups.setdefault(self.parts[stop.index], []).append(stop)
+            groups.setdefault(int(self.parts[stop.index]), []).append(stop)
         return list(groups.values())
 
     def coupled(self, names: Collection[str]) -> frozenset[str]:

@@ -81,6 +81,7 @@ class Event:
         through = stop.rate(self.v_before) + stop.rate(self.v_after)
         return -0.5 * self.P_N[stop.name] * through
 
+
 def found_after(events: Sequence[Event], rest: Event) -> Event:
     """Return the event after which a rest was found: the last bounce, whose state it has.
 

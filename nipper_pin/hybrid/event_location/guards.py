@@ -104,9 +104,7 @@ def _gap_root(system: System, phase: ConstraintSet, panel: Panel, stop: Stop) ->
         # at the instant at which a collision at another one reverses its rate.
         return panel.t
     if panel.integrated:
-        return _flight_root(
-            panel, stop, gap, rate, GAP_ROUND_OFF * system.body.unit_of[stop.index]
-        )
+        return _flight_root(panel, stop, gap, rate, GAP_ROUND_OFF * system.body.unit_of[stop.index])
     h, gaps = panel.h, stop.gaps(panel.q)
     series = interpolant(gaps)
     if series.positive:

@@ -72,9 +72,7 @@ def _earlier(folder: Path) -> tuple[str, ...]:
     try:
         digests = json.loads(read_text(folder / _DOCUMENT, MOST_JSON))["files"]
         there = {file.name: file for file in folder.iterdir() if file.name in digests}
-        return tuple(
-            name for name, file in there.items() if _digest_of(file) == digests[name]
-        )
+        return tuple(name for name, file in there.items() if _digest_of(file) == digests[name])
     except (OSError, InputError, ValueError, LookupError, TypeError):
         return ()
 
