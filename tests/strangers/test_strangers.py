@@ -1,0 +1,162 @@
+"""Small machines as other people write them: each does what it has to, or says what is wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nipper_pin as nip
+
+HERE = Path(__file__).parent
+GRAVITY = 9.81
+# Every mistake of these files, and the words that have to name it.
+REFUSED = {
+    "fb_noaxis": r"fb_noaxis\.urdf: joint O axis = .*1 0 0.* A, C ",
+    "fb_zaxis": r"fb_zaxis\.toml: closures .* dead centre.*plane of x and y of the URDF",
+    "mesh_scale1": r"mesh_scale1\.urdf: link crank visual crank_0 mesh scale = '0\.001'",
+    "mimic_passive": r"mimic_passive\.toml: drives\.pair\.of .*<mimic> in the URDF.*'finger'",
+    "no_ts": r"no_ts\.toml: transition_stop is missing: .*floor",
+    "u12_single_link": r"u12_single_link\.urdf: joints that move",
+    "u14_2f_macro": r"u14_2f_macro\.urdf: xacro = '<xacro:include>'",
+    "xacro_arg": r"xacro_arg\.urdf: xacro = '<xacro:finger>'",
+}
+
+
+def run(name: str) -> nip.Solution:
+    """One turn of a machine at its rated speed."""
+    mechanism = nip.load(HERE / name)
+    speed = mechanism.cylinder.rated_speed_rpm
+    solution = nip.simulate(mechanism, nip.Case(speed_rpm=speed, window=nip.Window.CYCLE))
+    assert solution.checks.closure_m < 1e-12 * mechanism.reach_m
+    assert abs(solution.checks.energy_balance) < 1e-9
+    return solution
+
+
+def bounces_of_a_ball(name: str, height_m: float, restitution: float, *stops: str) -> None:
+    """It rests at t1 (1 + e) / (1 - e), each of several balls at its own time."""
+    solution = run(name)
+    fall = math.sqrt(2.0 * height_m / GRAVITY)
+    rest = fall * (1.0 + restitution) / (1.0 - restitution)
+    ends = {
+        stop: event.t
+        for event in solution.events
+        if event.kind is nip.EventKind.REST
+        for stop in event.stops
+    }
+    assert ends == {stop: pytest.approx(rest, rel=1e-12) for stop in stops}
+    for hit in solution.collisions:
+        assert hit.approach_rate < 0.0 < hit.impulse
+
+
+def losses(name: str) -> None:
+    """Each of three balls loses m g h (1 - e^2) at its first strike."""
+    first = {}
+    for hit in run(name).collisions:
+        first.setdefault(hit.stop, hit.energy_lost)
+    mass, restitution = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.6, 0.9])
+    expected = mass * GRAVITY * 0.2 * (1.0 - restitution**2)
+    assert list(first) == ["s1", "s2", "s3"]
+    np.testing.assert_allclose(list(first.values()), expected, rtol=1e-13)
+
+
+def mirrored_jaws(name: str) -> None:
+    """Both jaws do the same, each struck in the other's instants, and rest within the turn."""
+    strikes: dict[str, list[tuple[float, ...]]] = {"left": [], "right": []}
+    solution = run(name)
+    for hit in solution.collisions:
+        strikes[hit.stop].append((hit.t, hit.approach_rate, hit.impulse, hit.energy_lost))
+    assert len(strikes["left"]) > 10
+    np.testing.assert_allclose(strikes["left"], strikes["right"], rtol=1e-11)
+    assert solution.outcome is nip.Outcome.COMPLETED
+
+
+def falls(name: str) -> None:
+    """What nothing stops falls by g t^2 / 2."""
+    solution = run(name)
+    times = np.linspace(0.0, solution.shaft.period, 7)
+    fallen = solution.trajectory.evaluate(times).q[:, 0]
+    np.testing.assert_allclose(fallen, -0.5 * GRAVITY * times**2, atol=1e-12)
+
+
+def stays(name: str) -> None:
+    """In an equilibrium nothing moves."""
+    solution = run(name)
+    assert np.abs(solution.trajectory.evaluate(np.array([0.7])).q).max() < 1e-12
+
+
+def four_bar(name: str, sense: float = 1.0) -> None:
+    """The rocker is where circles about crank pin and frame pin meet."""
+    solution = run(name)
+    mechanism = solution.mechanism
+    columns = {joint.name: joint.index for joint in mechanism.joints}
+    motion = solution.trajectory.evaluate(np.linspace(0.0, solution.shaft.period, 50))
+    crank, rocker = (sense * motion.q[:, columns[joint]] for joint in ("O", "C"))
+    # The points of the file, as complex numbers x + i z.
+    frame_pin, coupler, bar = 0.12 + 0.0j, abs(0.1 + 0.05j), abs(0.01 + 0.09j)
+    pin = (0.03 + 0.04j) * np.exp(1j * crank)
+    base = frame_pin - pin
+    along = (coupler**2 - bar**2 + np.abs(base) ** 2) / (2.0 * np.abs(base))
+    across = np.sqrt(coupler**2 - along**2)
+    meeting = pin + base / np.abs(base) * (along + 1j * across)
+    turned = np.angle((meeting - frame_pin) / (0.01 + 0.09j))
+    np.testing.assert_allclose(np.cos(rocker - turned), 1.0, atol=1e-13)
+    assert crank[-1] - crank[0] == pytest.approx(sense * 2.0 * math.pi, rel=1e-12)
+
+
+def clamps(name: str) -> None:
+    """The lip bounces and rests once a turn."""
+    solution = run(name)
+    assert {hit.stop for hit in solution.collisions} >= {"lip"}
+    assert solution.outcome is nip.Outcome.COMPLETED
+
+
+RIGHT: dict[str, Callable[[str], None]] = {
+    "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
+    "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
+    "ball_e05": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
+    "ball_e0999": lambda name: bounces_of_a_ball(name, 1.0, 0.999, "floor"),
+    "clamp": clamps,
+    "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
+    "fb_yaxis": lambda name: four_bar(name, -1.0),
+    "mirror_gripper": mirrored_jaws,
+    "three_same_time": losses,
+    "twin_jaws": lambda name: bounces_of_a_ball(name, 0.2, 0.4, "left", "right"),
+    "u03_cartpole": stays,
+    "u08_pendulum": stays,
+    "u10_prismatic": falls,
+    "urdf_limit": falls,
+} | dict.fromkeys(
+    (
+        "fb_jointprops",
+        "fb_latin",
+        "fb_ns",
+        "in_mm",
+        "leak_limit_pi",
+        "limit_partial",
+        "mat_no_name",
+        "no_limit_rev",
+        "tiny_frame_mass",
+        "two_inertials",
+    ),
+    four_bar,
+)
+
+
+def test_every_machine_has_its_value_or_its_refusal() -> None:
+    folders = {item.parent.name for item in HERE.glob("*/*.urdf")}
+    assert folders == RIGHT.keys() | REFUSED.keys()
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_machine_does_what_it_has_to(name: str) -> None:
+    RIGHT[name](name)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_mistake_is_named(name: str) -> None:
+    with pytest.raises(nip.InputError, match=REFUSED[name]):
+        nip.load(HERE / name)
