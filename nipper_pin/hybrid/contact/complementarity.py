@@ -63,6 +63,8 @@ def pressed(
     Raises:
         SimulationError: No set satisfies the conditions.
     """
+    if not at_rest:
+        return at_rest
     stops = [stop for stop in system.mechanism.stops if stop.name in at_rest]
     free = system.constraint_set(frozenset())
     a = system.accelerations(motion, q[None], v[None], free)[0]
