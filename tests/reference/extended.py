@@ -337,6 +337,10 @@ class Solution:
                 }
                 return h, gaps
             h, a = h / 2, a[0] * np.ones(ORDER, dtype=L)
+            # Dimensions that do not close make numbers that are none, at any length.
+            if not np.isfinite(change) or h < self.longest * L("1e-30"):
+                message = "a flight cannot be resolved"
+                raise ArithmeticError(message)
 
     def fly(self, time: Any, state: dict[str, Any], end: Any) -> tuple[str, Any, dict[str, Any]]:
         """Flights and collisions until one stop rests; returns it, the time and the state."""
