@@ -109,7 +109,10 @@ CALLS: dict[str, tuple[Callable[[Any], object], tuple[Any, ...]]] = {
         lambda value: sensitivities(E62, 450.0, workers=value),
         (*NOT_WHOLE, 0),
     ),
-    "look slow": (lambda value: Look(slow=value), (*NOT_ONE, 0.5)),
+    "look slow": (
+        lambda value: Look(slow=value),
+        (*(item for item in NOT_ONE if item is not None), 0.5),
+    ),
     "look exaggerate": (lambda value: Look(exaggerate=value), (*NOT_ONE, 99.0)),
     "rows most": (lambda value: nip.read_sweep("nowhere", value), (0, -1, 2.5, "3", True, [2])),
     "check speed_rpm": (

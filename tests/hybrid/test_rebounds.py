@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev, Polynomial
 
-from nipper_pin import EventKind, Resolution
+from nipper_pin import Case, EventKind
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
@@ -95,8 +95,9 @@ def test_the_highest_point_of_a_rebound(
         )  # fmt: skip
 
     events: Any = [event(1, 0.0), event(2, 1.0)]
+    case = Case(speed_rpm=60.0)
     system: Any = SimpleNamespace(mechanism=SimpleNamespace(stop=lambda _: stop))
-    found = Rebounds(system, segments, events, Resolution()).amplitude(events[0])
+    found = Rebounds(system, segments, events, case).amplitude(events[0], "floor")
     fine = [gap(np.linspace(t, end, 100_001)).max()
             for gap, (t, end) in zip(gaps, pairwise(times), strict=True)]  # fmt: skip
     # A crest lies at most 5e-6 s beside a point of the grid, where its curvature is below 500.

@@ -199,7 +199,7 @@ def test_circles_of_gears(drives: dict[str, Any], key: str, value: str, allowed:
 
 
 def test_gears_of_nothing() -> None:
-    with pytest.raises(UnknownNameError, match=r"small.toml: drives.x.of: .*'y'; known: x"):
+    with pytest.raises(UnknownNameError, match=r"small.toml: drives.x.of .*'y'; known: x"):
         driven(x={"joint": "a", "law": "geared", "of": "y", "ratio": 1.0})
 
 

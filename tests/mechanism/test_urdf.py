@@ -78,7 +78,13 @@ MISTAKES = {
         "planar",
         "revolute, continuous, prismatic, fixed",
     ),
-    "mimic": (JAW, JAW + '<mimic joint="steeve"/>', "joint jaw mimic", ..., "geared"),
+    "mimic": (
+        JAW,
+        JAW + '<mimic joint="steeve" offset="1"/>',
+        "joint jaw mimic offset",
+        1.0,
+        "touch",
+    ),
     "two parents": (
         '<child link="top_nipper"/>',
         '<child link="rocker"/>',

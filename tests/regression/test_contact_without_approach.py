@@ -20,6 +20,7 @@ from nipper_pin.hybrid.event_location.guards import _flight_root
 from nipper_pin.hybrid.motion.chebyshev import nodes
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.mechanism import from_sources
+from nipper_pin.tolerances.hybrid import GAP_ROUND_OFF
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,7 @@ def test_a_gap_that_opens_and_closes_within_round_off_ends_there() -> None:
         a = np.full((order, 1), -pull * share)
         q, v = gap + rate * t + 0.5 * a * t**2, rate + a * t
         panel = Panel(0.0, h, q, v, a, Partition((), (0,)), integrated=True)
-        found = _flight_root(panel, stop, gap, rate)
+        found = _flight_root(panel, stop, gap, rate, GAP_ROUND_OFF)
         assert found is not None
         # Round-off of what the panel moves by, h^2 a, is all that may be left of the gap there.
         left = gap + rate * found - 0.5 * pull * share * found**2
@@ -112,7 +113,7 @@ def test_a_stop_that_opens_from_below_zero_and_closes_is_not_passed(gap: float) 
     a = np.full((order, 1), -pull)
     q, v = gap + rate * t + 0.5 * a * t**2, rate + a * t
     panel = Panel(0.0, h, q, v, a, Partition((), (0,)), integrated=True)
-    found = _flight_root(panel, mechanism.stop("floor"), gap, rate)
+    found = _flight_root(panel, mechanism.stop("floor"), gap, rate, GAP_ROUND_OFF)
     assert found == pytest.approx(2.0 * rate / pull, rel=1e-10)
 
 
@@ -133,4 +134,4 @@ def test_a_stop_that_opens_without_a_pull_and_is_pressed_shut_closes_at_once(sta
     v = -pull * (start * t + 0.5 * t**2 / h)
     q = -pull * (0.5 * start * t**2 + t**3 / (6.0 * h))
     panel = Panel(0.25, h, q, v, a, Partition((), (0,)), integrated=True)
-    assert _flight_root(panel, mechanism.stop("floor"), 0.0, 0.0) == 0.25
+    assert _flight_root(panel, mechanism.stop("floor"), 0.0, 0.0, GAP_ROUND_OFF) == 0.25

@@ -394,7 +394,7 @@ def test_names_are_printed_as_they_are() -> None:
             SimpleNamespace(name=ODD, frame_a="a", frame_b="c", slot_frame="d", slot_axis="x"),
         ],
         drives=[SimpleNamespace(index=1, name="shaft")], springs=(), tabulated_springs=(),
-        struts=(), dampers=(), forces=(),
+        struts=(), dampers=(), forces=(), couplings=(),
     )  # fmt: skip
     report: Any = SimpleNamespace(
         mechanism=mechanism,

@@ -45,7 +45,7 @@ class Look:
         """Validate."""
         for key, most in (("slow", _LONGEST_STRETCH), ("exaggerate", LARGEST_EXAGGERATION)):
             value = getattr(self, key)
-            if value is not None:
+            if key != "slow" or value is not None:
                 number(key, value, 1.0, most, allowed=f"1 to {most:g}", where="view")
 
 

@@ -344,7 +344,7 @@ def test_hangs_and_tracebacks_are_wrong_and_refusals_are_not() -> None:
     finally:
         gc.enable()
     assert (late.word, late.kind) == (WRONG, "hang")
-    broken = judge(replace(usual, case={**usual.case, "cycles": None}))
+    broken = judge(replace(usual, case={**usual.case, "cycle": 1}))
     assert (broken.word, broken.kind) == (WRONG, "traceback")
     refused = judge(replace(usual, case={**usual.case, "speed_rpm": -1.0}))
     assert (refused.word, refused.kind) == ("refused", "InputError")
