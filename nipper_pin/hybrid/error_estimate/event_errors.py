@@ -22,7 +22,6 @@ from ...tolerances.hybrid import (
     RATE_ROUND_OFF,
     ROOT_RESOLUTION,
     SERIES_ERROR_SAFETY,
-    SIMULTANEOUS,
 )
 from ..event import Event, EventKind, found_after
 from ..segment import Segment
@@ -272,10 +271,7 @@ def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) 
     if index in split.dependent:
         wrong = float(round_off(system, split, event.q)[index])
         wrong += float(maps.flight(segment).position[index])
-    late = CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
-    struck = [name for name in event.stops if name not in event.closed_before]
-    # Of several stops that close together the first one gives the time.
-    return late + SIMULTANEOUS * system.shaft.period if len(struck) > 1 else late
+    return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
 
 
 def _rested(

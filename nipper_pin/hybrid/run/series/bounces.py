@@ -220,6 +220,8 @@ def rest_of_series(
     if series.uneven <= STEADY_DECELERATION:
         there = _deceleration_at_rest(system, state, a, stop, mates, remaining)
         changes = max(abs(there / deceleration - 1.0), series.uneven) + 4.0 * EPS
+        # A law of the rate has e_N in the limit only.
+        changes += abs(stop.coefficient(-rate) - e_N) / (1.0 - e_N)
         if changes * remaining <= error:
             t_rest, error = t + remaining, changes * remaining
     known = error <= tolerance * (t - series.start + remaining)
