@@ -108,8 +108,8 @@ MUTATIONS = (
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",
-        "mechanism/build/touch_checks.py", "if np.hypot(*gap) > ASSEMBLY_TOLERANCE_M:",
-        "if np.hypot(*gap) > 1e9 * ASSEMBLY_TOLERANCE_M:",
+        "mechanism/build/touch_checks.py", "if np.hypot(*gap) > within_m:",
+        "if np.hypot(*gap) > 1e9 * within_m:",
     ),
     Mutation(
         "index-sense", "the index scale runs against the cylinder",
@@ -125,7 +125,7 @@ MUTATIONS = (
     ),
     Mutation(
         "pressed-sign", "a stop stays closed when it is pulled open",
-        "hybrid/contact/complementarity.py", ".rate(a) <= 0.0 else", ".rate(a) >= 0.0 else",
+        "hybrid/contact/complementarity.py", ".rate(a) <= 0.0:", ".rate(a) >= 0.0:",
     ),
     Mutation(
         "no-release", "closed stops never let go",
@@ -154,7 +154,7 @@ MUTATIONS = (
     ),
     Mutation(
         "mesh-outside", "mesh paths may leave the model folder through links",
-        "mechanism/files/urdf_shapes.py", "if not path.is_relative_to(mesh_folder.resolve()):",
+        "mechanism/files/urdf_shapes.py", "if not path.is_relative_to(followed(mesh_folder)):",
         "if not path.is_absolute():",
     ),
 )  # fmt: skip
