@@ -104,7 +104,8 @@ def of_quantities(
     from nipper_pin.reduced.turns import turn_quantities
 
     mine = turn_quantities(
-        mechanism, speed_rpm=one.speed_rpm, tolerance=where[2], least_force=true["level"],
+        mechanism, speed_rpm=one.speed_rpm, tolerance=where[2],
+        least_force=float(true["level"] * one.of_force_m),
         max_collisions=_MOST_COLLISIONS,
     )  # fmt: skip
     speed = np.longdouble(one.speed_rpm) * 8 * np.arctan(np.longdouble(1)) / 60
@@ -115,6 +116,7 @@ def of_quantities(
                 found.add(where, name, math.inf, 1.0)
             continue
         times = speed if (name, key, value, error) in _TIMES else 1
+        times = one.of_force_m if name.endswith("force") else times
         found.add(where, name, have - np.longdouble(true[key]) * times, stated)
     for place, stop in enumerate(_STOPS):
         lever = one.lever_m if stop == "jaw" else 1

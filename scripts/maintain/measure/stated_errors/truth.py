@@ -49,6 +49,19 @@ class Trial:
         """Arm of the lips about the jaw's pin; one where the stop has no contact point."""
         return 1 if self.numbers else LEVER_M
 
+    @property
+    def of_force_m(self) -> Any:
+        """Its force by that at the lips: their arm, or one where it has a contact point."""
+        if not self.numbers:
+            return 1
+        contact, pivot = "jaw_contact_{}_mm", "top_nipper_pivot_{}_mm"
+        sides = [
+            np.longdouble(self.numbers[contact.format(axis)])
+            - np.longdouble(self.numbers[pivot.format(axis)])
+            for axis in "xz"
+        ]
+        return np.sqrt(sides[0] ** 2 + sides[1] ** 2) / 1000
+
 
 def trial(seed: int, number: int, *, turns: bool = False, dimensions: bool = False) -> Trial:
     """The random machine of that number; each third one for a whole turn, some touch slowly.
