@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = sorted((ROOT / "nipper_pin").rglob("*.py"))
 OTHERS = [path for room in ("scripts", "tests") for path in sorted((ROOT / room).rglob("*.py"))]
 EVERY = [*PACKAGE, *OTHERS]
-COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 300
+COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 500
 
 # What remains above the limits. An entry that no longer exceeds its limit must go.
 LONG = {
@@ -67,18 +67,7 @@ MANY = {
     "study/transitions/engine_choice.py transition_table",
     "study/turns/engine_choice.py turn_table",
 }
-LARGE = {
-    "bench/run_time/skips.py",
-    "bench/stress/checks/invariants.py",
-    "bench/stress/space.py",
-    "dynamics/impact.py",
-    "dynamics/system.py",
-    "hybrid/files/npz.py",
-    "mechanism/mechanism.py",
-    "reduced/kernels/arrival_check.py",
-    "study/identify/problem/problem.py",
-    "view/paper/tables.py",
-}
+LARGE: set[str] = set()
 
 
 def comments(text: str) -> Iterator[tuple[int, int]]:

@@ -85,7 +85,7 @@ COMMANDS = {
 LACKS = {
     **{(any_, "no_transition_stop"): 'transition_stop is missing: the file has the stop floor; '
        'write transition_stop = "floor"' for any_ in COMMANDS},
-    **{(any_, "nothing"): "nothing.urdf: a joint that moves is missing" for any_ in COMMANDS},
+    **{(any_, "nothing"): "nothing.urdf: joints that move = 0 cannot be used" for any_ in COMMANDS},
     **{(of, m): "has no stop, so there is no transition"
        for of in ("transition", "page of a transition") for m in STOPLESS},
     **{(of, m): "without a drive nothing moves there; or simulate whole turns"

@@ -70,9 +70,8 @@ def build_mechanism(
     phases = _phases(description, file)
     stops = build_stops(description, by_name, tree)
     _check_shortcuts(description.shortcuts, data, tree.urdf, file)
-    check_assembly(
-        tree, Held(closures, couplings, drives, stops), phases, description.degrees_of_freedom
-    )
+    held = Held(closures, couplings, drives, stops)
+    check_assembly(tree, held, phases, description.degrees_of_freedom)
     return Mechanism(
         name=name,
         title=description.title,
