@@ -72,7 +72,9 @@ def test_the_height_of_every_rebound(name: str, speed: float, tolerance: float) 
         assert stated >= (1.0 - SMALL) * grown([hit.rebound_amplitude], [relative])
         compared += 1
     assert compared > 3
-    left_out = [hit.rebounds.until(hit.event, hit.stop)[1] is not None for hit in solution.collisions]
+    left_out = [
+        hit.rebounds.until(hit.event, hit.stop)[1] is not None for hit in solution.collisions
+    ]
     assert any(left_out) or name == "lively ball"
 
 

@@ -19,14 +19,7 @@ from nipper_pin.hybrid.case import Window
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
 
-# Stops that are struck in the same instant are no series yet: they neither rest, where nothing
-# breaks their step, nor does a run say that they still bounce at its end.
-IN_STEP = pytest.mark.xfail(reason="stops that bounce in step are no series", strict=False)
-BOUNCING = ("evans", "sieve", "ratchet_feed", "piano_key", "bell")
-NOT_YET = {
-    ("held", 1.0): BOUNCING, ("inertial", 1.0): (*BOUNCING, "needle_bar"),
-    ("held", 2.0): ("double_crank", "klann", "film_claw", "doorbell", *BOUNCING),
-}  # fmt: skip
+SETTINGS = (("held", 1.0), ("inertial", 1.0), ("held", 2.0))
 
 
 def table() -> list[object]:
@@ -34,10 +27,9 @@ def table() -> list[object]:
     return [
         pytest.param(
             name, drive, share,
-            marks=[pytest.mark.slow] * ((drive, share) != ("held", 1.0))
-            + [IN_STEP] * (name in names),
+            marks=[pytest.mark.slow] * ((drive, share) != ("held", 1.0)),
         )
-        for (drive, share), names in NOT_YET.items()
+        for drive, share in SETTINGS
         for name in GALLERY
     ]  # fmt: skip
 
@@ -57,7 +49,6 @@ def test_a_machine_beside_its_mirror_image(name: str, drive: str, share: float) 
     assert differences(alone, both, "") == differences(alone, both, "_mirrored") == []
 
 
-@pytest.mark.xfail(reason="an event at several stops has one row", strict=False)
 @pytest.mark.parametrize("name", ["slider_crank", "needle_bar", "bell", "e62"])
 def test_rows_of_each_half_are_those_of_the_machine_alone(name: str) -> None:
     """Losses and rebounds too: each half has its own, as it has its own rows.
@@ -104,7 +95,7 @@ def ball(restitution: float) -> Mechanism:
 @pytest.mark.parametrize(
     ("of", "count"),
     [
-        *(pytest.param("ball", count, marks=IN_STEP) for count in (2, 3, 5)),
+        *(("ball", count) for count in (2, 3, 5)),
         ("e62", 3), ("slider_crank", 3), ("slider_crank", 5),
     ],
 )  # fmt: skip

@@ -207,7 +207,11 @@ class PhaseManager:
                 for rest in rests:
                     self._rest(rest)
                 if rests:
-                    return
+                    at_rest = self.system.coupled([name for rest in rests for name in rest.stops])
+                    left = [stop for stop in struck.rebounding if stop.name not in at_rest]
+                    if not left:
+                        return
+                    struck = struck._replace(after=self.state, rebounding=left)
 
     def _rest(self, rest: Rest) -> None:
         """End a series at its limit, or at the threshold of the case."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from collections.abc import Iterable
 from functools import lru_cache
@@ -73,6 +72,8 @@ def check_size(paths: Iterable[Path], key: str, file: str) -> None:
 @lru_cache(maxsize=1000)
 def _bears(path: str, *_changes: int) -> bool:
     """Whether a process that may be ended comes to an end with a file of its own."""
+    import subprocess
+
     one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     command = [sys.executable, "-P", "-c", _TRIAL, path]
     done = subprocess.run(

@@ -60,7 +60,13 @@ STOPS = (
 def mechanism(**changes: Any) -> Any:
     """Three stops, and nothing else that is not asked for."""
     of_name = {stop.name: stop for stop in STOPS}
-    given: dict[str, Any] = {"stops": STOPS, "struts": (), "springs": (), "dampers": (), "simultaneous": "newton"}
+    given: dict[str, Any] = {
+        "stops": STOPS,
+        "struts": (),
+        "springs": (),
+        "dampers": (),
+        "simultaneous": "newton",
+    }
     given |= {"tabulated_springs": (), "stop": of_name.__getitem__}
     return SimpleNamespace(**given | changes)
 

@@ -32,7 +32,7 @@ from ...contact.bounce_series import BounceSeries
 from ...contact.complementarity import pressed
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
-from .struck import Rest, Series, Struck
+from .struck import Rest, Series, Struck, as_one
 
 # Bounces that are followed at least, until they are small. With a restitution of 0.98 they are as
 # small as one sees; with 0.9999 it would take a hundred thousand.
@@ -99,15 +99,8 @@ class Bounces:
         if len(known) == len(struck.rebounding) == 1:
             rest = self._rest(struck.after, known)
             return [] if rest is None else [rest]
-        groups: list[list[_Limit]] = []
-        for part in sorted(self._in_step(struck, known), key=_latest):
-            # Parts that move alike come to rest as one.
-            if groups and _latest(part) - _latest(groups[-1]) <= instant:
-                groups[-1].extend(part)
-            else:
-                groups.append(part)
         state, rests = struck.after, list[Rest]()
-        for group in groups:
+        for group in as_one(self._in_step(struck, known), instant):
             rest = self._rest(state, group)
             if rest is not None:
                 rests.append(rest)

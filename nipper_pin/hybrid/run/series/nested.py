@@ -4,26 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from math import inf, isfinite
+from typing import NamedTuple
 
 from ....arrays import FloatArray
 from ....dynamics.impact import arrest
 from ....dynamics.system import System
 from ....errors import ImpactError, SingularConfigurationError
-from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST
+from ....mechanism import Stop
+from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST, SIMULTANEOUS
 from ...case import Case
 from ...contact.complementarity import Closed, pressed
 from ...contact.nested_series import NestedSeries
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
-from .struck import Rest, Series, Struck
+from .struck import Rest, Series, Struck, as_one
 
 # Events of a series, with those of the series inside, from which on what is left out need not be
 # small, nor the limit be known as well as that of fewer.
 _MANY = 1000
 
 
+class _Limit(NamedTuple):
+    """When collisions end that throw stops open [s], the error of that [s], and all these stops."""
+
+    t: float
+    error: float
+    names: Closed
+
+
 class NestedBounces:
-    """Collisions at one stop that throw others open, which were at rest.
+    """Collisions, one in a part, that throw others open, which were at rest.
 
     Args:
         system: The system.
@@ -38,44 +48,58 @@ class NestedBounces:
         self._known: dict[tuple[str, Closed], NestedSeries] = {}
 
     def concerns(self, struck: Struck) -> bool:
-        """Return whether a collision at one stop opens others."""
-        closed, rates = struck.before.closed, struck.rates
-        return len(struck.hit) == 1 and any(rates.get(name, 0.0) > 0.0 for name in closed)
+        """Return whether collisions open other stops, which were at rest."""
+        return any(struck.rates.get(name, 0.0) > 0.0 for name in struck.before.closed)
 
     def followed(self, struck: Struck, a: FloatArray) -> tuple[Series, Sequence[Rest]]:
-        """Add such a collision; see :meth:`.SeriesRule.followed`."""
-        rest = self._followed(struck, a)
-        return struck.after.series, () if rest is None else (rest,)
+        """Add such collisions, one a part; see :meth:`.SeriesRule.followed`."""
+        system, state, rests = self._system, struck.after, list[Rest]()
+        hit = [system.mechanism.stop(name) for name in struck.hit]
+        alone = [group[0] for group in system.apart(hit) if len(group) == 1]
+        limits = [limit for stop in alone if isfinite((limit := self._limit(struck, a, stop)).t)]
+        for together in as_one([[limit] for limit in limits], SIMULTANEOUS * system.shaft.period):
+            rest = self._rest(state, together)
+            if rest is not None:
+                rests.append(rest)
+                state = state._replace(v=rest.impact.v_after, closed=rest.closed)
+        return struck.after.series, rests
 
-    def _followed(self, struck: Struck, a: FloatArray) -> Rest | None:
-        """The rest of all these stops, once it is known."""
+    def _limit(self, struck: Struck, a: FloatArray, stop: Stop) -> _Limit:
+        """Where the collisions of a stop end that throw others of its part open."""
         system, before, state = self._system, struck.before, struck.after
-        names = before.closed | struck.hit
-        phase = system.constraint_set(names)
-        if phase.freedom < 0:
-            return None
-        (name,) = struck.hit
-        part = system.coupled(struck.hit)
-        key = name, before.closed & part
+        closed = before.closed & system.coupled([stop.name])
+        names = closed | {stop.name}
+        unknown = _Limit(inf, inf, names)
+        if not any(struck.rates.get(name, 0.0) > 0.0 for name in closed):
+            return unknown
+        if system.constraint_set(names | state.closed).freedom < 0:
+            return unknown
+        key = stop.name, closed
         series = self._known.get(key, NestedSeries())
         if series.times and knot_between(system, series.times[-1], state.t):
             series = NestedSeries()
-        series = series.struck(state.t, -system.mechanism.stop(name).rate(before.v), struck.number)
+        series = series.struck(state.t, -stop.rate(before.v), struck.number)
         self._known[key] = series
-        fastest = max(struck.rates.values())
-        t_rest, error = rest_of_nested(system, self._case, state, a, names, fastest, series)
-        if not isfinite(t_rest):
-            return None
+        fastest = max(rate for name, rate in struck.rates.items() if name in names)
+        return _Limit(*rest_of_nested(system, self._case, state, a, names, fastest, series), names)
+
+    def _rest(self, state: State, limits: Sequence[_Limit]) -> Rest | None:
+        """The rest of all stops of some limits; None if they are not pressed shut."""
+        system = self._system
+        names = frozenset().union(*(limit.names for limit in limits))
+        part, closed = system.coupled(names), names | state.closed
         try:
-            shut = [stop for stop in phase.shut if stop.name in part]
+            shut = [item for item in system.constraint_set(closed).shut if item.name in part]
             impact = arrest(system, state.q, state.v, state.jacobian, shut)
         except (ImpactError, SingularConfigurationError):
             # Stops that depend on one another through the closures do not rest together.
             return None
-        stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, names)
-        if stay != names:
+        stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed)
+        if stay != closed:
             return None
-        return Rest(t_rest, error, sorted(names - state.closed), impact, names)
+        t = max(limit.t for limit in limits)
+        error = max(limit.error + (t - limit.t) for limit in limits)
+        return Rest(t, error, sorted(names - state.closed), impact, closed)
 
     def forget(self, opened: Collection[str]) -> None:
         """End the series of a part: one of its stops is pressed no more."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol, TypeVar
 
 from ....arrays import FloatArray
 from ....dynamics.impact import Impact
@@ -51,6 +51,38 @@ class Rest(NamedTuple):
     stops: list[str]
     impact: Impact
     closed: Closed
+
+
+class Limit(Protocol):
+    """Where a series ends."""
+
+    @property
+    def t(self) -> float:
+        """Its time [s]."""
+        ...
+
+
+_Ends = TypeVar("_Ends", bound=Limit)
+
+
+def as_one(parts: Iterable[list[_Ends]], instant: float) -> list[list[_Ends]]:
+    """Limits by parts, in order of time; parts that move alike come to rest as one.
+
+    Args:
+        parts: The limits.
+        instant: Times nearer than this are one [s].
+    """
+    groups: list[list[_Ends]] = []
+    for part in sorted(parts, key=_latest):
+        if groups and _latest(part) - _latest(groups[-1]) <= instant:
+            groups[-1].extend(part)
+        else:
+            groups.append(part)
+    return groups
+
+
+def _latest(limits: Sequence[Limit]) -> float:
+    return max(limit.t for limit in limits)
 
 
 class SeriesRule(Protocol):
