@@ -20,6 +20,7 @@ def report(node: str, reason: str) -> pytest.TestReport:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_run_without_browser_ends_with_what_it_did_not_test() -> None:
     """As `make test` where there is no Chromium: the last lines but one name claims and remedy."""
     done = subprocess.run(

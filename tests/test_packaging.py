@@ -116,6 +116,7 @@ def test_every_public_name_is_at_the_door():
         from nipper_pin import nothing_of_this_name  # noqa: F401
 
 
+@pytest.mark.slow
 def test_wheel_built_from_the_sdist_is_the_same(wheel, tmp_path):
     sdist = build("sdist", ROOT, tmp_path)
     with tarfile.open(sdist) as archive:

@@ -112,6 +112,7 @@ def test_a_damaged_run_is_told_or_has_the_same_numbers(
     assert told > 50
 
 
+@pytest.mark.slow
 def test_files_of_two_runs(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A table, a case or a solution of another run in the folder of one."""
     other = saved / "other"

@@ -105,6 +105,7 @@ def test_markup_in_names_is_printed_as_it_is(
         assert "[/x]jaw" in said
 
 
+@pytest.mark.slow
 def test_dollars_in_names_are_no_formulas(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

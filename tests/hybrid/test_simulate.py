@@ -361,6 +361,7 @@ def test_slow_inertial_shafts_shorten_the_panels(e62: Mechanism) -> None:
     assert solution.checks.energy_balance < 1e-9
 
 
+@pytest.mark.slow
 def test_tables_of_many_turns_grow_with_their_number(e62: Mechanism) -> None:
     """Guards against: every rebound searched all segments, so 10,000 turns never ended.
 

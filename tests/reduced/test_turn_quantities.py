@@ -70,6 +70,7 @@ def forces(run: Solution) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
     return t, run.trajectory.reactions(t).contacts["jaw"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "level",
     [55.0, pytest.param(70.0, marks=pytest.mark.slow), pytest.param(90.0, marks=pytest.mark.slow)],

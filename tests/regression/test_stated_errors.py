@@ -330,6 +330,7 @@ def test_a_release_has_the_errors_of_the_whole_flight_before_it(
     assert stated_following >= 0.5 * stated
 
 
+@pytest.mark.slow
 def test_what_other_freedoms_have_got_wrong_comes_over() -> None:
     """A chain on a rocker and a coupler: four links swing, and one of them strikes.
 

@@ -39,6 +39,7 @@ def built(parts: list[str], **tables: Any) -> Mechanism:
     return from_sources("small", urdf, description, ".")
 
 
+@pytest.mark.slow
 def test_good_models_get_no_advice() -> None:
     machines = [load(name) for name in known_models() if name != "benchmarks"]
     for mechanism in (*machines, *(drawn_mechanism(draw()) for draw in GALLERY.values())):

@@ -446,6 +446,7 @@ def test_a_model_without_rebounds_is_refused(capsys: pytest.CaptureFixture[str])
     assert "no transition stop" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["e62", "bouncing_mass"])
 def test_the_server_ends_on_interrupt_and_says_nothing_but_its_address(model: str) -> None:
     pytest.importorskip("viser", reason=WHY)
