@@ -165,8 +165,9 @@ class Solution:
     def warnings(self) -> tuple[str, ...]:
         """What to know before its numbers are used, a sentence each; usually nothing."""
         from .other_law import law_that_matters
+        from .summed_bounces import bounces_summed_up
 
-        return tuple(filter(None, (law_that_matters(self),)))
+        return tuple(filter(None, (law_that_matters(self), bounces_summed_up(self))))
 
     @cached_property
     def drive_impulses(self) -> tuple[FloatArray, ...]:

@@ -38,6 +38,8 @@ from .readings import collision_text, columns, note, rounded
 from .solids import solids
 
 PER_SECOND = 10  # pictures in a second of playback
+_SLOWED = "use --slow with a smaller number, or --window transition"
+_LONG = "the run itself is that long: simulate a shorter turn, with a larger --speed"
 _SIZE = (800, 560)
 _SHARP = 2  # pixels drawn for each one of the file, along each side
 _BOX = (290, 66, 784, 462)  # of the mechanism
@@ -72,8 +74,8 @@ def write_gif(solution: Solution, path: str | Path, look: Look | None = None) ->
     length = float(shown.pace.playback[-1])
     if length > LONGEST:
         message = (
-            f"{path}: the film takes {length:.0f} s, and a GIF at most {LONGEST:.0f} s; use "
-            "--slow with a smaller number, or --window transition"
+            f"{path}: the film takes {length:.0f} s, and a GIF at most {LONGEST:.0f} s; "
+            f"{_SLOWED if shown.pace.stretch.max() > 1.0 else _LONG}"
         )
         raise InputError(message, file=str(path), length_s=length)
     with complete_file(Path(path)) as partial:
