@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SimulationError
+from ...hybrid.run.outcome import Outcome
 from ..transitions import REDUCED_TURN, TURN
 from .results import Tally
 from .results.extremes import Extremes
@@ -82,6 +83,12 @@ class SweepReport:
                 f"{tally.premise['false']:,} do not arrive in the initial phase (premise_holds is "
                 f"false); {tally.engines[TURN] + tally.engines[REDUCED_TURN]:,} of them were "
                 "computed by whole turns"
+            )
+        ended = tally.outcomes[Outcome.TOO_MANY_COLLISIONS.name.lower()]
+        if ended:
+            found.append(
+                f"{ended:,} ended at their largest number of collisions; what they did not come to "
+                "is empty: raise max_collisions in [case], or give a rest_rate"
             )
         if tally.without_result:
             reason, count = tally.most_frequent

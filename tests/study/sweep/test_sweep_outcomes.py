@@ -55,6 +55,22 @@ def test_rows_without_a_result_are_counted(
     assert document["without_result"] == sum(np.isnan(row["duration_s"]) for row in rows) == 3
 
 
+def test_runs_of_too_many_collisions_are_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of two speeds; the empty values of their rows are not left to be found."""
+    speeds = "[case]\nmax_collisions = {}\n[parameters.speed_rpm]\nvalues = [450.0, 650.0]\n"
+    for most, told in ((3, True), (300, False)):
+        file = study(tmp_path, speeds.format(most))
+        assert main(["sweep", file, "--out", str(tmp_path / str(most)), "--workers", "1"]) == 0
+        said = capsys.readouterr().out
+        assert ("2 ended at their largest number of collisions" in said) == told
+        durations = [
+            row["duration_s"] for row in read_sweep(tmp_path / str(most)).table.to_pylist()
+        ]
+        assert all(np.isnan(durations)) == told
+
+
 @pytest.mark.slow
 def test_rows_that_the_reduced_engine_leaves_are_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
