@@ -70,6 +70,7 @@ class System:
         self.whole = len(groups) < 2
         names = [frozenset(stop.name for stop in group) for group in groups]
         self._together = {name: group for group in names for name in group}
+        self._all = frozenset(self._together)
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
         self._condition, self._inverse = 1.0, np.empty((0, 0))
@@ -92,6 +93,8 @@ class System:
 
     def coupled(self, names: Collection[str]) -> frozenset[str]:
         """Names of all stops in the parts of some stops, by their names; these among them."""
+        if self.whole:
+            return self._all if names else frozenset()
         return frozenset().union(*(self._together[name] for name in names))
 
     def split(

@@ -214,13 +214,10 @@ class _Way:
         state = self._state
         closed, kinematic = self.phase.closed, self.kinematic
         segment = Segment(state.t, end.t, closed, tuple(panels), kinematic, place)
-        hit = [
-            self._system.mechanism.stop(trigger.stop)
-            for trigger in end.found
-            if trigger.kind is TriggerKind.GAP
-        ]
+        names = [item.stop for item in end.found if item.kind is TriggerKind.GAP]
+        hit = [self._system.mechanism.stop(name) for name in names]
         if hit:
-            others = [stop for stop in self.phase.open if stop not in hit]
+            others = [stop for stop in self.phase.open if stop.name not in names]
             hit += touching(self._system, end.exact.q, end.exact.v, others)
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))

@@ -186,12 +186,10 @@ class PhaseManager:
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
         known = hit | state.closed
-        reached = self.system.coupled(hit) if hit else None
-        others = (
-            stop
-            for stop in self.mechanism.stops
-            if stop.name not in known and (reached is None or stop.name in reached)
-        )
+        others = [stop for stop in self.mechanism.stops if stop.name not in known]
+        if hit and not self.system.whole:
+            reached = self.system.coupled(hit)
+            others = [stop for stop in others if stop.name in reached]
         found = touching(self.system, state.q, state.v, others)
         if not found:
             return state, frozenset()
