@@ -82,7 +82,8 @@ def collide(
     if min(before) >= 0.0:
         return _grazed(system, v, contacts)
     jumps = [after - rate for after, rate in zip(wanted, before, strict=True)]
-    for chosen in _choices(system, q, jacobian, contacts, jumps):
+    sets = [(0,)] if len(before) == 1 else _choices(system, q, jacobian, contacts, jumps)
+    for chosen in sets:
         struck = [contacts[i] for i in chosen]
         solved = _impulses(system, q, jacobian, struck, [jumps[i] for i in chosen])
         if solved is None or min(solved[2].tolist()) < 0.0:

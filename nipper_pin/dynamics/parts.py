@@ -6,7 +6,8 @@ is driven by a held shaft moves whatever the others do, and connects nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -16,11 +17,26 @@ from numpy.typing import NDArray
 from ..mechanism import Mechanism
 from ..mechanism.build.placements import supports
 
-_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, NDArray[np.intp]]] = WeakKeyDictionary()
+
+class Parts(NamedTuple):
+    """The parts of a machine.
+
+    Attributes:
+        number: Number of the part of each coordinate, shape (nv,); held shafts have their own.
+        stops: Names of the stops in the part of each stop, itself among them, by its name.
+        whole: True if all stops are in one part, as in most machines.
+    """
+
+    number: NDArray[np.intp]
+    stops: Mapping[str, frozenset[str]]
+    whole: bool
 
 
-def parts(mechanism: Mechanism, held: bool) -> NDArray[np.intp]:
-    """Number of the part that each coordinate belongs to, shape (nv,).
+_KNOWN: WeakKeyDictionary[Mechanism, dict[bool, Parts]] = WeakKeyDictionary()
+
+
+def parts(mechanism: Mechanism, held: bool) -> Parts:
+    """Find the parts of a machine, once.
 
     Args:
         mechanism: The mechanism.
@@ -29,7 +45,13 @@ def parts(mechanism: Mechanism, held: bool) -> NDArray[np.intp]:
     known = _KNOWN.setdefault(mechanism, {})
     if held not in known:
         driven = {drive.index for drive in mechanism.drives} if held else set[int]()
-        known[held] = np.array(_parts(mechanism, driven), dtype=np.intp)
+        number = _parts(mechanism, driven)
+        groups: dict[int, set[str]] = {}
+        for stop in mechanism.stops:
+            groups.setdefault(number[stop.index], set()).add(stop.name)
+        names = {place: frozenset(group) for place, group in groups.items()}
+        stops = {stop.name: names[number[stop.index]] for stop in mechanism.stops}
+        known[held] = Parts(np.array(number, dtype=np.intp), stops, len(groups) < 2)
     return known[held]
 
 

@@ -77,14 +77,13 @@ def _of_part(
     most: int,
 ) -> Impact:
     """The impact of contacts that share a motion."""
-    rates = [stop.rate(v) for stop in contacts]
-    restitution = [stop.coefficient(rate) for stop, rate in zip(contacts, rates, strict=True)]
+    restitution = [stop.coefficient(stop.rate(v)) for stop in contacts]
+    if law == "newton":
+        return collide(system, q, v, jacobian, contacts, restitution)
     try:
         at_once = collide(system, q, v, jacobian, contacts, restitution)
     except ImpactError:
-        if law == "newton":
-            raise
         return in_sequence(system, q, v, jacobian, contacts, most)
-    if law == "newton" or same_by_every_law(v, at_once.v_after, contacts, at_once.P_N):
+    if same_by_every_law(v, at_once.v_after, contacts, at_once.P_N):
         return at_once
     return in_sequence(system, q, v, jacobian, contacts, most)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from enum import StrEnum
 
 import numpy as np
@@ -65,11 +65,7 @@ class System:
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
-        self.parts = parts(mechanism, self.held)
-        groups = self._grouped(mechanism.stops)
-        self.whole = len(groups) < 2
-        names = [frozenset(stop.name for stop in group) for group in groups]
-        self._together = {name: group for group in names for name in group}
+        self.parts, self._together, self.whole = parts(mechanism, self.held)
         self._all = frozenset(self._together)
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
@@ -83,9 +79,8 @@ class System:
 
     def apart(self, stops: Sequence[Stop]) -> list[list[Stop]]:
         """Stops in groups of one part each, in their order."""
-        return [list(stops)] if self.whole else self._grouped(stops)
-
-    def _grouped(self, stops: Iterable[Stop]) -> list[list[Stop]]:
+        if self.whole:
+            return [list(stops)]
         groups: dict[int, list[Stop]] = {}
         for stop in stops:
             groups.setdefault(int(self.parts[stop.index]), []).append(stop)

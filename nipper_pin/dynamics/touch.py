@@ -121,7 +121,8 @@ def _slopes(
 ) -> tuple[FloatArray, FloatArray, Partition]:
     """Dependent coordinates by the given ones and by gaps; the split, another if it is bad."""
     columns = split.columns
-    condition, inverse = inverted(jacobian.take(columns, 1), body.units.take(columns))
+    units = body.units.take(columns) if body.scaled else None
+    condition, inverse = inverted(jacobian.take(columns, 1), units)
     if not condition <= GOOD_CONDITION * max(len(jacobian), 1):
         split = partition(jacobian * body.units, given, [])
         _, inverse = inverted(jacobian.take(split.columns, 1))

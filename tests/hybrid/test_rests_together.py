@@ -252,7 +252,6 @@ def test_parts_of_a_machine(held: bool, parts: list[set[str]]) -> None:
         drives={"cam": {"joint": "x", "law": "screw", "lead_mm_per_turn": 100.0, **SLED}},
         springs={"tie": tie},
     )
-    number, found = parts_of(mechanism, held), dict[int, set[str]]()
-    for stop in mechanism.stops:
-        found.setdefault(int(number[stop.index]), set()).add(stop.name)
-    assert {frozenset(part) for part in parts} == set(map(frozenset, found.values()))
+    found = parts_of(mechanism, held).stops
+    assert {frozenset(part) for part in parts} == set(found.values())
+    assert all(name in found[name] for name in "abc")

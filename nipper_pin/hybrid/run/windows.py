@@ -48,6 +48,8 @@ def _rest_of(manager: PhaseManager, name: str) -> Event | None:
 
 def _followed(manager: PhaseManager, name: str, t_rest: float) -> bool:
     """Follow parts that do not touch a stop until its rest [s]; False if they strike too often."""
+    if manager.system.whole:
+        return True
     together = manager.system.coupled([name])
     stops = {stop.name for stop in manager.mechanism.stops}
     if stops <= together | manager.state.closed:
