@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 def bounces_summed_up(solution: Solution) -> str:
     """Return one sentence where a series ends at its limit with rebounds that are still large.
 
+    A threshold of rates is a choice, and needs no sentence.
+
     Args:
         solution: The solution. The first such series is named.
     """
+    if solution.case.rest_rate is not None:
+        return ""
     most = (DROPPED_SERIES * solution.case.resolution.tolerance) ** (1.0 / 3.0)
     for rest in solution.events:
         if rest.kind is not EventKind.REST or rest.source != rest.number:
