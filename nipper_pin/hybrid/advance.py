@@ -102,7 +102,7 @@ def advance(
             h = 0.5 * (end.t - begin.t)
             continue
         if not panels and way.much_too_long(solved.panel, end):
-            h = _BALLISTIC_MARGIN * (end.t - begin.t)
+            h = max(_BALLISTIC_MARGIN * (end.t - begin.t), 2.0 * way.shortest)
             continue
         panel = solved.panel
         if suited is not None and suited != panel.split:
@@ -224,9 +224,9 @@ class _Way:
 
     def much_too_long(self, panel: Panel, end: _End) -> bool:
         """Return whether a flight ends so early that the round-off of its panel moves its end."""
-        flown = end.t - panel.t
-        too_long = not self.kinematic and bool(end.found) and _MUCH_TOO_LONG * flown < panel.h
-        return too_long and flown > self.shortest
+        if self.kinematic or not end.found:
+            return False
+        return _MUCH_TOO_LONG * max(end.t - panel.t, self.shortest) < panel.h
 
     def too_many(self, begin: Begin, h: float) -> ConvergenceError:
         """The error of a phase that needs too many panels."""

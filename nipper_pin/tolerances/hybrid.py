@@ -90,6 +90,9 @@ the remaining time, is stated as the error."""
 STEADY_DECELERATION = 1e-12
 """[1] Change of a deceleration over a flight, and of the flight's length by it, up to which it does
 not change. A choice: 4500 eps, for accelerations that solve a linear system."""
+VANISHED_REBOUND = 8.0 * EPS
+"""[1] By the farthest place of a stop of its part: a rebound that is no higher is round-off of the
+coordinate. Eight units: those of a gap at both ends of a flight."""
 DROPPED_SERIES = 100.0
 """[1] By the tolerance: cube of the relative rate from which a series may end. Measured: it leaves
 at most 2e-3 of that cube in rates of inertial shafts, 0.2 of the tolerance."""

@@ -255,3 +255,48 @@ def test_parts_of_a_machine(held: bool, parts: list[set[str]]) -> None:
     found = parts_of(mechanism, held).stops
     assert {frozenset(part) for part in parts} == set(found.values())
     assert all(name in found[name] for name in "abc")
+
+
+def stack(items: Sequence[Ball], raised: bool, **keys: object) -> Mechanism:
+    """Balls above one another; coordinates are zero where they meet, or where they start."""
+    parts, stops, initial = [], {}, {}
+    for i, (e_N, height) in enumerate(items):
+        below = f"ball{i - 1}" if i else "frame"
+        parts += [link(f"ball{i}", 1.0 + 0.3 * i), slide(f"z{i}", below, f"ball{i}", (0.0, 1.0))]
+        stops[f"stop{i}"] = {"joint": f"z{i}", "restitution": e_N}
+        if raised:
+            initial[f"z{i}"] = {"at_mm": 1e3 * height}
+        else:
+            stops[f"stop{i}"]["at_mm"] = -1e3 * height
+    return machine(parts, len(items), gravity=GRAVITY, stops=stops, initial=initial, **keys)
+
+
+@pytest.mark.parametrize("law", ["newton", "sequential"])
+@pytest.mark.parametrize("raised", [True, False])
+@pytest.mark.parametrize(
+    "items",
+    [
+        # Without digits left, these struck one another for ever.
+        [(0.7525599295306892, 0.2), (0.6158895531772997, 0.07464945569912056)],
+        [(0.8245050677260921, 0.2), (0.6814295764188614, 0.0), (0.40782076080165663, 0.0894)],
+        [(0.5, 0.2), (0.76, 0.08)],
+        [(0.3, 0.1), (0.9, 0.03), (0.6, 0.0)],
+        [(0.26, 0.2), (0.76, 0.08), (0.77, 0.0), (0.79, 0.065)],
+    ],
+)
+def test_balls_above_one_another_rest(items: list[Ball], raised: bool, law: str) -> None:
+    """Stops that end one another's series: all rest, and all that was lost is the fall of the pile.
+
+    The floor bears the pile then, which has fallen by the heights, each ball with all above it.
+    """
+    solution = run(stack(items, raised, simultaneous=law), 20.0, max_collisions=2000)
+    assert solution.outcome is Outcome.COMPLETED
+    assert solution.events[-1].closed_after == {f"stop{i}" for i in range(len(items))}
+    masses = [1.0 + 0.3 * i for i in range(len(items))]
+    fallen_by = np.cumsum([height for _, height in items])
+    weight = GRAVITY * sum(m * z for m, z in zip(masses, fallen_by, strict=True))
+    lost = sum(event.energy_lost for event in solution.events)
+    assert lost == pytest.approx(weight, rel=1e-9)
+    forces = solution.trajectory.reactions(np.array([0.99 * solution.shaft.period]))
+    for i in range(len(items)):
+        assert forces.stops[f"stop{i}"][0] == pytest.approx(GRAVITY * sum(masses[i:]), rel=1e-12)

@@ -1,8 +1,8 @@
 """Rules of what follows a collision, by what a machine has.
 
 Bounces end at rest after a finite time: every machine with a stop has this rule. Two stops may also
-throw one another open, or jam a link between them: only a machine with two stops or more has these
-rules.
+throw one another open, jam a link between them, or bounce until nothing but round-off is left: only
+a machine with two stops or more has these rules.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from .bounces import Bounces
 from .jams import Jams
 from .nested import NestedBounces
 from .struck import SeriesRule
+from .vanishing import VanishingBounces
 
 
 def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[SeriesRule, ...]:
@@ -29,4 +30,7 @@ def series_rules(system: System, case: Case, events: Sequence[Event]) -> tuple[S
     bounces = Bounces(system, case)
     if len(system.mechanism.stops) < 2:
         return (bounces,)
-    return Jams(system, events), NestedBounces(system, case), bounces
+    rules: list[SeriesRule] = [Jams(system, events), NestedBounces(system, case)]
+    if any(stop.at for stop in system.mechanism.stops):
+        rules.append(VanishingBounces(system, case))
+    return (*rules, bounces)
