@@ -7,16 +7,15 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from ....arrays import FloatArray
-from ....dynamics.impact import arrest
 from ....dynamics.system import System
-from ....errors import ImpactError, SingularConfigurationError
 from ....mechanism import Stop
 from ....tolerances.hybrid import DROPPED_SERIES, NESTED_AT_LAST, SIMULTANEOUS
 from ...case import Case
-from ...contact.complementarity import Closed, pressed
+from ...contact.complementarity import Closed
 from ...contact.nested_series import NestedSeries
 from ...state import State
 from .guards import UNKNOWN, knot_between, other_stop_meets
+from .shut import shut_together
 from .struck import Rest, Series, Struck, as_one
 
 # Events of a series, with those of the series inside, from which on what is left out need not be
@@ -58,7 +57,10 @@ class NestedBounces:
         alone = [group[0] for group in system.apart(hit) if len(group) == 1]
         limits = [limit for stop in alone if isfinite((limit := self._limit(struck, a, stop)).t)]
         for together in as_one([[limit] for limit in limits], SIMULTANEOUS * system.shaft.period):
-            rest = self._rest(state, together)
+            names = frozenset().union(*(limit.names for limit in together))
+            t = max(limit.t for limit in together)
+            error = max(limit.error + (t - limit.t) for limit in together)
+            rest = shut_together(system, state, names, t, error)
             if rest is not None:
                 rests.append(rest)
                 state = state._replace(v=rest.impact.v_after, closed=rest.closed)
@@ -82,24 +84,6 @@ class NestedBounces:
         self._known[key] = series
         fastest = max(rate for name, rate in struck.rates.items() if name in names)
         return _Limit(*rest_of_nested(system, self._case, state, a, names, fastest, series), names)
-
-    def _rest(self, state: State, limits: Sequence[_Limit]) -> Rest | None:
-        """The rest of all stops of some limits; None if they are not pressed shut."""
-        system = self._system
-        names = frozenset().union(*(limit.names for limit in limits))
-        part, closed = system.coupled(names), names | state.closed
-        try:
-            shut = [item for item in system.constraint_set(closed).shut if item.name in part]
-            impact = arrest(system, state.q, state.v, state.jacobian, shut)
-        except (ImpactError, SingularConfigurationError):
-            # Stops that depend on one another through the closures do not rest together.
-            return None
-        stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed)
-        if stay != closed:
-            return None
-        t = max(limit.t for limit in limits)
-        error = max(limit.error + (t - limit.t) for limit in limits)
-        return Rest(t, error, sorted(names - state.closed), impact, closed)
 
     def forget(self, opened: Collection[str]) -> None:
         """End the series of a part: one of its stops is pressed no more."""

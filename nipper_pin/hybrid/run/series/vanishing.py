@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from ....arrays import FloatArray
-from ....dynamics.impact import arrest
 from ....dynamics.system import System
-from ....errors import ImpactError, SingularConfigurationError
 from ....mechanism import Stop
 from ....tolerances.hybrid import VANISHED_REBOUND
 from ...case import Case
-from ...contact.complementarity import pressed
+from ...contact.complementarity import Closed
 from ...state import State
+from .shut import shut_together
 from .struck import Rest, Series, Struck
 
 
@@ -55,7 +54,7 @@ class VanishingBounces:
                 state = state._replace(v=rest.impact.v_after, closed=rest.closed)
         return struck.after.series, sorted(rests, key=lambda rest: rest.t)
 
-    def _rest(self, state: State, a: FloatArray, part: Collection[str]) -> Rest | None:
+    def _rest(self, state: State, a: FloatArray, part: Closed) -> Rest | None:
         """The rest of all open stops of a part; None if one of them is still on its way."""
         system = self._system
         stops = [
@@ -69,17 +68,8 @@ class VanishingBounces:
         lasts = max(_lasts(stop, state, a) for stop in stops)
         if any(_rise(stop, state, a, lasts) > self._least[stop.name] for stop in stops):
             return None
-        closed = state.closed | {stop.name for stop in stops}
-        shut = [stop for stop in system.constraint_set(closed).shut if stop.name in part]
-        try:
-            impact = arrest(system, state.q, state.v, state.jacobian, shut)
-        except (ImpactError, SingularConfigurationError):
-            # Stops that depend on one another through the closures do not rest together.
-            return None
-        stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed)
-        if stay != closed:
-            return None
-        return Rest(state.t + lasts, lasts, sorted(closed - state.closed), impact, closed)
+        names = frozenset(stop.name for stop in stops) | (state.closed & part)
+        return shut_together(system, state, names, state.t + lasts, lasts)
 
     def forget(self, opened: Collection[str]) -> None:
         """Nothing is kept here."""
