@@ -36,8 +36,9 @@ def strike(
         ImpactError: No impulses satisfy the law.
     """
     law = law or system.mechanism.simultaneous
-    if system.whole:
-        return _of_part(system, q, v, jacobian, contacts, law, most)
+    if system.whole and law == "newton":
+        restitution = [stop.coefficient(stop.rate(v)) for stop in contacts]
+        return collide(system, q, v, jacobian, contacts, restitution)
     none, part = no_impact(system, v.copy()), system.parts
     v_after, delta, P_g, lost = none.v_after, none.delta, none.P_g, 0.0
     P_N: dict[str, float] = {}

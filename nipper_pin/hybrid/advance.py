@@ -217,8 +217,7 @@ class _Way:
         names = [item.stop for item in end.found if item.kind is TriggerKind.GAP]
         hit = [self._system.mechanism.stop(name) for name in names]
         if hit:
-            others = [stop for stop in self.phase.open if stop.name not in names]
-            hit += touching(self._system, end.exact.q, end.exact.v, others)
+            hit += touching(self._system, end.exact.q, end.exact.v, self.phase.open, names)
         last = _closed_up(self._system, self.phase, end.exact, hit) if hit else end.exact
         return Advance(segment, end.found, State(end.t, *last, state.closed, state.series))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
@@ -13,18 +13,21 @@ from ...tolerances.hybrid import GAP_ROUND_OFF
 from ...tolerances.mechanics import STILL_GAP_RATE
 
 
-def touching(system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop]) -> list[Stop]:
-    """Those of open stops whose gap and rate are zero, but for round-off of machine and motion.
+def touching(
+    system: System, q: FloatArray, v: FloatArray, stops: Iterable[Stop], known: Collection[str]
+) -> list[Stop]:
+    """Stops whose gap and rate are zero, but for round-off of machine and motion.
 
     Args:
         system: The system.
         q: Configuration, shape (nv,).
         v: Velocity, shape (nv,).
-        stops: Open stops.
+        stops: Stops.
+        known: Names of those that are closed, or close.
     """
     # Few gaps are so small, and only these are worth a look at units.
     far = GAP_ROUND_OFF * max(system.body.reach_m, 1.0)
-    near = [stop for stop in stops if -far <= stop.gap(q) <= far]
+    near = [stop for stop in stops if stop.name not in known and -far <= stop.gap(q) <= far]
     if not near:
         return near
     turning, rates = system.turning, system.turns(v)

@@ -141,6 +141,9 @@ class PhaseManager:
         # A rate that the acceleration turns within round-off of the time is none.
         none = 0.5 * TIME_ROUND_OFF * self.system.shaft.period
         v = self.state.v
+        if len(stops) == 1 and stops[0].rate(v) < -none * abs(stops[0].rate(a)):
+            self.collide(set(hit))
+            return
         for stop in stops:
             if stop.rate(v) < -none * abs(stop.rate(a)):
                 # Of stops that touch within round-off of one time some may be on their way out.
@@ -185,12 +188,13 @@ class PhaseManager:
 
     def _lying(self, state: State, hit: Set[str] = frozenset()) -> tuple[State, Set[str]]:
         """The state without the round-off of stops that touch beside those that close; these."""
-        known = hit | state.closed
-        others = [stop for stop in self.mechanism.stops if stop.name not in known]
-        if hit and not self.system.whole:
-            reached = self.system.coupled(hit)
-            others = [stop for stop in others if stop.name in reached]
-        found = touching(self.system, state.q, state.v, others)
+        system, q, known = self.system, state.q, hit | state.closed
+        # At the end of a motion, and at the start, gaps that are round-off are made zero.
+        near = [s for s in self.mechanism.stops if q[s.index] == s.at and s.name not in known]
+        if near and hit and not system.whole:
+            reached = system.coupled(hit)
+            near = [stop for stop in near if stop.name in reached]
+        found = touching(system, q, state.v, near, known) if near else near
         if not found:
             return state, frozenset()
         v = stilled(self.system, state.v, state.jacobian, found)

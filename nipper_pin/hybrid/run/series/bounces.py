@@ -77,8 +77,8 @@ class Bounces:
         found: list[BounceSeries] = []
         known: list[_Limit] = []
         for stop in struck.rebounding:
-            own = (item for item in before if item.stop == stop.name)
-            series = next(own, None) or BounceSeries(stop.name, state.t)
+            own = [item for item in before if item.stop == stop.name]
+            series = own[0] if own else BounceSeries(stop.name, state.t)
             if series.times and knot_between(system, series.times[-1], state.t):
                 series = series.anew()
             series = series.bounced(state.t, stop.rate(state.v), -stop.rate(a))
