@@ -274,7 +274,7 @@ def test_the_machine_of_all_elements_is_in_reach_of_the_mirror() -> None:
 
 
 # Of seed 1; each ends at its largest number of collisions.
-CUT_OFF = (91, 262)
+CUT_OFF = (181, 262)
 
 
 @pytest.mark.slow
