@@ -102,6 +102,8 @@ class Multibody(OpenTree):
             dtype=np.intp,
         )
         self.evaluations = 0
+        # Armature of the model in flight: a phase has the same array from panel to panel.
+        self._armature: FloatArray | None = None
         sizes = [1.0 if joint.kind == "prismatic" else self.reach_m for joint in mechanism.joints]
         # Pinocchio's solution knows nothing of couplings.
         self._refines = self._couples or (
@@ -127,8 +129,9 @@ class Multibody(OpenTree):
         jacobians = np.empty((len(q), self.closure_rows, self.nv))
         if not self.closure_rows:
             return gaps, jacobians
-        for q_row, gap, jacobian in zip(q, gaps, jacobians, strict=True):
-            pin.computeJointJacobians(model, data, q_row)
+        for row in range(len(q)):
+            gap = gaps[row]
+            pin.computeJointJacobians(model, data, q[row])
             # `calc` must run at this q before the Jacobian is read, or its placement is stale.
             for place, constraint, constraint_data in self._constraints:
                 constraint.calc(model, data, constraint_data)
@@ -136,7 +139,7 @@ class Multibody(OpenTree):
                 gap[place], gap[place + 1] = -x, -z
             rows = pin.getConstraintsJacobian(model, data, pins, pin_data)
             # Otherwise numpy would write through a buffer.
-            rows.take(self._planar_rows, 0, jacobian, "clip")
+            rows.take(self._planar_rows, 0, jacobians[row], "clip")
         return gaps, jacobians
 
     def _with_couplings(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -175,9 +178,10 @@ class Multibody(OpenTree):
             SingularConfigurationError: The closures lose rank.
         """
         model, data, pins, pin_data = self._flight, self._flight_data, self._pins, self._pin_data
-        model.armature = armature
+        if armature is not self._armature:
+            model.armature = self._armature = armature
         solve, proximal = pin.constraintDynamics, self._proximal
-        a = np.empty_like(q)
+        a = np.empty(q.shape)
         for row in range(len(q)):
             a[row] = solve(model, data, q[row], v[row], tau[row], pins, pin_data, proximal)
             if proximal.iter >= _ITERATIONS:

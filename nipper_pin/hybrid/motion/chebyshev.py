@@ -296,5 +296,6 @@ def decayed(values: FloatArray) -> FloatArray:
     """
     if len(values) < _DECAY:
         return tail(values)
-    before, second, last = np.abs(product(nodes(len(values)).integrals[0][-3:], values))
+    final = np.abs(product(nodes(len(values)).integrals[0][-3:], values))
+    before, second, last = final[0], final[1], final[2]
     return np.asarray(last + second * second / (np.maximum(before, second) + _TINY))

@@ -119,8 +119,8 @@ class Panel:
         if not self.integrated:
             weights = value_weights(self.order, sigma)
             return product(weights, self.q), product(weights, self.v)
-        twice, once = product(motion_weights(self.order, sigma), self.a)
-        return self.q[0] + (h * sigma) * self.v[0] + h**2 * twice, self.v[0] + h * once
+        moved = product(motion_weights(self.order, sigma), self.a)
+        return self.q[0] + (h * sigma) * self.v[0] + h**2 * moved[0], self.v[0] + h * moved[1]
 
 
 class Exact(NamedTuple):

@@ -64,7 +64,8 @@ def flight_panel(
     a, left_over = _swept(sweeps, begin.a[None], finest, tolerance, nested)
     if a is None:
         return Attempt(None, none, left_over)
-    q_nodes, v_nodes = sweeps.motion(a)
+    moved = sweeps.motion(a)
+    q_nodes, v_nodes = moved[0], moved[1]
     panel = Panel(begin.t, h, q_nodes, v_nodes, a, split, integrated=True)
     forces = forces_at(system, phase, panel, panel.times)[3].la_N if phase.stops else none
     if not resolution.adaptive:

@@ -124,8 +124,10 @@ class Sweeps:
         moved = unknown = a[1:]
         shape, free, weights = lines.shape, self._free[:count], self._weights[1:count]
         for sweep in range(1, most + 1):
-            q, v = product(operator, a * free).reshape(shape) + lines
-            new = system.respond(forcing, q, v, self._phase)
+            # Unpacked, an array would be iterated until an IndexError that nobody sees.
+            states = product(operator, a * free).reshape(shape) + lines
+            v = states[1]
+            new = system.respond(forcing, states[0], v, self._phase)
             if not self._weight.size:
                 self._way += h**2 * largest(new)
                 self._weigh()
