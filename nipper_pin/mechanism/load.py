@@ -146,8 +146,8 @@ def with_numbers(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mecha
     name, data = mechanism.name, mechanism.description
     toml_file, urdf_file = f"{name}.toml", f"{name}.urdf"
     values = by_path(overrides, data, toml_file)
-    changed, urdf = apply_overrides(data, mechanism.urdf, values, toml_file, urdf_file)
     try:
+        changed, urdf = apply_overrides(data, mechanism.urdf, values, toml_file, urdf_file)
         return from_sources(name, urdf, changed, mechanism.mesh_folder)
     except AssemblyError as error:
         raise _with_advice(error, values) from None

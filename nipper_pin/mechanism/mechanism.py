@@ -66,6 +66,9 @@ class Closure:
         slot_frame: URDF frame that carries the slot, None for a plain pin.
         slot_axis: Axis of that frame along which the pin slides: the direction of the prismatic
             joint that has the closure's name.
+        gap_m: What the frames miss one another by in the files, b minus a along x and z in the
+            touch configuration, where rounded numbers leave it; the frames of ``model`` are moved
+            so that they meet [m].
     """
 
     name: str
@@ -73,6 +76,7 @@ class Closure:
     frame_b: str
     slot_frame: str | None = None
     slot_axis: Literal["x", "z"] | None = None
+    gap_m: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -349,6 +353,13 @@ class Mechanism:
     def closure_rows(self) -> int:
         """Number of equations that couple coordinates: two a cut joint, one a coupling."""
         return 2 * len(self.closures) + len(self.couplings)
+
+    @property
+    def closing(self) -> str:
+        """What was closed of loops that rounded numbers leave open; empty if all meet."""
+        from .build.closing import closing_text
+
+        return closing_text(self.closures, self.reach_m)
 
     @cached_property
     def coupling_rows(self) -> FloatArray:

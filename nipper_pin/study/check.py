@@ -94,6 +94,7 @@ class ModelReport:
             "speed_rpm": self.speed_rpm,
             "start_index": self.start_index,
             "side_view": mechanism.side_view,
+            "closing": mechanism.closing,
             "links": list(mechanism.links),
             "masses_kg": {item.link: item.mass_kg for item in self.masses},
             "joints": [asdict(joint) for joint in mechanism.joints],

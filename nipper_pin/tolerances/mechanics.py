@@ -81,6 +81,9 @@ millimetre is below any drawing and far above the round-off of a metre."""
 ASSEMBLY_TOLERANCE_M = 1e-9
 """[m] Largest gap of a closure in the touch configuration, of a machine from a millimetre to a
 metre. A choice, as ``COINCIDENT_M``."""
+ROUNDED_SHARE = 1e-4
+"""[1] By the reach: gap of a closure that is closed as left by rounded numbers. A choice: programs
+write angles to 5e-5 rad and better."""
 TOUCH_TOLERANCE_M = 1e-6
 """[m] Largest gap or overlap of touching bodies in the touch configuration, of a machine from a
 millimetre to a metre. A choice: a thousandth of a millimetre."""

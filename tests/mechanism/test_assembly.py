@@ -6,12 +6,9 @@ import pytest
 
 from nipper_pin.errors import AssemblyError, ModelError
 from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.build.placements import joint_placements
-from nipper_pin.mechanism.build.touch_checks import (
-    closure_gaps,
-    closure_jacobian,
-    dependent_rows,
-)
+from nipper_pin.mechanism.build.touch_checks import closure_jacobian, dependent_rows
 from nipper_pin.mechanism.files.urdf import check_urdf, parse_xml
 
 CLOSURE = '[closures.eccentric_pin]\nframe_a = "rod_head"\nframe_b = "eccentric_pin"\n'

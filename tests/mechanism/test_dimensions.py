@@ -14,8 +14,8 @@ import pytest
 
 from nipper_pin.errors import AssemblyError, InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.mechanism.build.closing import closure_gaps
 from nipper_pin.mechanism.build.placements import joint_placements
-from nipper_pin.mechanism.build.touch_checks import closure_gaps
 from nipper_pin.mechanism.edit.dimensions import read_dimension
 from nipper_pin.mechanism.edit.layout import Layout, read_layout
 from nipper_pin.mechanism.edit.urdf_paths import find_value, steps_of

@@ -116,6 +116,53 @@ def clamps(name: str) -> None:
     assert solution.outcome is nip.Outcome.COMPLETED
 
 
+def rounded_four_bar(name: str) -> None:
+    """Five digits: the motion of the same machine with all of them, to 1e-3 rad."""
+    found, whole = run(name), run("sw_fourbar_16")
+    times = np.linspace(0.0, whole.shaft.period, 50)
+    q = [item.trajectory.evaluate(times).q for item in (found, whole)]
+    np.testing.assert_allclose(q[0], q[1], atol=1e-3)
+    assert "0.00421 mm" in found.warnings[0]
+    assert whole.warnings == ()
+
+
+def whole_four_bar(name: str) -> None:
+    """The coupler's end stays where crank and rocker have it: lengths of the drawing, in m."""
+    solution = run(name)
+    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
+    q = solution.trajectory.evaluate(np.linspace(0.0, 1.0, 50)).q
+    crank = math.radians(62.0) + q[:, columns["crank_joint"]]
+    base = 0.21 + 0.03j - 0.06 * np.exp(1j * crank)
+    along = (0.17**2 - 0.13**2 + np.abs(base) ** 2) / (2.0 * np.abs(base))
+    meeting = base / np.abs(base) * (along + 1j * np.sqrt(0.17**2 - along**2))
+    rocker = np.angle(meeting - base)
+    turned = q[:, columns["rocker_joint"]]
+    np.testing.assert_allclose(np.cos(turned - (rocker - rocker[0])), 1.0, atol=1e-13)
+
+
+def five_bar(name: str) -> None:
+    """Six digits: an independent integration of the whole file in maximal coordinates."""
+    solution = run(name)
+    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
+    (q,) = solution.trajectory.evaluate(np.array([1.0])).q
+    assert q[columns["motor1"]] == pytest.approx(0.16869084, abs=1e-5)
+    assert q[columns["motor2"]] == pytest.approx(-0.08508413, abs=1e-5)
+    assert "0.00179 mm" in solution.warnings[0]
+
+
+def turned_yoke(name: str) -> None:
+    """The slot's line, 12 degrees off the upright, goes through the pin of the crank."""
+    solution = run(name)
+    columns = {joint.name: joint.index for joint in solution.mechanism.joints}
+    q = solution.trajectory.evaluate(np.linspace(0.0, 0.5, 50)).q
+    pin = (0.026188 + 0.022765j) * np.exp(1j * q[:, columns["Rev1"]])
+    slope = math.tan(math.radians(12.0))
+    expected = pin.real - slope * (pin.imag - 0.003202) - 0.02203
+    # Six decimals: half a micrometre of each length, and of the angle by the length of the slot.
+    np.testing.assert_allclose(q[:, columns["Slide"]], expected, atol=3e-6)
+    assert "0.000248 mm" in solution.warnings[0]
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -125,12 +172,16 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
     "fb_yaxis": lambda name: four_bar(name, -1.0),
     "mirror_gripper": mirrored_jaws,
+    "onshape_fivebar_6": five_bar,
+    "sw_fourbar_16": whole_four_bar,
+    "sw_fourbar_5": rounded_four_bar,
     "three_same_time": losses,
     "twin_jaws": lambda name: bounces_of_a_ball(name, 0.2, 0.4, "left", "right"),
     "u03_cartpole": stays,
     "u08_pendulum": stays,
     "u10_prismatic": falls,
     "urdf_limit": falls,
+    "yoke_6dec": turned_yoke,
 } | dict.fromkeys(
     (
         "fb_jointprops",

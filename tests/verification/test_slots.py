@@ -232,5 +232,6 @@ def test_a_model_with_a_slot_is_reported() -> None:
             "frame_b": "crank_pin",
             "slot_frame": "yoke",
             "slot_axis": "z",
+            "gap_m": (0.0, 0.0),
         }
     ]

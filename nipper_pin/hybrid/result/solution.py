@@ -167,7 +167,8 @@ class Solution:
         from .other_law import law_that_matters
         from .summed_bounces import bounces_summed_up
 
-        return tuple(filter(None, (law_that_matters(self), bounces_summed_up(self))))
+        told = (self.mechanism.closing, law_that_matters(self), bounces_summed_up(self))
+        return tuple(filter(None, told))
 
     @cached_property
     def drive_impulses(self) -> tuple[FloatArray, ...]:

@@ -18,6 +18,7 @@ from ..files.toml_text import need_plain_text
 from ..files.urdf import check_urdf, parse_xml
 from ..files.urdf_parts import Urdf
 from ..mechanism import Closure, Coupling, Drive, Joint, Mechanism, Phase
+from .closing import close_gaps
 from .drive_keys import check_drive
 from .elements import build_elements
 from .laws import build_cylinder, build_laws
@@ -63,13 +64,13 @@ def build_mechanism(
     by_name = {joint.name: joint for joint in tree.joints}
     laws = build_laws(description.drives, by_name, file)
     cylinder = build_cylinder(description, laws, file)
-    closures = _closures(description)
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
     elements = build_elements(description, by_name, tree.urdf, tree.model, file)
     couplings = _couplings(tree.urdf, by_name)
     phases = _phases(description, file)
     stops = build_stops(description, by_name, tree)
     _check_shortcuts(description.shortcuts, data, tree.urdf, file)
+    closures = close_gaps(_closures(description), stops, tree)
     held = Held(closures, couplings, drives, stops)
     check_assembly(tree, held, phases, description.degrees_of_freedom)
     return Mechanism(

@@ -17,30 +17,9 @@ from ..files.side_view import side_view_text
 from ..files.urdf_parts import Urdf
 from ..mechanism import Closure, Coupling, Drive, Joint, Phase, Stop
 from ..scale import reach, unit_of, units_of, written
+from .closing import PLANE, frame_point
 from .placements import supports
 from .tree import Tree
-
-_PLANE = (0, 2)
-
-
-def closure_gaps(
-    closures: Sequence[Closure], model: pin.Model, placements: list[pin.SE3]
-) -> FloatArray:
-    """Gap of every closure at q = 0, frame b minus frame a.
-
-    Args:
-        closures: The cut joints.
-        model: The Pinocchio model.
-        placements: World placement of every joint at q = 0.
-
-    Returns:
-        Gaps along x and z [m], shape (closures, 2).
-    """
-    gaps = [
-        _point(closure.frame_b, model, placements) - _point(closure.frame_a, model, placements)
-        for closure in closures
-    ]
-    return np.array(gaps).reshape(-1, 3)[:, _PLANE]
 
 
 def closure_jacobian(
@@ -70,12 +49,6 @@ def closure_jacobian(
     return np.array(rows).reshape(-1, len(joints))
 
 
-def _point(frame: str, model: pin.Model, placements: list[pin.SE3]) -> FloatArray:
-    """World position of a frame's origin at q = 0, shape (3,)."""
-    item = model.frames[model.getFrameId(frame, pin.FrameType.BODY)]
-    return np.array((placements[item.parentJoint] * item.placement).translation)
-
-
 def _point_jacobian(
     frame: str,
     joints: Sequence[Joint],
@@ -84,7 +57,7 @@ def _point_jacobian(
     placements: list[pin.SE3],
 ) -> FloatArray:
     """Planar Jacobian of a frame's origin at q = 0, shape (2, joints)."""
-    point = _point(frame, model, placements)
+    point = frame_point(frame, model, placements)
     moving = supports(model, model.frames[model.getFrameId(frame, pin.FrameType.BODY)].parentJoint)
     jacobian = np.zeros((3, len(joints)))
     for column, joint in enumerate(joints):
@@ -95,7 +68,7 @@ def _point_jacobian(
         if joint.kind == "revolute":
             axis = np.cross(axis, point - placements[identity].translation)
         jacobian[:, column] = axis
-    return jacobian[_PLANE, :]
+    return jacobian[PLANE, :]
 
 
 class Held(NamedTuple):
@@ -117,7 +90,7 @@ class Held(NamedTuple):
 def check_assembly(
     tree: Tree, held: Held, phases: Sequence[Phase], degrees_of_freedom: int
 ) -> None:
-    """Check that the mechanism closes, moves as stated and can be driven.
+    """Check that the mechanism, which is closed, moves as stated and can be driven.
 
     Args:
         tree: The tree.
@@ -126,7 +99,7 @@ def check_assembly(
         degrees_of_freedom: Mobility stated in the TOML file.
 
     Raises:
-        AssemblyError: A closure has a gap or redundant rows.
+        AssemblyError: Closures have redundant rows.
         ModelError: The mobility is not the stated one, a guide does not stand on its joint, or
             drives or stops contradict the closures.
     """
@@ -134,7 +107,6 @@ def check_assembly(
     closures, couplings, drives, stops = held
     unit_m = unit_of(reach(model, joints, stops))
     within_m = ASSEMBLY_TOLERANCE_M * written(unit_m)
-    _check_gaps(closures, closure_gaps(closures, model, placements), within_m, file)
     jacobian = closure_jacobian(closures, joints, tree.urdf, model, placements)
     followers = _unit([item.index for item in couplings], len(joints))
     leaders = _unit([item.of for item in couplings], len(joints))
@@ -161,25 +133,6 @@ def check_assembly(
 def _seen(tree: Tree) -> str:
     """How a machine was turned into the side view, which may tell why it does not fit."""
     return f"; {side_view_text(tree.urdf)}" if tree.urdf.plane.turned else ""
-
-
-def _check_gaps(closures: Sequence[Closure], gaps: FloatArray, within_m: float, file: str) -> None:
-    """Refuse a closure whose frames do not meet."""
-    for closure, gap in zip(closures, gaps, strict=True):
-        if np.hypot(*gap) > within_m:
-            x, z = MM_PER_M * gap
-            first, meet = closure.frame_a, "the frames meet"
-            if closure.slot_frame is not None:
-                first = f"the slot along {closure.slot_axis} of {closure.slot_frame}"
-                meet = "the pin stands on the line of its slot"
-            raise AssemblyError(
-                file=file,
-                key=f"closures.{closure.name}",
-                value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first} to "
-                f"{closure.frame_b}",
-                allowed=f"{meet} within {MM_PER_M * within_m:g} mm in the touch "
-                "configuration, where all joint coordinates are zero",
-            )
 
 
 def dependent_rows(matrix: FloatArray, names: Sequence[str]) -> list[str]:
@@ -226,7 +179,7 @@ def _check_guides(drives: Sequence[Drive], tree: Tree, within_m: float) -> None:
             continue
         joint = tree.joints[drive.index]
         identity = tree.model.getJointId(joint.name)
-        stands = tree.placements[identity].translation[list(_PLANE)]
+        stands = tree.placements[identity].translation[list(PLANE)]
         apart = float(np.hypot(*(np.array(drive.law.guide_axis) - stands)))
         if apart > within_m:
             x, z = MM_PER_M * stands

@@ -17,14 +17,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from ...errors import ModelError, UnknownNameError
-from ...tolerances.mechanics import IN_PLANE_RAD
+from ...arrays import FloatArray
+from ...errors import AssemblyError, ModelError, UnknownNameError
+from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, IN_PLANE_RAD, ROUNDED_SHARE
 from ...units import M_PER_MM, MM_PER_M
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
+from ..scale import written
 from .layout import Layout, read_layout
 from .points import move_points, write_origin
 from .urdf_paths import find_value, steps_of
@@ -38,6 +41,8 @@ _COM = {"com_x_mm": 0, "com_z_mm": 2}
 _GYRATION = "gyration_mm"
 _MASS = ("mass_kg", "inertia_kg_m2")
 _ALONG = ("ixx", "iyy", "izz")
+# The reach, which decides what is closed, is less than this times the sum of all origins.
+_SEEN = 4.0
 _LINK = (*_MASS, *_COM, _GYRATION)
 
 
@@ -61,6 +66,7 @@ def change_dimensions(
     Raises:
         UnknownNameError: A path leads nowhere.
         ModelError: Paths contradict one another, or there is no number to change.
+        AssemblyError: A closure is opened.
     """
     points: dict[str, dict[str, float]] = {}
     links: dict[str, dict[str, float]] = {}
@@ -73,17 +79,43 @@ def change_dimensions(
             name, key = _split(path, _LINK, "value of a link")
             links.setdefault(name, {})[key] = value
     changed = dict(document)
+    found = read_layout(root, document, file)
+    open_before = found.gaps(document)
     if points:
-        found = read_layout(root, document, file)
         changed = move_points(found, document, _places(found, points), file)
     for path, value in values.items():
         if steps_of(path)[0] == "urdf":
             find_value(root, path).write(value, path, file)
-    if links:
+    if len(links) < len(values):
         found = read_layout(root, document, file)
-        for link, new in links.items():
-            _change_link(found, link, new, file)
+        _check_closed(open_before, found, document, file)
+    for link, new in links.items():
+        _change_link(found, link, new, file)
     return changed
+
+
+def _check_closed(
+    before: Mapping[str, FloatArray], found: Layout, document: Mapping[str, Any], file: str
+) -> None:
+    """Refuse changes that open a closure by so little that it would be closed as if by rounding.
+
+    What a change opens by more is refused where the mechanism is built.
+    """
+    size = sum(float(np.linalg.norm(origin(joint, "", file)[0])) for joint in found.order) or 1.0
+    within_m, seen_m = ASSEMBLY_TOLERANCE_M * written(size), _SEEN * ROUNDED_SHARE * size
+    for name, gap in found.gaps(document).items():
+        opened, was = float(np.linalg.norm(gap)), float(np.linalg.norm(before[name]))
+        if was + within_m < opened < seen_m:
+            x, z = MM_PER_M * gap
+            ends = document["closures"][name]
+            raise AssemblyError(
+                file=file,
+                key=f"closures.{name}",
+                value=f"a gap of {MM_PER_M * opened:.6g} mm (x {x:.6g}, z {z:.6g}) from "
+                f"{ends['frame_a']} to {ends['frame_b']}",
+                allowed=f"dimensions that leave it as it was, {MM_PER_M * was:.3g} mm, within "
+                f"{MM_PER_M * within_m:g} mm: only what a file's own numbers leave is closed",
+            )
 
 
 def read_dimension(found: Layout, path: str, file: str) -> float:

@@ -16,6 +16,7 @@ from ...arrays import FloatArray
 from ...errors import ModelError, UnknownNameError
 from ...units import MM_PER_M
 from ..files.plane import JointAxis, nearest_plane
+from ..files.side_view import upright
 from ..files.urdf_values import numbers, origin, rotation_from_rpy
 
 
@@ -50,6 +51,27 @@ class Layout:
             raise UnknownNameError(kind="point", name=name, known=self.points)
         x, _, z = MM_PER_M * self.place[self.points[name]]
         return float(x), float(z)
+
+    def gaps(self, document: Mapping[str, Any]) -> dict[str, FloatArray]:
+        """Gap of every closure at touch, frame b minus frame a, x and z [m], by its name.
+
+        Args:
+            document: The TOML document, known to be well-formed; frames that are not there, which
+                the loader refuses, have no gap.
+        """
+        found: dict[str, FloatArray] = {}
+        for name, closure in document.get("closures", {}).items():
+            first, second = closure["frame_a"], closure["frame_b"]
+            if first not in self.place or second not in self.place:
+                continue
+            gap = self.place[second] - self.place[first]
+            if closure.get("slot_axis") is not None:
+                along = np.eye(3)["xyz".index(closure["slot_axis"])]
+                if upright(self.turn[first]):
+                    along = self.turn[first] @ along
+                gap = gap - (gap @ along) * along
+            found[name] = gap[[0, 2]]
+        return found
 
     def carried_by(self, name: str) -> str | None:
         """Hinge on which the link hangs that carries a point; None on the frame or a slide.

@@ -39,7 +39,7 @@ def in_side_view(urdf: Urdf, file: str) -> Urdf:
     if plane.turned:
         world = {link: plane.axes @ rotation for link, rotation in world.items()}
     # Frames here in the frames of the file; the others stay.
-    turned = {link: rotation.T for link, rotation in world.items() if not _upright(rotation)}
+    turned = {link: rotation.T for link, rotation in world.items() if not upright(rotation)}
     moved = {joint.name: _joint(joint, world, turned) for joint in joints}
     links = {
         name: _link(link, turned[name]) if name in turned else link
@@ -65,8 +65,12 @@ def _axes(urdf: Urdf, world: Mapping[str, FloatArray]) -> list[JointAxis]:
     return found
 
 
-def _upright(rotation: FloatArray) -> bool:
-    """Whether the y axis of a frame points into the page."""
+def upright(rotation: FloatArray) -> bool:
+    """Whether the y axis of a frame points into the page.
+
+    Args:
+        rotation: The frame in the side view, shape (3, 3).
+    """
     return bool(rotation[1, 1] > 0.0 and np.hypot(rotation[0, 1], rotation[2, 1]) < IN_PLANE_RAD)
 
 

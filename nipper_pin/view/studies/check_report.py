@@ -39,6 +39,8 @@ def print_report(
     )
     if mechanism.side_view:
         say(console, f"axes: {mechanism.side_view}")
+    if mechanism.closing:
+        say(console, f"gaps: {mechanism.closing}")
     _joints(report, console)
     _stops(report, console)
     if law := law_text(mechanism):

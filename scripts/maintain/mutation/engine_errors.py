@@ -108,8 +108,7 @@ MUTATIONS = (
     ),
     Mutation(
         "gap-unchecked", "closures that do not meet are accepted",
-        "mechanism/build/touch_checks.py", "if np.hypot(*gap) > within_m:",
-        "if np.hypot(*gap) > 1e9 * within_m:",
+        "mechanism/build/closing.py", "if length > most_m:", "if length > 1e9 * most_m:",
     ),
     Mutation(
         "index-sense", "the index scale runs against the cylinder",

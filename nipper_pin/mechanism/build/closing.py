@@ -1,0 +1,172 @@
+"""Gaps of closures in the touch configuration, and closing those that rounded numbers leave.
+
+A program that writes a URDF with five to eight digits leaves the two frames of a cut joint some
+micrometres apart. The loop is closed in the touch configuration, by moving the frames: each by half
+of the gap, the least that does it, and where several closures share a frame by the least sum of
+squares. Links, masses and shapes stay where the file has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from ...arrays import FloatArray
+from ...errors import AssemblyError
+from ...tolerances.mechanics import ASSEMBLY_TOLERANCE_M, ROUNDED_SHARE
+from ...units import MM_PER_M
+from ..mechanism import Closure, Stop
+from ..scale import reach, unit_of, written
+from .placements import own_name
+from .tree import Tree
+
+PLANE = (0, 2)
+"""Places of x and z in a vector of three."""
+
+
+def frame_point(frame: str, model: pin.Model, placements: list[pin.SE3]) -> FloatArray:
+    """World position of a frame's origin at q = 0, shape (3,)."""
+    item = model.frames[model.getFrameId(frame, pin.FrameType.BODY)]
+    return np.array((placements[item.parentJoint] * item.placement).translation)
+
+
+def closure_gaps(
+    closures: Sequence[Closure], model: pin.Model, placements: list[pin.SE3]
+) -> FloatArray:
+    """Gap of every closure at q = 0, frame b minus frame a.
+
+    Args:
+        closures: The cut joints.
+        model: The Pinocchio model.
+        placements: World placement of every joint at q = 0.
+
+    Returns:
+        Gaps along x and z [m], shape (closures, 2).
+    """
+    gaps = [
+        frame_point(closure.frame_b, model, placements)
+        - frame_point(closure.frame_a, model, placements)
+        for closure in closures
+    ]
+    return np.array(gaps).reshape(-1, 3)[:, PLANE]
+
+
+def close_gaps(
+    closures: Sequence[Closure], stops: Sequence[Stop], tree: Tree
+) -> tuple[Closure, ...]:
+    """Close what rounded numbers leave open; a machine that meets stays to the last bit.
+
+    Args:
+        closures: The cut joints.
+        stops: The stops, which tell the size of a machine of slides.
+        tree: The tree; frames of its model are moved.
+
+    Returns:
+        The closures, each with the gap that was closed.
+
+    Raises:
+        AssemblyError: A gap is too large for that.
+    """
+    gaps = closure_gaps(closures, tree.model, tree.placements)
+    lengths = np.linalg.norm(gaps, axis=1)
+    reach_m = reach(tree.model, tree.joints, stops)
+    within_m = ASSEMBLY_TOLERANCE_M * written(unit_of(reach_m))
+    if not (lengths > within_m).any():
+        return tuple(closures)
+    most_m = max(within_m, ROUNDED_SHARE * reach_m)
+    for closure, gap, length in zip(closures, gaps, lengths, strict=True):
+        if length > most_m:
+            raise _gaping(closure, gap, within_m, most_m, tree.file)
+    gaps[lengths <= within_m] = 0.0
+    _move_frames(closures, gaps, tree)
+    pairs = [(float(x), float(z)) for x, z in gaps]
+    return tuple(replace(closure, gap_m=gap) for closure, gap in zip(closures, pairs, strict=True))
+
+
+def _move_frames(closures: Sequence[Closure], gaps: FloatArray, tree: Tree) -> None:
+    """Move the frames of closures by as little as closes the gaps."""
+    ends = [(closure.frame_a, closure.frame_b) for closure in closures]
+    frames = list(dict.fromkeys(name for pair in ends for name in pair))
+    opening = np.zeros((len(ends), len(frames)))
+    for row, (first, second) in zip(opening, ends, strict=True):
+        row[frames.index(first)], row[frames.index(second)] = -1.0, 1.0
+    moves = -np.linalg.lstsq(opening, gaps)[0]
+    model = tree.model
+    for name, (x, z) in zip(frames, moves, strict=True):
+        if not (x or z):
+            continue
+        frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
+        if not model.existFrame(own_name(name), pin.FrameType.OP_FRAME):
+            # What is drawn of the link stays.
+            model.addFrame(
+                pin.Frame(
+                    own_name(name), frame.parentJoint, frame.parentFrame, frame.placement,
+                    pin.FrameType.OP_FRAME,
+                ),
+                False,
+            )  # fmt: skip
+            frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
+        shift = tree.placements[frame.parentJoint].rotation.T @ np.array([x, 0.0, z])
+        frame.placement = pin.SE3(frame.placement.rotation, frame.placement.translation + shift)
+
+
+def _gaping(
+    closure: Closure, gap: FloatArray, within_m: float, most_m: float, file: str
+) -> AssemblyError:
+    """The error of a closure whose frames do not meet."""
+    x, z = MM_PER_M * gap
+    meet, rounded = "the frames meet", ""
+    if closure.slot_frame is not None:
+        meet = "the pin stands on the line of its slot"
+    if most_m > within_m:
+        rounded = (
+            f"; up to {MM_PER_M * most_m:.3g} mm, {ROUNDED_SHARE:g} of the machine's reach, would "
+            "be taken for rounded numbers and closed"
+        )
+    return AssemblyError(
+        file=file,
+        key=f"closures.{closure.name}",
+        value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first_side(closure)} "
+        f"to {closure.frame_b}",
+        allowed=f"{meet} within {MM_PER_M * within_m:g} mm in the touch configuration, where all "
+        f"joint coordinates are zero{rounded}: correct the origins of the joints that carry the "
+        f"two, or place {closure.frame_b} by x {-x:.6g} and z {-z:.6g} mm (side view) elsewhere",
+    )
+
+
+def first_side(closure: Closure) -> str:
+    """The first side of a closure, for messages."""
+    if closure.slot_frame is None:
+        return closure.frame_a
+    return f"the slot along {closure.slot_axis} of {closure.slot_frame}"
+
+
+def closing_text(closures: Sequence[Closure], reach_m: float) -> str:
+    """Say which gaps of closures were closed.
+
+    Args:
+        closures: The cut joints.
+        reach_m: Reach of the machine [m].
+
+    Returns:
+        One sentence; empty if all closures meet.
+    """
+    words = []
+    for closure in closures:
+        x, z = closure.gap_m
+        if x or z:
+            length = float(np.hypot(x, z))
+            words.append(
+                f"closure {closure.name} by {MM_PER_M * length:.3g} mm (x {MM_PER_M * x:.3g}, "
+                f"z {MM_PER_M * z:.3g}) from {first_side(closure)} to {closure.frame_b}, "
+                f"{length / reach_m:.2g} of the machine's reach"
+            )
+    if not words:
+        return ""
+    return (
+        "loops that rounded numbers of the URDF leave open are closed at touch by moving the "
+        f"frames that meet: {'; '.join(words)}"
+    )
