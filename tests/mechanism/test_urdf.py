@@ -165,6 +165,43 @@ def test_mistake(spoil, name: str) -> None:  # type: ignore[no-untyped-def]
     assert str(caught.value).startswith(f"e62.urdf: {key} ")
 
 
+JAW_LIMIT = JAW + '\n    <limit lower="-3.2" upper="3.2"'
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+@pytest.mark.parametrize(
+    "text", ["0.2m", "nan", "true", "1,5", "", " ", "0x1", "1_0", "3 deg", "π"]
+)
+def test_limits_that_are_no_numbers(spoil, side: str, text: str) -> None:  # type: ignore[no-untyped-def]
+    was = {"lower": "-3.2", "upper": "3.2"}[side]
+    wrong = JAW_LIMIT.replace(f'{side}="{was}"', f'{side}="{text}"')
+    with pytest.raises(ModelError, match=f"joint jaw limit {side}.* in rad") as caught:
+        load(spoil(urdf=((JAW_LIMIT, wrong),)))
+    assert caught.value.evidence["value"] == text
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"), [("-inf", "INF"), (" -1e400 ", "+Infinity"), ("-.5", "1.E2")]
+)
+def test_limits_that_say_there_is_none(spoil, lower: str, upper: str) -> None:  # type: ignore[no-untyped-def]
+    limit = JAW_LIMIT.replace("-3.2", lower).replace('"3.2"', f'"{upper}"')
+    assert load(spoil(urdf=((JAW_LIMIT, limit),))).stops
+    wrong = JAW_LIMIT.replace("-3.2", upper if "nf" in upper.lower() else "inf")
+    with pytest.raises(ModelError, match="joint jaw limit lower"):
+        load(spoil(urdf=((JAW_LIMIT, wrong),)))
+
+
+def test_numbers_that_nothing_uses(spoil) -> None:  # type: ignore[no-untyped-def]
+    """Refused like others: the axis of what is fixed, the mass of what stands."""
+    fixed = '<child link="rocker_foot"/>'
+    with pytest.raises(ModelError, match=r"joint \w+ axis"):
+        load(spoil(urdf=((fixed, f'{fixed}<axis xyz="0 one 0"/>'),)))
+    assert load(spoil(urdf=((fixed, f'{fixed}<axis xyz="0 0 0"/>'),))).closures
+    bare = '<link name="frame">'
+    with pytest.raises(ModelError, match="link frame mass"):
+        load(spoil(urdf=((bare, f'{bare}<inertial><mass value="heavy"/></inertial>'),)))
+
+
 def test_origin_of_a_picture(spoil) -> None:  # type: ignore[no-untyped-def]
     """Numbers that are none are refused where a link is only looked at, too."""
     old = '<visual name="frame_wall">\n      <origin xyz="0 0 0"'

@@ -15,7 +15,7 @@ from .side_view import in_side_view
 from .toml_text import NAMES, is_name
 from .urdf_parts import Mimic, Urdf, UrdfJoint, UrdfLink
 from .urdf_shapes import check_colours, read_shapes
-from .urdf_values import finite, numbers, placement, read_damping, read_inertial
+from .urdf_values import check_limits, finite, numbers, placement, read_damping, read_inertial
 from .xml_text import edit as edit
 from .xml_text import parse_xml as parse_xml
 
@@ -122,6 +122,7 @@ def _read_joint(element: ElementTree.Element, links: Iterable[str], file: str) -
             )
         ends.append(link)
     axis, written = _read_axis(element, _KINDS[kind], key, file)
+    check_limits(element, "m" if kind == "prismatic" else "rad", key, file)
     return UrdfJoint(
         name=name,
         kind=_KINDS[kind],
@@ -139,12 +140,12 @@ def _read_axis(
     element: ElementTree.Element, kind: str, key: str, file: str
 ) -> tuple[tuple[float, float, float], object]:
     """Axis of a joint, of any length, and how the file has it; zero of a fixed joint."""
+    axis = element.find("axis")
+    if axis is None and kind != "fixed":
+        return (1.0, 0.0, 0.0), "none, which means 1 0 0"
+    value = np.zeros(3) if axis is None else numbers(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
     if kind == "fixed":
         return (0.0, 0.0, 0.0), None
-    axis = element.find("axis")
-    if axis is None:
-        return (1.0, 0.0, 0.0), "none, which means 1 0 0"
-    value = numbers(axis, "xyz", 3, "1 0 0", f"{key} axis", file)
     if not value.any():
         allowed = "an axis has a direction"
         raise ModelError(file=file, key=f"{key} axis", value=value.tolist(), allowed=allowed)

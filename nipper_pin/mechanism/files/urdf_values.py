@@ -16,6 +16,9 @@ from .toml_types import LARGEST
 
 _ABOUT = "an inertia about the centre of mass"
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+# What Python reads and what XML Schema calls so.
+_INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
+_HALF_TURNS = {("rad", "pi"), ("rad", "-pi")}
 
 
 def numbers(
@@ -107,6 +110,25 @@ def placement(element: ElementTree.Element, key: str, file: str) -> pin.SE3:
     return placed(*origin(element, key, file))
 
 
+def check_limits(joint: ElementTree.Element, unit: str, key: str, file: str) -> None:
+    """Refuse limits of a joint that are no numbers.
+
+    Infinite ones may say that there is none, and so do those of half a turn, also in words.
+    """
+    limit = joint.find("limit")
+    for side, none in (("lower", -math.inf), ("upper", math.inf)):
+        text = None if limit is None else limit.get(side)
+        if text is None:
+            continue
+        word = text.strip()
+        if _NUMBER.fullmatch(word):
+            continue
+        if (_INFINITE.fullmatch(word) and float(word) == none) or (unit, word) in _HALF_TURNS:
+            continue
+        allowed = f"{side} is a number in {unit}, such as 0.2, or left out where nothing limits"
+        raise ModelError(file=file, key=f"{key} limit {side}", value=text, allowed=allowed)
+
+
 def read_damping(joint: ElementTree.Element, key: str, file: str) -> float:
     """Damping of a joint [N s/m or N m s/rad]; friction is refused, for nothing computes it."""
     dynamics = joint.find("dynamics")
@@ -134,17 +156,17 @@ def read_inertial(
         return None
     place = placement(inertial, f"link {name} inertial", file)
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    if mass is None or inertia is None:
-        if not moving:
-            return None
+    key, value, parts = f"link {name} inertia", 0.0, [0.0]
+    if mass is not None:
+        (value,) = finite(mass, "value", 1, None, f"link {name} mass", file)
+    if inertia is not None:
+        parts = [
+            finite(inertia, f"i{part}", 1, "0", f"{key} i{part}", file)[0]
+            for part in ("xx", "xy", "xz", "yy", "yz", "zz")
+        ]
+    if moving and (mass is None or inertia is None):
         part, allowed = ("mass", "a positive mass") if mass is None else ("inertia", _ABOUT)
         raise ModelError(file=file, key=f"link {name} {part}", value=None, allowed=allowed)
-    (value,) = finite(mass, "value", 1, None, f"link {name} mass", file)
-    key = f"link {name} inertia"
-    parts = [
-        finite(inertia, f"i{part}", 1, "0", f"{key} i{part}", file)[0]
-        for part in ("xx", "xy", "xz", "yy", "yz", "zz")
-    ]
     if not moving or (value == 0.0 and not any(parts)):
         return None
     if value <= 0.0:
