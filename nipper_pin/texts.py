@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Callable
@@ -43,6 +44,26 @@ def followed(path: str | Path) -> Path:
     return Path(os.path.realpath(path))
 
 
+def no_file(path: Path) -> str:
+    """What stands in the place of a file, in words; empty for a file, and where nothing stands.
+
+    Args:
+        path: The path; links are followed.
+    """
+    try:
+        return _kind(os.stat(path).st_mode)
+    except FileNotFoundError:
+        return "a link that leads nowhere" if path.is_symlink() else ""
+    except OSError as error:
+        return "links in a circle" if error.errno == errno.ELOOP else ""
+
+
+def _kind(mode: int) -> str:
+    """Kind of what is no file, by its mode; empty for a file."""
+    kinds = {stat.S_IFREG: "", stat.S_IFDIR: "a folder", stat.S_IFIFO: "a named pipe"}
+    return kinds.get(stat.S_IFMT(mode), "a device or a socket")
+
+
 def opened(file: Path) -> BufferedReader:
     """Open a file for reading; what is no file may never end, or never begin.
 
@@ -57,9 +78,10 @@ def opened(file: Path) -> BufferedReader:
         return os.open(path, flags | os.O_NONBLOCK)
 
     stream = open(file, "rb", opener=at_once)  # noqa: SIM115
-    if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+    kind = _kind(os.fstat(stream.fileno()).st_mode)
+    if kind:
         stream.close()
-        message = "it is a pipe or a device, and only files are read"
+        message = f"it is {kind}, and only files are read"
         raise OSError(message)
     return stream
 

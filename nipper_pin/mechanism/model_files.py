@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import InputError, ModelError, UnknownNameError, with_words
-from ..texts import followed
+from ..texts import followed, no_file
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,11 @@ def find_files(model: str | Path) -> ModelFiles:
             kind="model or model folder", name=str(model), known=known, where=str(error)
         ) from error
     if not found:
+        _need_file(Path(model))
         raise UnknownNameError(kind="model or model folder", name=str(model), known=known)
     pair = _pair(path, path.name)
+    _need_file(pair.urdf)
+    _need_file(pair.toml)
     if pair.urdf.is_file() and pair.toml.is_file():
         return pair
     return ModelFiles(path.name, _only(path, ".urdf"), _only(path, ".toml"))
@@ -107,9 +110,18 @@ def _pair(folder: Path, name: str) -> ModelFiles:
 def _with_toml(toml: Path) -> ModelFiles:
     """The model of a TOML file: its URDF has its name, or is the only one beside it."""
     pair = _pair(toml.parent, toml.stem)
+    _need_file(pair.urdf)
     if pair.urdf.is_file():
         return pair
     return ModelFiles(toml.stem, _only(toml.parent, ".urdf"), toml)
+
+
+def _need_file(path: Path) -> None:
+    """Refuse a file of a model that is a folder, a pipe or a link to nothing; it may be missing."""
+    kind = no_file(path)
+    if kind:
+        allowed = "a file, or a link to one"
+        raise ModelError(file=str(path.parent), key=path.name, value=kind, allowed=allowed)
 
 
 def _only(folder: Path, suffix: str) -> Path:
@@ -119,9 +131,12 @@ def _only(folder: Path, suffix: str) -> Path:
         ModelError: There is none, or there are several.
     """
     inside = sorted(item for item in folder.iterdir() if not item.name.startswith("."))
-    found = [item for item in inside if item.suffix.lower() == suffix and item.is_file()]
+    called = [item for item in inside if item.suffix.lower() == suffix]
+    found = [item for item in called if item.is_file()]
     if len(found) == 1:
         return found[0]
+    for item in called if not found else ():
+        _need_file(item)
     listed = ", ".join(item.name for item in found or inside) or "nothing"
     one = f"a model folder holds one {suffix[1:].upper()} file, or one called {folder.name}{suffix}"
     which = f"several; name the TOML file that counts, or rename it: {listed}"

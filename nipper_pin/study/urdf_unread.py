@@ -58,7 +58,7 @@ _HINTS = {
     "spring_stiffness": "a spring belongs into [springs] of the TOML file",
     "spring_reference": "a spring belongs into [springs] of the TOML file",
 }
-_MOST = 6
+_MOST, _MOST_WORDS = 6, 30
 
 
 def unread(root: ElementTree.Element) -> Iterator[str]:
@@ -88,10 +88,14 @@ def _look(
     passed = _IGNORED.get(f"{tag} attributes", set())
     named = tag in ("link", "joint")
     place = f"{tag} {element.get('name', '')}".strip() if named else where
+    holder = place if named else f"<{tag}>{_in(where)}"
     for name in element.attrib:
         if name not in attributes and name not in passed:
-            holder = place if named else f"<{tag}>{_in(where)}"
             found[f"attribute {_short(name)} of {holder}"] += 1
+    for text in (element.text, *(child.tail for child in element)):
+        words = " ".join((text or "").split())
+        if words:
+            found[f"text {words[:_MOST_WORDS]!r} in {holder}"] += 1
     seen: Counter[str] = Counter()
     for child in element:
         if not isinstance(child.tag, str) or child.tag in _IGNORED.get(tag, set()):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -54,6 +55,50 @@ def test_none_of_a_kind(copied: Path, kind: str) -> None:
     (copied / f"e62.{kind}").unlink()
     with pytest.raises(ModelError, match=f"holds one {kind.upper()} file.*found .*e62"):
         load(copied)
+
+
+NO_FILES = {
+    "a folder": lambda path: path.mkdir(),
+    "a named pipe": lambda path: os.mkfifo(path),
+    "a link that leads nowhere": lambda path: path.symlink_to("gone"),
+    "links in a circle": lambda path: path.symlink_to(path.name),
+}
+
+
+@pytest.mark.parametrize("kind", NO_FILES)
+@pytest.mark.parametrize("name", ["e62 (copy).urdf", "e62 (copy).toml", "e62.urdf", "e62.toml"])
+def test_what_stands_in_the_place_of_a_file_is_told(copied: Path, name: str, kind: str) -> None:
+    """Under the name of the folder or any other; nobody waits for a pipe."""
+    (copied / f"e62{name[-5:]}").unlink()
+    NO_FILES[kind](copied / name)
+    with pytest.raises(ModelError) as caught:
+        load(copied)
+    evidence = caught.value.evidence
+    assert (evidence["key"], evidence["value"]) == (name, kind)
+    if name.endswith(".toml") and kind != "a folder":
+        with pytest.raises(InputError, match="circle" if "circle" in kind else kind):
+            load(copied / name)
+
+
+@pytest.mark.parametrize("kind", NO_FILES)
+def test_tables_and_meshes_that_are_no_files(tmp_path: Path, kind: str) -> None:
+    bases = Path(__file__).parent.parent / "fuzz" / "bases"
+    parts = Path(shutil.copytree(bases / "parts", tmp_path / "parts"))
+    mesh = parts / "meshes" / "tetrahedron.stl"
+    mesh.unlink()
+    NO_FILES[kind](mesh)
+    with pytest.raises(InputError, match=f"tetrahedron.stl is {kind}"):
+        load(parts)
+    shutil.copy(bases / "parts" / "meshes" / mesh.name, parts / "whole.stl")
+    (parts / "parts.urdf").write_text(
+        (parts / "parts.urdf").read_text(encoding="utf-8").replace("meshes/tetrahedron", "whole"),
+        encoding="utf-8",
+    )
+    with (parts / "parts.toml").open("a") as stream:
+        stream.write('[springs.table]\njoint = "h2"\nfile = "rates.csv"\n')
+    NO_FILES[kind](parts / "rates.csv")
+    with pytest.raises(InputError, match=f"rates.csv is {kind}"):
+        load(parts)
 
 
 def test_one_of_several_toml_files_is_named(copied: Path) -> None:

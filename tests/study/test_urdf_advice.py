@@ -235,3 +235,22 @@ def test_the_command_prints_advice(tmp_path: Path, capsys: pytest.CaptureFixture
     document = json.loads(capsys.readouterr().out)
     assert document["advice"][0].startswith("limits of joint trolley")
     assert document["stops_to_paste"].count("[stops.") == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("<link name='a'>crank</link>", "text 'crank' in link a"),
+        ("<link name='a'><inertial><mass value='1'/> kg</inertial></link>",
+         "text 'kg' in <inertial> in link a"),
+        ("<joint name='j'><axis xyz='0 -1 0'>0 1 0</axis></joint>",
+         "text '0 1 0' in <axis> in joint j"),
+        ("<joint name='j'><!-- a note -->x\ty</joint>", "text 'x y' in joint j"),
+        ("stray<link name='a'/>", "text 'stray' in <robot>"),
+        ("<gazebo>words</gazebo>\n<link name='a'>\n</link>", None),
+    ],
+)  # fmt: skip
+def test_text_between_elements_is_told(text: str, told: str | None) -> None:
+    root = ElementTree.fromstring(f"<robot name='r'>{text}</robot>")
+    expected = [f"the URDF holds what is not read: {told}"] if told else []
+    assert [*unread(root)] == expected

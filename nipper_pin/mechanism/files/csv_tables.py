@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import InputError, ModelError
 from ...given import read_number
-from ...texts import MOST_TABLE, followed, is_path, read_text
+from ...texts import MOST_TABLE, followed, is_path, no_file, read_text
 from ..drives import Table
 from ..elements import Characteristic
 
@@ -85,7 +85,9 @@ def _read_csv(
         raise ModelError(file=file, key=key, value=name, allowed="a CSV file in the model folder")
     if not path.is_file():
         known = ", ".join(sorted(item.name for item in folder.glob("*.csv"))) or "none"
+        kind = no_file(path)
         allowed = f"a CSV file in the model folder {folder}; found there: {known}"
+        allowed += f"; {name} is {kind}" if kind else ""
         raise ModelError(file=file, key=key, value=name, allowed=allowed)
     try:
         text = read_text(path, MOST_TABLE)

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import pinocchio as pin
 
 from ...errors import ModelError
-from ...texts import MOST_TEXT, followed, is_path, read_text
+from ...texts import MOST_TEXT, followed, is_path, no_file, read_text
 from .urdf_values import finite, placement
 
 _PACKAGE = "package://"
@@ -159,11 +159,14 @@ def mesh_path(filename: str, mesh_folder: Path, key: str, file: str) -> Path:
     Raises:
         ModelError: The path leaves the folder or names no file.
     """
-    path = followed(mesh_folder / path_inside(filename, key, file))
+    named = mesh_folder / path_inside(filename, key, file)
+    path = followed(named)
     if not path.is_relative_to(followed(mesh_folder)):
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=_INSIDE)
     if not path.is_file():
+        kind = no_file(named)
         allowed = f"a mesh file in the model folder {mesh_folder}"
+        allowed += f"; {named.name} is {kind}" if kind else ""
         raise ModelError(file=file, key=f"{key} mesh", value=filename, allowed=allowed)
     _check_package(filename, mesh_folder, key, file)
     return path
