@@ -2,12 +2,14 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from small_machines import link, slide, sources
 
 from nipper_pin.errors import InputError, ModelError
-from nipper_pin.mechanism import DriveLaw, load
+from nipper_pin.mechanism import DriveLaw, from_sources, load
 from nipper_pin.mechanism.build.laws import extreme_angle
 from nipper_pin.mechanism.drives import ConstantSpeed, Fourier, Geared, OscillatingGuide, Table
 
@@ -221,3 +223,40 @@ def test_table_file_elsewhere(spoil, name: str) -> None:  # type: ignore[no-unty
         load(folder)
     assert caught.value.evidence["key"] == "drives.pendulum.file"
     assert caught.value.evidence["value"] == name
+
+
+@pytest.mark.parametrize("off_mm", [0.0, 0.9e-6, 1.1e-6])
+@pytest.mark.parametrize("step_mm", [0.9e-9, 1.1e-9, 1.0])
+def test_rows_of_a_file_are_judged_as_those_of_the_document(
+    tmp_path: Path, off_mm: float, step_mm: float
+) -> None:
+    """In SI units: ends that differ by 1e-9 m, rows of a spring that are 1e-12 m apart."""
+    angles = np.linspace(0.0, 360.0, 13)
+    lift = 4.0 * (1.0 - np.cos(np.radians(angles)))
+    lift[-1] = off_mm
+    places, forces = [-5.0, 0.0, step_mm, 5.0], [-5.0, 0.0, 1e-3 * step_mm, 9.0]
+    tables = {
+        "drives": {"ram": {"cylinder_angle_deg": angles, "coordinate_mm": lift}},
+        "springs": {"coil": {"coordinate_mm": places, "force_N": forces}},
+    }
+    joints = {"ram": {"joint": "ram", "law": "table"}, "coil": {"joint": "sled"}}
+    parts = [slide("ram", "frame", "block"), link("block"), slide("sled", "frame", "cart")]
+    verdicts = []
+    for inline in (True, False):
+        written: dict[str, dict[str, Any]] = {}
+        for section, entries in tables.items():
+            for name, columns in entries.items():
+                rows = {key: [float(value) for value in column] for key, column in columns.items()}
+                lines = [",".join(rows)]
+                lines += [",".join(map(repr, row)) for row in zip(*rows.values(), strict=True)]
+                (tmp_path / f"{name}.csv").write_text("\n".join(lines), encoding="utf-8")
+                own = rows if inline else {"file": f"{name}.csv"}
+                written[section] = {name: {**joints[name], **own}}
+        urdf, document = sources([*parts, link("cart")], 2, **written)
+        try:
+            from_sources("small", urdf, document, tmp_path)
+            verdicts.append("")
+        except InputError as error:
+            verdicts.append(str(error.evidence["allowed"]))
+    assert verdicts[0] == verdicts[1]
+    assert bool(verdicts[0]) == (off_mm > 1e-6 or step_mm < 1e-9)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ...errors import InputError, ModelError
 from ...given import read_number
 from ...texts import MOST_TABLE, followed, is_path, no_file, read_text
+from ...units import M_PER_MM, RAD_PER_DEG
 from ..drives import Table
 from ..elements import Characteristic
 
@@ -23,6 +24,11 @@ _DRIVE: Columns = ("cylinder_angle_deg", "coordinate_rad")
 _DRIVE_OF_SLIDE: Columns = ("cylinder_angle_deg", "coordinate_mm")
 _SLIDE: Columns = ("coordinate_mm", "force_N")
 _HINGE: Columns = ("coordinate_deg", "torque_N_m")
+_SI = {
+    "cylinder_angle_deg": RAD_PER_DEG,
+    "coordinate_deg": RAD_PER_DEG,
+    "coordinate_mm": M_PER_MM,
+}
 
 
 def inline_tables(data: Mapping[str, object], folder: Path, file: str) -> dict[str, object]:
@@ -116,11 +122,13 @@ def _columns(reader: Reader, choices: Sequence[Columns], name: str) -> dict[str,
         for place, (column, values) in enumerate(places):
             text = row[place] if place < len(row) else None
             values.append(_number(text, name, f"line {reader.line_num} {column}"))
-    first, second = (tuple(columns[column]) for column in header)
+    # Judged in SI units, as the same rows are in the document.
+    first, second = (
+        tuple(_SI.get(column, 1.0) * value for value in columns[column]) for column in header
+    )
     try:
         if header in (_DRIVE, _DRIVE_OF_SLIDE):
-            angles = tuple(math.radians(angle) for angle in first)
-            Table(cylinder_angle_rad=angles, coordinate=second)
+            Table(cylinder_angle_rad=first, coordinate=second)
         else:
             Characteristic(coordinate=first, force=second)
     except InputError as error:
