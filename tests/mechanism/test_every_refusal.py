@@ -94,6 +94,19 @@ def test_tables_that_are_no_drive_law() -> None:
         register_drive(SecondCam)
 
 
+def test_classes_of_one_name() -> None:
+    """The schema goes by names of classes, in all rooms: none pushes another one out."""
+    for name in ("CamDrive", "OrificeForce", "StopDescription"):
+        kind = type(DriveTable)(
+            name, (DriveTable,), {"__module__": __name__}, frozen=True, kw_only=True, tag="lifter"
+        )
+        with pytest.raises(InputError, match=f"a class {name} exists already"):
+            register_drive(kind)
+    keys = schema.model_schema()["$defs"]["Description"]["properties"]
+    laws = keys["drives"]["additionalProperties"]["anyOf"]
+    assert {"$ref": "#/$defs/CamDrive"} in laws
+
+
 def test_reference_of_a_drive() -> None:
     """Where it is smallest or largest; only of a drive that swings, and no other place beside."""
 

@@ -48,7 +48,8 @@ class Register(Generic[_T]):
             The same class, so that this is a decorator.
 
         Raises:
-            InputError: It is no such table, or its name belongs to another one.
+            InputError: It is no such table, or its name, or that of its law, belongs to another
+                one.
         """
         base = getattr(import_module(f"{self._room}.tables"), self._base)
         tag = getattr(getattr(kind, "__struct_config__", None), "tag", None)
@@ -64,6 +65,7 @@ class Register(Generic[_T]):
                 f"a {self._noun} {tag!r} exists already ({other.__name__}); choose another tag"
             )
             raise InputError(message, tag=tag)
+        _need_own_name(kind)
         self._added[tag] = kind
         return kind
 
@@ -113,6 +115,24 @@ class Register(Generic[_T]):
             and issubclass(item, TomlTable)
             and item.__struct_config__.tag == name
         )
+
+
+def _need_own_name(kind: type[TomlTable]) -> None:
+    """Refuse a class of the name of another table: the schema of model files goes by these."""
+    from . import description
+
+    tables = [*vars(description).values()]
+    for register in (DRIVES, FORCES, RESTITUTIONS, STOPS):
+        tables += register.tables().values()
+    for other in tables:
+        if not (isinstance(other, type) and issubclass(other, TomlTable)):
+            continue
+        if other.__name__ == kind.__name__ and _place(other) != _place(kind):
+            message = (
+                f"a class {kind.__name__} exists already among the tables of model files "
+                f"({other.__module__}); give this one a name of its own"
+            )
+            raise InputError(message, kind=kind)
 
 
 def _place(kind: type) -> tuple[str, str]:
