@@ -3,7 +3,14 @@
 from .cylinder import INDEX_PER_TURN, Cylinder, rad_s_from_rpm
 from .drives.law import DriveLaw
 from .elements import Characteristic, Damper, Strut, TabulatedSpring
-from .load import from_sources, load, need_mechanism, number_of, with_numbers
+from .load import (
+    from_sources,
+    load,
+    need_as_written,
+    need_mechanism,
+    number_of,
+    with_numbers,
+)
 from .mechanism import (
     Closure,
     Contact,
@@ -43,6 +50,7 @@ __all__ = [
     "known_models",
     "load",
     "model_folder",
+    "need_as_written",
     "need_mechanism",
     "number_of",
     "rad_s_from_rpm",

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
+
+import numpy as np
 
 from ..errors import AssemblyError, InputError, ModelError
 from ..texts import MOST_TEXT, read_text
@@ -127,6 +130,45 @@ def from_sources(
     folder = Path(mesh_folder)
     data = inline_tables(copy.deepcopy(dict(description)), folder, f"{name}.toml")
     return build_mechanism(name, urdf, data, folder)
+
+
+def need_as_written(mechanism: Mechanism) -> None:
+    """Refuse a mechanism that is not the one of its own texts, which are what is saved of it.
+
+    Args:
+        mechanism: The mechanism.
+
+    Raises:
+        InputError: Parts of it were replaced; names them.
+    """
+    name = mechanism.name
+    written = from_sources(name, mechanism.urdf, mechanism.description, mechanism.mesh_folder)
+    replaced = [
+        item.name
+        for item in fields(mechanism)
+        if not _alike(getattr(mechanism, item.name), getattr(written, item.name))
+    ]
+    if replaced:
+        message = (
+            f"{', '.join(replaced)} of this mechanism {'is' if len(replaced) == 1 else 'are'} not "
+            "what its texts say, and these are what is saved: change numbers by their paths, "
+            f'nip.load({name!r}, {{"springs.NAME.stiffness_N_per_m": 9000.0}}), and simulate that'
+        )
+        raise InputError(message, replaced=replaced)
+
+
+def _alike(one: object, other: object) -> bool:
+    """Whether two parts of a mechanism are equal; laws that cannot tell are if of one class."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_alike, one, other))
+    if type(one) is not type(other):
+        return False
+    if is_dataclass(one):
+        names = [item.name for item in fields(one) if item.compare]
+        return all(_alike(getattr(one, key), getattr(other, key)) for key in names)
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return type(one).__eq__ is object.__eq__ or bool(one == other)
 
 
 def with_numbers(mechanism: Mechanism, overrides: Mapping[str, object]) -> Mechanism:

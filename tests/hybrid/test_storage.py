@@ -7,6 +7,7 @@ import io
 import json
 import tracemalloc
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,8 @@ from nipper_pin import (
 )
 from nipper_pin.hybrid.files import archive as packed
 from nipper_pin.hybrid.files import npz as storage
+from nipper_pin.mechanism import with_numbers
+from nipper_pin.mechanism.drives import ConstantSpeed
 
 RUNS = {
     "transition": Case(speed_rpm=650.0),
@@ -421,3 +424,36 @@ def test_every_bit_of_the_begin_of_an_array(tmp_path: Path) -> None:
                 wrong.append((place, bit, repr(error)))
     assert begin[:6] == b"\x93NUMPY"
     assert not wrong
+
+
+REPLACED = {
+    "springs": lambda e62: replace(
+        e62, springs=(replace(e62.springs[0], stiffness=1.0), *e62.springs[1:])
+    ),
+    "stops": lambda e62: replace(
+        e62, stops=tuple(replace(stop, restitution=0.05) for stop in e62.stops)
+    ),
+    "gravity_m_s2": lambda e62: replace(e62, gravity_m_s2=0.0),
+    "drives": lambda e62: replace(
+        e62, drives=tuple(replace(drive, law=ConstantSpeed(ratio=1.0)) for drive in e62.drives)
+    ),
+}
+
+
+@pytest.mark.parametrize("part", REPLACED)
+def test_replaced_parts_are_not_saved_as_what_they_were(
+    part: str, e62: Mechanism, tmp_path: Path
+) -> None:
+    """A run is saved with the texts of its machine, which a replaced number is not in."""
+    solution = simulate(e62, Case(speed_rpm=600.0, max_collisions=1))
+    mechanism = REPLACED[part](e62)
+    for write in (
+        lambda: save(replace(solution, mechanism=mechanism), tmp_path / "run.npz"),
+        lambda: save_case(mechanism, solution.case, tmp_path / "case.json"),
+    ):
+        with pytest.raises(InputError, match=f"^{part} of this mechanism is not"):
+            write()
+    assert list(tmp_path.iterdir()) == []
+    changed = with_numbers(e62, {"stops.jaw.restitution": 0.05, "links.top_nipper.mass_kg": 1.3})
+    save_case(changed, solution.case, tmp_path / "case.json")
+    assert load_case(tmp_path / "case.json")[0].stops == changed.stops

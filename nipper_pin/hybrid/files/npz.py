@@ -23,7 +23,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
-from ...mechanism import Mechanism, from_sources, model_folder
+from ...mechanism import Mechanism, from_sources, model_folder, need_as_written
 from ...outputs import complete_file
 from ...outputs.seal import sealed
 from ...texts import MOST_JSON, opened, read_text
@@ -74,7 +74,8 @@ def save(solution: Solution, path: str | Path) -> Path:
         The path written.
 
     Raises:
-        InputError: It cannot be written, or is too large to be read again.
+        InputError: It cannot be written, is too large to be read again, or parts of its mechanism
+            were replaced, which is saved by its texts.
     """
     target = Path(path)
     if target.suffix != ".npz":
@@ -138,7 +139,11 @@ def load_solution(path: str | Path) -> Solution:
 
 
 def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
-    """Write everything that a run needs to be repeated, model included, as one JSON file."""
+    """Write everything that a run needs to be repeated, model included, as one JSON file.
+
+    Raises:
+        InputError: It cannot be written, or parts of the mechanism were replaced.
+    """
     with complete_file(Path(path)) as partial:
         document = sealed(_setting(mechanism, case))
         partial.write_text(json.dumps(document, indent=1), encoding="utf-8")
@@ -183,6 +188,7 @@ def made_by(path: str | Path) -> str:
 
 
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
+    need_as_written(mechanism)
     return {
         "format": FORMAT,
         "version": version("nipper-pin"),
