@@ -56,6 +56,9 @@ def no_file(path: Path) -> str:
         return "a link that leads nowhere" if path.is_symlink() else ""
     except OSError as error:
         return "links in a circle" if error.errno == errno.ELOOP else ""
+    except ValueError:
+        # A name with a null character, that no file has.
+        return ""
 
 
 def _kind(mode: int) -> str:

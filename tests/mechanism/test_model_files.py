@@ -10,6 +10,7 @@ import pytest
 
 from nipper_pin import InputError, ModelError, UnknownNameError, load
 from nipper_pin.mechanism import find_model
+from nipper_pin.texts import no_file
 
 E62 = find_model("e62")
 
@@ -78,6 +79,13 @@ def test_what_stands_in_the_place_of_a_file_is_told(copied: Path, name: str, kin
     if name.endswith(".toml") and kind != "a folder":
         with pytest.raises(InputError, match="circle" if "circle" in kind else kind):
             load(copied / name)
+
+
+def test_names_that_nothing_has() -> None:
+    for name in ("a\0b", "x" * 5000, "gone.toml"):
+        assert no_file(Path(name)) == ""
+        with pytest.raises(UnknownNameError):
+            load(name)
 
 
 @pytest.mark.parametrize("kind", NO_FILES)

@@ -193,6 +193,23 @@ def test_frames_move_by_half_of_the_gap(slot: bool, scale: float) -> None:
     np.testing.assert_array_equal(still, place(whole, "lever_tip"))
 
 
+def test_the_frame_itself_may_be_one_side() -> None:
+    """The origin of the root link moves by half of the gap, too; what stands on it stays."""
+    parts = [
+        link("crank"), link("coupler"), link("rocker"), hinge("O", "frame", "crank", (-0.2, 0.0)),
+        hinge("A", "crank", "coupler", (0.03, 0.05)), hinge("B", "coupler", "rocker", (0.12, 0.06)),
+        frame("foot", "rocker", (0.050003, -0.110002)),
+    ]  # fmt: skip
+    drives = {"motor": {"joint": "O", "law": "constant_speed", "ratio": 0.05}}
+    ties = {"pin": {"frame_a": "foot", "frame_b": "frame"}}
+    found = machine(parts, 1, closures=ties, drives=drives)
+    np.testing.assert_allclose(found.closures[0].gap_m, (-3e-6, 2e-6), atol=1e-16)
+    places = {item.name: np.array(item.placement.translation) for item in found.model.frames}
+    np.testing.assert_allclose(places["frame"], (1.5e-6, 0.0, -1e-6), atol=1e-16)
+    assert found.model.jointPlacements[1].translation.tolist() == [-0.2, 0.0, 0.0]
+    assert motion(found)[0].checks.closure_m < 1e-15
+
+
 def test_frames_of_several_closures_move_together() -> None:
     """Three rods in one pin: the least sum of squares closes both gaps."""
     parts = [link(name, 1.0, 1e-3) for name in ("a", "b", "c", "a_2", "c_2")]
