@@ -164,6 +164,31 @@ def turned_yoke(name: str) -> None:
     assert "0.000248 mm" in solution.warnings[0]
 
 
+def carried(name: str, force_N: float, lever: float) -> None:
+    """The lip carries what the moments of the weight ask, and opens with that lever."""
+    solution = run(name)
+    (stop,) = solution.mechanism.stops
+    assert stop.contact is not None
+    assert stop.contact.normal == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+    # Files in single precision hold meshes to 6e-8, and the search finds lips to 1e-12 m.
+    assert stop.contact.lever_m == pytest.approx(lever, rel=1e-9)
+    reactions = solution.trajectory.reactions(0.5 * solution.shaft.period)
+    assert reactions.contacts[stop.name] == pytest.approx(force_N, rel=1e-9)
+
+
+def falls_on_a_peg(name: str) -> None:
+    """The rod strikes with the rate of its fall, and the peg takes (1 + e) I w / d."""
+    solution = run(name)
+    inertia, distance, restitution = 2.0 * 0.9**2 / 3.0, 0.6, 0.4
+    rate = math.sqrt(3.0 * GRAVITY / 0.9 * math.sin(math.radians(30.0)))
+    first = solution.collisions[0]
+    assert first.approach_rate == pytest.approx(-rate, rel=1e-12)
+    impulse = (1.0 + restitution) * inertia * rate / distance
+    assert first.impulse == pytest.approx(impulse, rel=1e-9)
+    rest = next(event.t for event in solution.events if event.kind is nip.EventKind.REST)
+    assert (first.t, rest) == (pytest.approx(0.266664, abs=1e-6), pytest.approx(0.596752, abs=1e-6))
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -172,10 +197,13 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "clamp": clamps,
     "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
     "fb_yaxis": lambda name: four_bar(name, -1.0),
+    "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "mirror_gripper": mirrored_jaws,
     "onshape_fivebar_6": five_bar,
     "sw_fourbar_16": whole_four_bar,
     "sw_fourbar_5": rounded_four_bar,
+    "rod_falls_away": falls_on_a_peg,
+    "rod_falls_on_peg": falls_on_a_peg,
     "three_same_time": losses,
     "twin_jaws": lambda name: bounces_of_a_ball(name, 0.2, 0.4, "left", "right"),
     "u03_cartpole": stays,
@@ -197,6 +225,14 @@ RIGHT: dict[str, Callable[[str], None]] = {
         "two_inertials",
     ),
     four_bar,
+)
+RIGHT |= dict.fromkeys(
+    ("rod_gap_1nm", "rod_gap_1um", "rod_on_peg", "rod_rest_neg"),
+    lambda name: carried(name, 2.0 * GRAVITY * 0.45 / 0.7, 0.7),
+)
+RIGHT |= dict.fromkeys(
+    ("lips_box_wedge", "lips_mesh_mesh", "lips_mesh_mesh_neg", "lips_mesh_wedge"),
+    lambda name: carried(name, 2.0 * GRAVITY * 0.45 / 0.6875, 0.6875),
 )
 
 
