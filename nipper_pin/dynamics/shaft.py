@@ -9,10 +9,13 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..mechanism import DriveLaw, Mechanism
+from ..tolerances.hybrid import KNOT_ROUND_OFF
 from ..tolerances.mechanics import KNOT_ANGLE
 
 Driven = tuple[FloatArray, FloatArray, FloatArray]
 """Coordinates, rates and accelerations of the driven joints at N times, each (N, drives)."""
+# Angles of a turn at which the size of a drive is looked at, beside its knots.
+_AROUND = 33
 
 
 @dataclass(frozen=True)
@@ -48,16 +51,21 @@ class ShaftMotion:
         """Cylinder angle psi [rad] at times t [s]."""
         return np.asarray(self.start_angle_rad + self.rate * np.asarray(t))
 
-    def driven(self, t: FloatArray) -> Driven:
+    def driven(self, t: FloatArray, piece: float | None = None) -> Driven:
         """Driven coordinates, rates and accelerations.
 
         Args:
             t: Times, shape (N,) [s].
+            piece: A time [s] on the piece of the laws, from knot to knot, that all times belong to:
+                one that lies beyond its ends, by no more than round-off, does not see the next.
 
         Returns:
             Three arrays of shape (N, drives): [rad], [rad/s], [rad/s^2].
         """
-        return self.driven_along(self.start_angle_rad + self.rate * t)
+        psi = self.start_angle_rad + self.rate * t
+        if piece is None or not self.mechanism.drive_knots_rad.size:
+            return self.driven_along(psi)
+        return self._on_piece(psi, self.start_angle_rad + self.rate * piece)
 
     def driven_along(self, psi: FloatArray) -> Driven:
         """Return :meth:`driven` at cylinder angles psi, shape (N,) [rad].
@@ -73,8 +81,10 @@ class ShaftMotion:
             values = values + np.matmul(np.array(law.evaluate(psi))[:, :, None], factors)
         return values[0], values[1], values[2]
 
-    def driven_at(self, t: float) -> Driven:
+    def driven_at(self, t: float, piece: float | None = None) -> Driven:
         """Return :meth:`driven` at one time [s], as one row; numbers are faster than arrays."""
+        if piece is not None and self.mechanism.drive_knots_rad.size:
+            return self.driven(np.array([t]), piece)
         psi = np.asarray(self.start_angle_rad + self.rate * t)
         values = self.mechanism.drive_offsets
         for law, factors in self._trains:
@@ -91,6 +101,36 @@ class ShaftMotion:
         # The computed time of a knot may be before it by round-off.
         ahead[ahead <= KNOT_ANGLE] += 2.0 * np.pi
         return float(ahead.min()) / self.speed_rad_s
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """Largest coordinates, rates and accelerations of drives in a turn, shape (3, drives).
+
+        Coordinates are differences from their values at touch, and have the size of both.
+        """
+        around = np.linspace(0.0, 2.0 * np.pi, _AROUND)
+        psi = np.sort(np.concatenate([around, self.mechanism.drive_knots_rad]))
+        between = 0.5 * (psi[1:] + psi[:-1])
+        values = np.array(self.driven_along(np.concatenate([psi, between])))
+        largest = np.abs(values).max(axis=1, initial=0.0)
+        return np.asarray(largest + np.abs(self.mechanism.drive_offsets[:, 0]))
+
+    def _on_piece(self, psi: FloatArray, inside: float) -> Driven:
+        """Driven coordinates at angles psi by the piece around an angle, continued beyond it.
+
+        A law finds its pieces by angles that it reduces to one turn, each with its round-off, so
+        close to a knot it is not asked.
+        """
+        knots, turn = self.mechanism.drive_knots_rad, 2.0 * np.pi
+        margin = KNOT_ROUND_OFF * (abs(inside) + turn)
+        low = inside - max(float(np.remainder(inside - knots, turn).min()) - margin, 0.0)
+        high = inside + max(float(np.remainder(knots - inside, turn).min()) - margin, 0.0)
+        asked = np.clip(psi, low, high)
+        q, v, a = self.driven_along(asked)
+        beyond = ((psi - asked) / self.rate)[:, None]
+        if not beyond.any():
+            return q, v, a
+        return q + beyond * (v + 0.5 * beyond * a), v + beyond * a, a
 
     @cached_property
     def _trains(self) -> list[tuple[DriveLaw, FloatArray]]:

@@ -24,6 +24,9 @@ dead centre it grows without limit, and an error beyond counts as unresolved."""
 SHORTEST_PANEL = 1e-12
 """[1] By a turn: shorter panels are refused. Tenfold ``SIMULTANEOUS``, so that its ends are never
 one event."""
+KNOT_ROUND_OFF = 8.0 * EPS
+"""[1] By the cylinder angle and a turn: distance to a knot of a drive within which its law is not
+asked, but continued. A choice: round-off of the angle, of the knot, and of both in one turn."""
 
 # Events and contact
 

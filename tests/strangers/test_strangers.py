@@ -111,10 +111,14 @@ def four_bar(name: str, sense: float = 1.0) -> None:
 
 
 def clamps(name: str) -> None:
-    """The lip bounces and rests once a turn."""
-    solution = run(name)
-    assert {hit.stop for hit in solution.collisions} >= {"lip"}
-    assert solution.outcome is nip.Outcome.COMPLETED
+    """The lip bounces and rests once a turn, at every speed."""
+    run(name)
+    mechanism = nip.load(HERE / name)
+    for speed in np.linspace(60.0, 600.0, 28):
+        case = nip.Case(speed_rpm=float(speed), window=nip.Window.CYCLE)
+        solution = nip.simulate(mechanism, case)
+        assert {hit.stop for hit in solution.collisions} >= {"lip"}
+        assert solution.outcome is nip.Outcome.COMPLETED
 
 
 def rounded_four_bar(name: str) -> None:

@@ -54,7 +54,7 @@ def _between(system: System, phase: ConstraintSet, panel: Panel) -> FloatArray:
 def unresolved(system: System, phase: ConstraintSet, panel: Panel) -> tuple[FloatArray, FloatArray]:
     """Unresolved parts of all positions and velocities of a flight panel, each (nv,)."""
     grid, h, a = nodes(panel.order), panel.h, panel.a
-    motion = system.shaft.driven(panel.times)
+    motion = system.shaft.driven(panel.times, panel.middle)
     again = system.accelerations(motion, panel.q, panel.v, phase)
     swept = again - a
     there = system.accelerations(motion, *nearby(system, panel.q, panel.v, panel.split), phase)

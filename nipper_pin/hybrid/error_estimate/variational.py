@@ -139,7 +139,8 @@ def _slopes(
     q = panel.q + np.concatenate([still, aside, 0.0 * units])
     v = panel.v + np.concatenate([still, x[:, None, None] * turned, hurried])
     # One call for all; the forces of the drives are those of the nodes.
-    forcing = np.tile(system.forcing(system.shaft.driven(panel.times), phase), (2 * f + 1, 1))
+    motion = system.shaft.driven(panel.times, panel.middle)
+    forcing = np.tile(system.forcing(motion, phase), (2 * f + 1, 1))
     a = system.respond(forcing, q.reshape(-1, nv), v.reshape(-1, nv), phase)
     a = a[:, free].reshape(2 * f + 1, count, f)
     differences = np.moveaxis(a[1:] - a[0], 0, 2)

@@ -249,7 +249,7 @@ def _is_nothing(system: System, panel: Panel, stop: Stop, force: FloatArray) -> 
     They touch without pressing, as two that fall side by side, and stay in contact.
     """
     q, v, a = panel.q[0], panel.v[0], panel.a[0]
-    motion = system.shaft.driven_at(panel.t)
+    motion = system.shaft.driven_at(panel.t, panel.middle)
     resists = math.sqrt(system.body.mass_matrix(q)[stop.index, stop.index])
     nothing = ACTIVE_SET_ROUND_OFF * resists * force_size(system, motion, q, v, a, stop.index)
     return float(np.abs(force).max()) <= nothing

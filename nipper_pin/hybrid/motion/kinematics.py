@@ -17,7 +17,13 @@ from ...dynamics.constraint_set import ConstraintSet
 from ...dynamics.multipliers import multipliers
 from ...dynamics.system import System
 from ...errors import SingularConfigurationError
-from ...tolerances.hybrid import COORDINATE_ROUND_OFF, MAX_AMPLIFICATION, ROUND_OFF_SAFETY, SMALLEST
+from ...tolerances.hybrid import (
+    CLOCK_ROUND_OFF,
+    COORDINATE_ROUND_OFF,
+    MAX_AMPLIFICATION,
+    ROUND_OFF_SAFETY,
+    SMALLEST,
+)
 from ...tolerances.mechanics import EPS, MAX_CONDITION
 from ..case import Resolution
 from .chebyshev import nodes, tail
@@ -49,7 +55,7 @@ def kinematic_panel(
     t, q, v, _, jacobian = begin
     times = t + h * nodes(resolution.kinematic_nodes).sigma
     guess, rates = (row[None].repeat(len(times), 0) for row in (q, v))
-    motion = system.shaft.driven(times)
+    motion = system.shaft.driven(times, t + 0.5 * h)
     system.prescribe(motion, guess, rates, phase)
     # The tangent at the start, along which the others follow the drives.
     guess[:, split.columns] += system.lift(jacobian, split, guess - q)[:, split.columns]
@@ -69,13 +75,19 @@ def kinematic_panel(
     round_off = _round_off(system, shown.q, split, inverse[0])
     rough_a = _rough_accelerations(panel, shown, round_off, resolution) * phase.moving
     roughest = max(rough_a.tolist(), default=0.0)
+    excess = _excess(h, shown, round_off, resolution)
     if roughest > 1.0:
         still = h * shown.v + h**2 * shown.a
         nothing = h * rates_of_closures(system, v_nodes)
         nothing += h**2 * of_closures(system, v_nodes, a_nodes)
+        nothing += _of_drives(system, h)[1]
         rough_a[still <= ROUND_OFF_SAFETY * nothing] = 0.0
         roughest = float(rough_a.max())
-    excess = max(_excess(h, shown, round_off, resolution), roughest)
+    if excess > 1.0:
+        clock = CLOCK_ROUND_OFF * (abs(t) + system.shaft.period) * shown.v
+        round_off += ROUND_OFF_SAFETY * (_of_drives(system, h)[0] + clock)
+        excess = _excess(h, shown, round_off, resolution)
+    excess = max(excess, roughest)
     if system.mechanism.struts:
         excess = max(excess, _rough_pulls(system, panel, resolution))
     return judged(panel, forces, excess, resolution.kinematic_nodes)
@@ -201,6 +213,22 @@ def _inverses(system: System, jacobian: FloatArray, split: Partition) -> FloatAr
         )
         raise SingularConfigurationError(message, condition=condition)
     return np.asarray(inverses)
+
+
+def _of_drives(system: System, h: float) -> FloatArray:
+    """Round-off that laws of drives leave where they hardly move, shape (2, nv).
+
+    Args:
+        system: The system.
+        h: Length of a panel [s].
+
+    Returns:
+        Of the coordinates, and of what their rates and accelerations add to these on the panel.
+    """
+    found = np.zeros((2, system.body.nv))
+    at, rates, accelerations = COORDINATE_ROUND_OFF * system.shaft.sizes
+    found[:, system.driven_columns] = at, h * rates + h**2 * accelerations
+    return found
 
 
 def _round_off(

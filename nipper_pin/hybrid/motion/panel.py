@@ -82,6 +82,11 @@ class Panel:
         """Times of the nodes [s], shape (N,)."""
         return self.t + self.h * nodes(self.order).sigma
 
+    @property
+    def middle(self) -> float:
+        """Time in the middle [s]: it lies on the piece of the drives that the panel lies on."""
+        return self.t + 0.5 * self.h
+
     def shifted(self, delay: float, wound: FloatArray) -> Panel:
         """Return the same motion at a later time; it shares its accelerations with this one.
 
@@ -156,7 +161,7 @@ def _closed(
 ) -> tuple[Exact, FloatArray]:
     """States as :func:`state_at`, and the inverses that led to their velocities."""
     q, v = panel.interpolate(t)
-    motion = system.shaft.driven(t)
+    motion = system.shaft.driven(t, panel.middle)
     system.prescribe(motion, q, v, phase)
     q, jacobian = close_positions(system.body, q, panel.split)
     inverse = inverses(jacobian, panel.split)
@@ -176,7 +181,7 @@ def one_state_at(
         anew: As in :func:`close_positions`.
     """
     q, v = panel.interpolate_at(t)
-    motion = system.shaft.driven_at(t)
+    motion = system.shaft.driven_at(t, panel.middle)
     guess = q[None]
     system.prescribe(motion, guess, v[None], phase)
     closed, jacobians = close_positions(system.body, guess, panel.split, anew=anew)
@@ -248,7 +253,7 @@ def defect(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatArray
     """
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)
-    motion = system.shaft.driven(t)
+    motion = system.shaft.driven(t, panel.middle)
     system.prescribe(motion, q, v, phase)
     there = system.accelerations(motion, q, v, phase)
     return np.asarray(np.abs(evaluate(panel.a, sigma, 0) - there))

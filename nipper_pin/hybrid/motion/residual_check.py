@@ -142,7 +142,7 @@ def _round_off(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatA
     """Round-off of the accelerations at some places of a panel, shape (K, nv)."""
     t = panel.t + panel.h * sigma
     q, v = panel.interpolate(t)
-    motion = system.shaft.driven(t)
+    motion = system.shaft.driven(t, panel.middle)
     there = system.accelerations(motion, q, v, phase)
     close = system.accelerations(motion, *nearby(system, q, v, panel.split), phase)
     return np.asarray(ROUND_OFF_SAFETY * np.abs(close - there))

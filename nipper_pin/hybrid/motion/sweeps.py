@@ -78,7 +78,7 @@ class Sweeps:
         self._system, self._phase, self._h, self._tolerance = system, phase, h, tolerance
         t, q, v, _, _ = begin
         elapsed = h * nodes(finest).sigma
-        motion = system.shaft.driven(t + elapsed)
+        motion = system.shaft.driven(t + elapsed, t + 0.5 * h)
         self._forcing = system.forcing(motion, phase)
         # Motion without acceleration; that of held drives is known.
         self._lines = np.empty((2, finest, len(q)))

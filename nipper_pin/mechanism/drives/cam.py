@@ -45,14 +45,21 @@ def _modified_sine(u: FloatArray) -> Evaluation:
 
 def _polynomial_345(u: FloatArray) -> Evaluation:
     left = 1.0 - u
-    value = u**3 * (10.0 + u * (-15.0 + 6.0 * u))
-    return value, 30.0 * (u * left) ** 2, 60.0 * u * left * (left - u)
+    x = np.minimum(u, left)
+    value = x**3 * (10.0 + x * (-15.0 + 6.0 * x))
+    return _mirrored(u, value), 30.0 * (u * left) ** 2, 60.0 * u * left * (left - u)
 
 
 def _polynomial_4567(u: FloatArray) -> Evaluation:
     left = 1.0 - u
-    value = u**4 * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)))
-    return value, 140.0 * (u * left) ** 3, 420.0 * (u * left) ** 2 * (left - u)
+    x = np.minimum(u, left)
+    value = x**4 * (35.0 + x * (-84.0 + x * (70.0 - 20.0 * x)))
+    return _mirrored(u, value), 140.0 * (u * left) ** 3, 420.0 * (u * left) ** 2 * (left - u)
+
+
+def _mirrored(u: FloatArray, value: FloatArray) -> FloatArray:
+    """A lift from its value on the half that u lies on: near the top terms of a sum cancel."""
+    return np.where(u > 0.5, 1.0 - value, value)
 
 
 _MOTIONS: dict[str, Callable[[FloatArray], Evaluation]] = {
