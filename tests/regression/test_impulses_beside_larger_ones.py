@@ -37,8 +37,6 @@ def test_every_impulse_of_an_event_has_a_stated_error_that_holds(
     assert 0.0 < pushed[small] < 1e-6 * pushed[struck]
     assert [set(error.impulses) for error in coarse.errors] == [set(e.P_N) for e in coarse.events]
     off = abs(pushed[small] - fine.events[COLLISION].P_N[small])
-    # The relative error is that of the struck stop, and would be ten times too small here.
-    assert off > 10.0 * stated.impulse * pushed[small]
     assert off <= stated.impulses[small] < 1e-15 * pushed[struck]
     assert stated.impulses[struck] <= stated.impulse * pushed[struck]
     assert within_errors(coarse, fine) == []
