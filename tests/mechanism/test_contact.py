@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from small_machines import hinge, link, machine
 
 from nipper_pin.errors import InputError, ModelError
 from nipper_pin.mechanism import collision_model, load
@@ -66,7 +67,7 @@ def test_contact_of_a_general_shape_is_close(spoil) -> None:  # type: ignore[no-
         ({"stops.jaw.contact.lower": "lip"}, "no link or collision element named 'lip'"),
         ({"stops.jaw.contact.lower": "top_plate"}, "a body that joint jaw does not move"),
         ({"stops.jaw.contact.upper": "bottom_lip"}, "a body that joint jaw moves"),
-        ({"stops.jaw.contact.lower": "cylinder_drum"}, "must touch within 0.001 mm"),
+        ({"stops.jaw.contact.lower": "cylinder_drum"}, "moves against both"),
     ],
 )
 def test_bodies_that_make_no_contact(overrides: dict[str, object], words: str) -> None:
@@ -93,3 +94,45 @@ def test_shapes_carry_their_names_and_links() -> None:
     assert shapes["rod_head"] == ()
     joint = geometry.geometryObjects[geometry.getGeometryId("top_lip")].parentJoint
     assert mechanism.model.names[joint] == "jaw"
+
+
+@pytest.mark.parametrize(
+    ("post", "hand", "wrong"),
+    [
+        ("arm", "tip", None),
+        ("frame", "tip", ("lower", "peg of link post", "arm")),
+        ("arm", "finger", ("upper", "pad of link hand", "tip")),
+    ],
+)
+def test_lips_are_on_the_bodies_of_their_joint(
+    post: str, hand: str, wrong: tuple[str, str, str] | None
+) -> None:
+    """Or on links fixed to them; a body that moves against both is refused, the right one named."""
+
+    def ball(link_name: str, on: str, name: str, x: float, z: float) -> list[str]:
+        return [
+            f'<link name="{link_name}"><collision name="{name}"><origin xyz="{x!r} 0 {z!r}"/>'
+            '<geometry><sphere radius="0.01"/></geometry></collision></link>',
+            f'<joint name="{link_name}_fixed" type="fixed"><parent link="{on}"/>'
+            f'<child link="{link_name}"/></joint>',
+        ]
+
+    parts = [
+        *(link("arm"), hinge("arm", "frame", "arm")),
+        *(link("tip"), hinge("tip", "arm", "tip")),
+        *(link("finger"), hinge("finger", "tip", "finger")),
+        *ball("post", post, "peg", 0.1, -0.01),
+        *ball("hand", hand, "pad", 0.1, 0.01),
+    ]
+    contact = {"lower": "peg", "upper": "pad"}
+    stops = {"s": {"joint": "tip", "restitution": 0.5, "contact": contact}}
+    if wrong is None:
+        found = machine(parts, 3, stops=stops).stops[0].contact
+        assert found is not None
+        assert found.lever_m == pytest.approx(0.1, rel=1e-12)
+        return
+    key, value, right = wrong
+    with pytest.raises(ModelError, match=f"a lip on link {right},") as caught:
+        machine(parts, 3, stops=stops)
+    assert caught.value.evidence["key"] == f"stops.s.contact.{key}"
+    assert caught.value.evidence["value"] == value

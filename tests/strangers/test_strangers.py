@@ -18,6 +18,7 @@ REFUSED = {
     "fb_noaxis": r"fb_noaxis\.urdf: joint O axis = .*1 0 0.* A, C ",
     "fb_zaxis": r"fb_zaxis\.toml: closures .* dead centre.*plane of x and y of the URDF",
     "limit_not_a_number": r"limit_not_a_number\.urdf: joint trolley limit upper = '0\.2m'.* in m",
+    "lip_on_third_body": r"stops\.s\.contact\.lower = .*peg of link frame.* arm and flap,",
     "mesh_scale1": r"mesh_scale1\.urdf: link crank visual crank_0 mesh scale = '0\.001'",
     "mimic_passive": r"mimic_passive\.toml: drives\.pair\.of .*<mimic> in the URDF.*'finger'",
     "no_ts": r"no_ts\.toml: transition_stop is missing: .*floor",
@@ -193,6 +194,12 @@ def falls_on_a_peg(name: str) -> None:
     assert (first.t, rest) == (pytest.approx(0.266664, abs=1e-6), pytest.approx(0.596752, abs=1e-6))
 
 
+def stays_shut(name: str) -> None:
+    """A flap lies on a lip of the arm that swings below it."""
+    solution = run(name)
+    assert [segment.closed for segment in solution.segments] == [frozenset({"s"})]
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -201,6 +208,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "clamp": clamps,
     "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
     "fb_yaxis": lambda name: four_bar(name, -1.0),
+    "lip_on_parent": stays_shut,
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "mirror_gripper": mirrored_jaws,
     "onshape_fivebar_6": five_bar,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import coal
 import numpy as np
@@ -59,7 +59,8 @@ def find_contact(
 
     Raises:
         UnknownNameError: A body does not exist.
-        ModelError: The bodies do not touch at that coordinate or opening does not part them.
+        ModelError: The bodies do not touch at that coordinate, opening does not part them, or one
+            is neither body of the joint.
     """
     joint = tree.urdf.joints[joint_name]
     lower = _body(contact.lower, joint, tree, f"{key}.lower", moved=False)
@@ -98,9 +99,27 @@ def _body(name: str, joint: UrdfJoint, tree: Tree, key: str, *, moved: bool) -> 
     if any((identity in supports(tree.model, item.parentJoint)) != moved for item in shapes):
         allowed = f"a body that joint {joint.name} {'moves' if moved else 'does not move'}"
         raise ModelError(file=tree.file, key=key, value=name, allowed=allowed)
+    home = identity if moved else tree.model.parents[identity]
+    for item in shapes:
+        if item.parentJoint != home:
+            _refuse_third(item, name, joint, tree, key, moved=moved)
     return [
         Shape(_planar(item), tree.placements[item.parentJoint] * item.placement) for item in shapes
     ]
+
+
+def _refuse_third(
+    item: pin.GeometryObject, name: str, joint: UrdfJoint, tree: Tree, key: str, *, moved: bool
+) -> NoReturn:
+    """Refuse a lip on a body that moves against both bodies of the joint."""
+    link, own = tree.model.frames[item.parentFrame].name, joint.child if moved else joint.parent
+    value = name if name == link else f"{name} of link {link}"
+    allowed = (
+        f"a lip on link {own}, or on one fixed to it: joint {joint.name} of the stop parts "
+        f"{joint.parent} and {joint.child}, and {link} moves against both. Draw the "
+        f"lip on {own}, or put the stop on the joint between the two bodies that touch"
+    )
+    raise ModelError(file=tree.file, key=key, value=value, allowed=allowed)
 
 
 def _shapes(name: str, tree: Tree, key: str) -> list[pin.GeometryObject]:
