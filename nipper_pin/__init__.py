@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .hybrid.result.json_document import record
     from .hybrid.result.solution import Solution
     from .hybrid.result.tables import Collision, PhaseInterval, Transition
-    from .hybrid.result.trajectory import Motion, Reactions
+    from .hybrid.result.trajectory import Impulses, Motion, Reactions
     from .hybrid.run.outcome import Outcome
     from .hybrid.simulate import simulate
     from .mechanism import Mechanism, load
@@ -56,7 +56,7 @@ else:
         "hybrid.result.solution": ("Solution",),
         "hybrid.run.outcome": ("Outcome",),
         "hybrid.files.npz": ("load_case", "load_solution", "save", "save_case"),
-        "hybrid.result.trajectory": ("Motion", "Reactions"),
+        "hybrid.result.trajectory": ("Impulses", "Motion", "Reactions"),
         "mechanism": ("Mechanism", "load"),
         "study.compare": ("Comparison", "compare"),
         "study.entry_points": ("check", "identify", "optimise", "sweep"),
@@ -96,6 +96,7 @@ __all__ = [
     "Event",
     "EventKind",
     "ImpactError",
+    "Impulses",
     "InfeasibleError",
     "InputError",
     "Mechanism",

@@ -7,6 +7,7 @@ import pinocchio as pin
 
 from ..arrays import FloatArray
 from ..mechanism import Mechanism
+from ..mechanism.build.placements import joint_placements
 
 PLANAR_ROWS_OF_A_POINT = (0, 2)
 _PLANAR_ROWS_OF_A_TWIST = (0, 2, 4)
@@ -44,8 +45,11 @@ class OpenTree:
         self.scaled = bool((self.units != 1.0).any())
         self._plain = pin.Model(model)
         self._plain_data = self._plain.createData()
+        self._weightless = pin.Model(model)
+        self._weightless.gravity = pin.Motion.Zero()
         self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))
         self._link_ids = [model.getJointId(joint.name) for joint in mechanism.joints]
+        self._lips = self._lips_of(mechanism)
         self.closure_rows = mechanism.closure_rows
         self._coupled = mechanism.coupling_rows
         self._couples = len(self._coupled) > 0
@@ -196,6 +200,7 @@ class OpenTree:
         a: FloatArray,
         closure_forces: FloatArray,
         point_forces: FloatArray = _NO_FORCES,
+        contact_forces: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Wrench that each joint's parent exerts on its child, and the cut joints' forces.
 
@@ -206,12 +211,45 @@ class OpenTree:
             closure_forces: Multipliers la_g, shape (m,) [N], in the axes of the frames a.
             point_forces: Forces (x, z) of the struts on the bodies of their points a, in world
                 axes, shape (struts, 2) [N]; their opposites act at the points b.
+            contact_forces: Normal forces of the stops with a contact point, in their order,
+                shape (contacts,) [N]; none by default.
 
         Returns:
             Tree joints' wrenches (force x, force z [N], moment counter-clockwise about the joint
             [N m]) in world axes, shape (joints, 3); and the force that each cut joint exerts on
             the body of its frame a, in world axes, shape (closures, 2) [N].
         """
+        outer, cut = self._outer(q, closure_forces, contact_forces)
+        data = self._plain_data
+        for (x, z), (end_a, end_b) in zip(point_forces, self._ends.tolist(), strict=True):
+            (joint_a, local_a), (joint_b, local_b) = self._points[end_a], self._points[end_b]
+            force = np.array([x, 0.0, z])
+            self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
+            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
+        return self._wrenches(self._plain, q, v, a, outer), cut
+
+    def joint_impulses(
+        self,
+        q: FloatArray,
+        delta: FloatArray,
+        closure_impulses: FloatArray,
+        contact_impulses: FloatArray,
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same of an impact, in N s and N m s: what forces are to accelerations.
+
+        Args:
+            q: Configuration, shape (nv,).
+            delta: Change of velocity, shape (nv,).
+            closure_impulses: P_g, shape (m,) [N s], in the axes of the frames a.
+            contact_impulses: Normal impulses, as ``contact_forces``, shape (contacts,) [N s].
+        """
+        outer, cut = self._outer(q, closure_impulses, contact_impulses)
+        return self._wrenches(self._weightless, q, np.zeros(self.nv), delta, outer), cut
+
+    def _outer(
+        self, q: FloatArray, closure_forces: FloatArray, contact_forces: FloatArray | None
+    ) -> tuple[pin.StdVec_Force, FloatArray]:
+        """Forces past the joints: of cut joints and contacts; and those of the cut joints."""
         model, data = self._plain, self._plain_data
         pin.forwardKinematics(model, data, q)
         outer = pin.StdVec_Force()
@@ -227,11 +265,19 @@ class OpenTree:
             cut[number] = world[[0, 2]]
             self._push(outer, frame_a.parentJoint, place_a.translation, world)
             self._push(outer, frame_b.parentJoint, place_b.translation, -world)
-        for (x, z), (end_a, end_b) in zip(point_forces, self._ends.tolist(), strict=True):
-            (joint_a, local_a), (joint_b, local_b) = self._points[end_a], self._points[end_b]
-            force = np.array([x, 0.0, z])
-            self._push(outer, joint_a, data.oMi[joint_a].act(local_a.translation), force)
-            self._push(outer, joint_b, data.oMi[joint_b].act(local_b.translation), -force)
+        pushing = () if contact_forces is None else zip(contact_forces, self._lips, strict=True)
+        for size, (joint, local, normal) in pushing:
+            below = model.parents[joint]
+            place, force = data.oMi[below].act(local), size * (data.oMi[below].rotation @ normal)
+            self._push(outer, joint, place, force)
+            self._push(outer, below, place, -force)
+        return outer, cut
+
+    def _wrenches(
+        self, model: pin.Model, q: FloatArray, v: FloatArray, a: FloatArray, outer: pin.StdVec_Force
+    ) -> FloatArray:
+        """Wrenches of all tree joints, shape (joints, 3), from what acts past them."""
+        data = self._plain_data
         pin.rnea(model, data, q, v, a, outer)
         wrenches = np.empty((len(self._link_ids), 3))
         for row, joint in enumerate(self._link_ids):
@@ -239,7 +285,25 @@ class OpenTree:
             force = rotation @ data.f[joint].linear
             moment = rotation @ data.f[joint].angular
             wrenches[row] = force[0], force[2], -moment[1]
-        return wrenches, cut
+        return wrenches
+
+    @staticmethod
+    def _lips_of(mechanism: Mechanism) -> list[tuple[int, FloatArray, FloatArray]]:
+        """Of each stop with a contact point: its joint, point and normal in the lower body.
+
+        The lower lip is on the body above the joint, so it turns with that.
+        """
+        model = mechanism.model
+        world = joint_placements(model)
+        names = {joint.index: joint.name for joint in mechanism.joints}
+        lips = []
+        for stop in mechanism.stops:
+            if stop.contact is not None:
+                joint = model.getJointId(names[stop.index])
+                below = world[model.parents[joint]]
+                local = below.actInv(stop.contact.point)
+                lips.append((joint, local, below.rotation.T @ stop.contact.normal))
+        return lips
 
     def _push(
         self, outer: pin.StdVec_Force, joint: int, point: FloatArray, force: FloatArray

@@ -179,6 +179,11 @@ def carried(name: str, force_N: float, lever: float) -> None:
     assert stop.contact.lever_m == pytest.approx(lever, rel=1e-9)
     reactions = solution.trajectory.reactions(0.5 * solution.shaft.period)
     assert reactions.contacts[stop.name] == pytest.approx(force_N, rel=1e-9)
+    # The joint carries what the lip leaves of the weight; a slide keeps the rod from turning.
+    (joint,) = reactions.joints.values()
+    assert joint[0, :2] == pytest.approx([0.0, 2.0 * GRAVITY - force_N], abs=1e-8)
+    if solution.mechanism.joints[0].kind == "revolute":
+        assert joint[0, 2] == pytest.approx(0.0, abs=1e-8)
 
 
 def falls_on_a_peg(name: str) -> None:
@@ -190,6 +195,10 @@ def falls_on_a_peg(name: str) -> None:
     assert first.approach_rate == pytest.approx(-rate, rel=1e-12)
     impulse = (1.0 + restitution) * inertia * rate / distance
     assert first.impulse == pytest.approx(impulse, rel=1e-9)
+    # The peg is at the centre of percussion.
+    impulses = solution.trajectory.impulses(solution.events[0])
+    assert impulses.contacts == {"peg": pytest.approx(impulse, rel=1e-9)}
+    assert impulses.joints["hinge"] == pytest.approx(np.zeros(3), abs=1e-7)
     rest = next(event.t for event in solution.events if event.kind is nip.EventKind.REST)
     assert (first.t, rest) == (pytest.approx(0.266664, abs=1e-6), pytest.approx(0.596752, abs=1e-6))
 

@@ -18,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "dynamics"))
 from planar_tree import Motion, PlanarTree
 
 from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.result.trajectory import Reactions
 from nipper_pin.hybrid.simulate import simulate
@@ -70,42 +71,89 @@ def _joint_wrench(sample: Sample, link: int, row: int) -> tuple[complex, float]:
     return complex(x, z), float(moment)
 
 
-def test_every_link_balances(sample: Sample) -> None:
-    """Newton and Euler for each link: m (c'' + i g) and I alpha from its joints and cut joints.
+def _acting(
+    sample: Sample,
+    motion: Motion,
+    joints: dict[str, np.ndarray],
+    closures: dict[str, np.ndarray],
+    lips: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Forces on the links, and their moments about the centroids: every arm counts.
 
     The wrench that the parent exerts at the link's own joint, minus those that it exerts on its
-    children, plus the cut joints' forces. Lip contact, springs, stops and drives act between a link
-    and its parent, so the wrenches contain them. Moments are about the centroid: every arm counts.
+    children, plus the forces of the cut joints and of the lips at their contact point. Springs, the
+    steeve's stop and drives act between a link and its parent, so the wrenches contain them.
     """
     tree, mechanism = sample.tree, sample.run.mechanism
-    largest = max(np.abs(wrench[:, :2]).max() for wrench in sample.forces.joints.values())
+    force = np.zeros(tree.nv, dtype=complex)
+    moment = np.zeros(tree.nv)
+
+    def act(link: int, point: complex, f: complex, m: float = 0.0) -> None:
+        if link >= 0:
+            force[link] += f
+            moment[link] += ((point - motion.com[link]).conjugate() * f).imag + m
+
+    for i, link in enumerate(tree.links):
+        x, z, m = joints[link.joint]
+        act(i, motion.origin[i], complex(x, z), m)
+        act(link.parent, motion.origin[i], -complex(x, z), -m)
+    for closure, ((a, local_a), (b, local_b)) in zip(
+        mechanism.closures, tree.closures, strict=True
+    ):
+        f = complex(*closures[closure.name])
+        act(a, motion.point(a, local_a)[0], f)
+        act(b, motion.point(b, local_b)[0], -f)
+    contact, jaw = mechanism.stop("jaw").contact, mechanism.stop("jaw").index
+    assert contact is not None
+    above = tree.links[jaw].parent
+    # The lower lip turns with its link from where it is in the touch configuration.
+    touch = tree.motion(*np.zeros((3, tree.nv)))
+    spin = np.exp(1j * motion.angle[above])
+    place = motion.origin[jaw] + spin * (complex(*contact.point[[0, 2]]) - touch.origin[jaw])
+    f = lips * spin * complex(*contact.normal[[0, 2]])
+    act(jaw, place, f)
+    act(above, place, -f)
+    return force, moment
+
+
+def test_every_link_balances(sample: Sample) -> None:
+    """Newton and Euler for each link: m (c'' + i g) and I alpha from all that acts on it."""
+    tree, forces = sample.tree, sample.forces
+    largest = max(np.abs(wrench[:, :2]).max() for wrench in forces.joints.values())
     assert largest > 50.0
     for row in range(len(sample.t)):
         motion = sample.motion(row)
-        force = np.zeros(tree.nv, dtype=complex)
-        moment = np.zeros(tree.nv)
-
-        def act(link: int, point: complex, f: complex, m: float = 0.0, motion: Motion = motion,
-                force: np.ndarray = force, moment: np.ndarray = moment) -> None:  # fmt: skip
-            if link >= 0:
-                force[link] += f
-                moment[link] += ((point - motion.com[link]).conjugate() * f).imag + m
-
-        for i, link in enumerate(tree.links):
-            f, m = _joint_wrench(sample, i, row)
-            act(i, motion.origin[i], f, m)
-            act(link.parent, motion.origin[i], -f, -m)
-        for closure, ((a, local_a), (b, local_b)) in zip(
-            mechanism.closures, tree.closures, strict=True
-        ):
-            f = complex(*sample.forces.closures[closure.name][row])
-            act(a, motion.point(a, local_a)[0], f)
-            act(b, motion.point(b, local_b)[0], -f)
+        force, moment = _acting(
+            sample,
+            motion,
+            {name: wrenches[row] for name, wrenches in forces.joints.items()},
+            {name: cuts[row] for name, cuts in forces.closures.items()},
+            forces.contacts["jaw"][row],
+        )
         needed = tree.masses * (motion.com_acceleration + 1j * tree.gravity)
         assert np.abs(force - needed).max() <= EXACT * largest
         turning = tree.inertias * motion.spin_rate
         # Arms are up to 0.2 m.
         assert np.abs(moment - turning).max() <= EXACT * largest * 0.2
+
+
+def test_every_link_balances_at_every_collision(sample: Sample) -> None:
+    """The same of impulses: m and I times the changes of velocities and spins."""
+    tree = sample.tree
+    for event in sample.run.events:
+        if event.kind is not EventKind.COLLISION:
+            continue
+        impulses = sample.run.trajectory.impulses(event)
+        largest = max(np.abs(wrench[:2]).max() for wrench in impulses.joints.values())
+        struck = sample.run.mechanism.stop(event.stops[0])
+        assert impulses.contacts[struck.name] == event.P_N[struck.name] / struck.lever > 0.0
+        rest = np.zeros(tree.nv)
+        motion = tree.motion(event.q, event.delta, rest)
+        force, moment = _acting(
+            sample, motion, impulses.joints, impulses.closures, impulses.contacts["jaw"]
+        )
+        assert np.abs(force - tree.masses * motion.com_rate).max() <= EXACT * largest
+        assert np.abs(moment - tree.inertias * motion.spin).max() <= EXACT * largest * 0.2
 
 
 def test_accelerations_are_derivatives_of_the_motion(sample: Sample) -> None:
@@ -194,8 +242,8 @@ def test_clamping_force_times_its_lever_is_the_multiplier(sample: Sample) -> Non
     """The lips' normal force has the moment of the jaw's multiplier about the jaw pivot.
 
     Lever: the normal's arm about the pivot, from the contact point and normal of the collision
-    shapes and the pivot of the URDF. In phase 2 the joint's moment is that moment too; without
-    contact it is zero, as is the moment of each hinge on which nothing acts.
+    shapes and the pivot of the URDF. The pivot itself carries no moment, as every hinge on which
+    nothing acts.
     """
     stop = sample.run.mechanism.stop("jaw")
     contact = stop.contact
@@ -208,8 +256,7 @@ def test_clamping_force_times_its_lever_is_the_multiplier(sample: Sample) -> Non
     scale = np.abs(sample.forces.stops["jaw"]).max()
     assert scale > 1.0
     assert np.abs(moment - sample.forces.stops["jaw"]).max() <= EXACT * scale
-    assert np.abs(moment - sample.forces.joints["jaw"][:, 2]).max() <= EXACT * scale
-    for name in ("nipper_pivot", "rod_pin", "rocker_pin"):
+    for name in ("jaw", "nipper_pivot", "rod_pin", "rocker_pin"):
         assert np.abs(sample.forces.joints[name][:, 2]).max() <= EXACT * scale
 
 

@@ -11,6 +11,8 @@ from ...arrays import FloatArray
 from ...dynamics.system import System
 from ...errors import InputError
 from ...given import refuse
+from ...mechanism import Mechanism
+from ..event import Event
 from ..motion.panel import Panel, forces_at, state_at
 from ..segment import Segment
 
@@ -41,8 +43,9 @@ class Reactions:
         a: Accelerations, shape (K, nv).
         joints: By tree joint: force x, force z [N] and moment counter-clockwise about the joint
             [N m] that the parent link exerts on the child, world axes, shape (K, 3). Along a
-            joint's own coordinate this contains springs, dampers, stops and drives that act there;
-            springs and dampers between two points act past the joints.
+            joint's own coordinate this contains springs, dampers and drives that act there, and
+            stops without a contact point. Lips of stops with one, and springs and dampers between
+            two points, act past the joints.
         closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
         drives: By drive: torque on the driven joint [N m], shape (K,).
         stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
@@ -58,6 +61,24 @@ class Reactions:
     drives: dict[str, FloatArray]
     stops: dict[str, FloatArray]
     contacts: dict[str, FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Impulses:
+    """Impulses of an event; sides and axes as of ``Reactions``.
+
+    Attributes:
+        joints: By tree joint: impulse x, impulse z [N s] and its moment counter-clockwise about the
+            joint [N m s], shape (3,). Along a joint's own coordinate this contains those of its
+            drive and of stops without a contact point.
+        closures: By cut joint: impulse x, impulse z [N s] on the link of frame a, shape (2,).
+        contacts: By stop: normal impulse at its contact point [N s]; along the joint of a stop
+            without one [N s or N m s].
+    """
+
+    joints: dict[str, FloatArray]
+    closures: dict[str, FloatArray]
+    contacts: dict[str, float]
 
 
 class Trajectory:
@@ -113,6 +134,7 @@ class Trajectory:
         cuts = np.empty((count, len(mechanism.closures), 2))
         torques = np.empty((count, len(mechanism.drives)))
         stops = np.zeros((count, len(mechanism.stops)))
+        lips, levers = _with_point(mechanism)
         for segment, panel, chosen in self._groups(times, left):
             phase = self.system.constraint_set(segment.closed)
             q, v, a_chosen, forces = forces_at(self.system, phase, panel, times[chosen])
@@ -123,8 +145,9 @@ class Trajectory:
             pulls = self.system.point_forces(q, v)
             for row, place in enumerate(chosen):
                 wrenches[place], cuts[place] = body.joint_wrenches(
-                    q[row], v[row], a_chosen[row], forces.la_g[row], pulls[row]
-                )
+                    q[row], v[row], a_chosen[row], forces.la_g[row], pulls[row],
+                    stops[place, lips] / levers,
+                )  # fmt: skip
         return Reactions(
             t=times,
             a=a,
@@ -134,6 +157,27 @@ class Trajectory:
             stops={stop.name: stops[:, i] for i, stop in enumerate(mechanism.stops)},
             contacts={
                 stop.name: stops[:, i] / stop.lever for i, stop in enumerate(mechanism.stops)
+            },
+        )
+
+    def impulses(self, event: Event) -> Impulses:
+        """Impulses at all joints, cut joints and contacts of an event; zero where none strikes.
+
+        Args:
+            event: One of the events of the run.
+        """
+        mechanism = self.system.mechanism
+        lips, levers = _with_point(mechanism)
+        sizes = np.array([event.P_N.get(stop.name, 0.0) for stop in mechanism.stops])
+        wrenches, cuts = self.system.body.joint_impulses(
+            event.q, event.delta, event.P_g, sizes[lips] / levers
+        )
+        return Impulses(
+            joints={joint.name: wrenches[i] for i, joint in enumerate(mechanism.joints)},
+            closures={closure.name: cuts[i] for i, closure in enumerate(mechanism.closures)},
+            contacts={
+                stop.name: float(size) / stop.lever
+                for stop, size in zip(mechanism.stops, sizes, strict=True)
             },
         )
 
@@ -157,6 +201,12 @@ class Trajectory:
             groups.setdefault((int(place), panel), []).append(row)
         for (place, panel), rows in groups.items():
             yield self.segments[place], self.segments[place].panels[panel], rows
+
+
+def _with_point(mechanism: Mechanism) -> tuple[list[int], FloatArray]:
+    """Places of the stops that have a contact point, and their levers [m or 1]."""
+    places = [i for i, stop in enumerate(mechanism.stops) if stop.contact is not None]
+    return places, np.array([mechanism.stops[i].lever for i in places])
 
 
 def closure_residuals(system: System, segments: Sequence[Segment]) -> tuple[float, float]:
