@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import nipper_pin as nip
+from nipper_pin.cli import main
 
 HERE = Path(__file__).parent
 GRAVITY = 9.81
@@ -271,3 +272,8 @@ def test_machine_does_what_it_has_to(name: str) -> None:
 def test_mistake_is_named(name: str) -> None:
     with pytest.raises(nip.InputError, match=REFUSED[name]):
         nip.load(HERE / name)
+
+
+def test_the_lever_of_a_slide_is_no_length(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(HERE / "lips_mesh_mesh_slide")]) == 0
+    assert "lever 1 of the travel" in " ".join(capsys.readouterr().out.split())

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from ...hybrid.result.quantities import force_unit
-from ...mechanism import Stop
+from ...mechanism import Mechanism, Stop
 from ...study.check import ModelReport
 from ...study.next_steps import NextSteps
 from ...units import MM_PER_M
@@ -127,13 +127,20 @@ def _stops(report: ModelReport, console: Console) -> None:
             x, _, z = MM_PER_M * contact.point
             where += (
                 f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
-                f"{contact.normal[2]:.3f}), lever {MM_PER_M * contact.lever_m:.2f} mm"
+                f"{contact.normal[2]:.3f}), lever {_lever(report.mechanism, stop)}"
             )
         say(
             console,
             f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "
             f"closed {_force(report, stop)}",
         )
+
+
+def _lever(mechanism: Mechanism, stop: Stop) -> str:
+    """Of a hinge a length; a slide parts its lips by so much of its own travel."""
+    if mechanism.joints[stop.index].kind == "prismatic":
+        return f"{stop.lever:.4g} of the travel"
+    return f"{MM_PER_M * stop.lever:.2f} mm"
 
 
 def _force(report: ModelReport, stop: Stop) -> str:
