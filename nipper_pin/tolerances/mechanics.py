@@ -104,13 +104,15 @@ LEAST_TABLE_STEP = 1e-12
 round-off."""
 ACROSS_PLANE = 1e-12
 """[1] Distance of a cosine from one up to which the axis of a cylinder is across the plane. A
-choice, far above the round-off of a unit axis; the angle is then at most 1.4e-6 rad."""
+choice, far above round-off; the angle is at most 1.4e-6 rad."""
+PARALLEL_FACES = 1e-4
+"""[rad] Angle up to which faces of lips may be parallel. A choice: 20 mm then open by 2 um."""
 DISTANCE_ACCURACY_M = 1e-12
-"""[m] Accuracy asked of distances between bodies in the touch configuration, of a machine of a
-metre. A choice: a millionth of ``TOUCH_TOLERANCE_M``, where slopes of distances are taken."""
+"""[m] Accuracy asked of distances between lips, of a machine of a metre. A choice: a millionth of
+``TOUCH_TOLERANCE_M``."""
 TOUCH_STEP = 1e-13
-"""[1] By the unit of the coordinate: last step of the search for where bodies touch. A choice: it
-is 450 eps, and the limit of steps ends the search otherwise."""
+"""[1] By the unit of the coordinate: last step of the search for where bodies touch. A choice:
+450 eps."""
 DRIVE_REPEATS = 1e-9
 """[rad or m] Largest error of the turn that a drive table spans, largest difference of places of a
 drive law of such a travel a turn apart, and least motion of one that moves, by its largest place. A

@@ -19,15 +19,13 @@ import numpy as np
 import pinocchio as pin
 
 from ...arrays import FloatArray
-from ...tolerances.mechanics import TOUCH_STEP
+from ...tolerances.mechanics import PARALLEL_FACES, TOUCH_STEP
 
 _ACROSS = np.array([0.0, 1.0, 0.0])
 # By the largest gap that counts as none: how far lips are lifted, at least.
 _LIFT = 8.0
 # The part of a lift that remains of it at the deepest overlap that it resolves.
 _LEFT = 0.25
-# Faces are looked at as parallel up to this angle: lips of 20 mm then open by 2 um.
-_PARALLEL_RAD = 1e-4
 _GROWTH = 4.0
 _OPENINGS = 20
 _ITERATIONS = 12
@@ -242,7 +240,7 @@ def _end(lips: Lips, coordinate: float, gap: Gap, pivot: FloatArray, turn: float
 
     Faces count as parallel up to a small angle, but not if it opens more than that gap.
     """
-    size, angle = _size(lips), _PARALLEL_RAD
+    size, angle = _size(lips), PARALLEL_FACES
     while True:
         tilt = _turned(turn * angle * _ACROSS, pivot)
         lift = (_LIFT * lips.within_m + 2.0 * angle * size) * gap.normal
