@@ -99,15 +99,10 @@ def clamp(law: Law) -> Mechanism:
     )  # fmt: skip
 
 
-def follower(law: Law, *, gravity: float = GRAVITY, **changed: Any) -> Mechanism:
-    """A mass that a spring from above holds on a cam.
-
-    Args:
-        law: The law.
-        gravity: Along -z [m/s2].
-        **changed: Lift [mm], or other tables.
-    """
-    lift = changed.pop("mm", 36.0)
+def follower(law: Law, *, sprung: bool = True) -> Mechanism:
+    """A mass that a spring from above, or its weight alone, holds on a cam."""
+    valve = {"frame_a": "anchor", "frame_b": "mass", "stiffness_N_per_m": 900.0,
+             "free_length_mm": 512.0}  # fmt: skip
     return machine(
         [
             frame("anchor", "frame", (0.0, 0.5)),
@@ -117,14 +112,12 @@ def follower(law: Law, *, gravity: float = GRAVITY, **changed: Any) -> Mechanism
             slide("gap", "cam", "mass", (0.0, 1.0)),
         ],
         2,
-        gravity=gravity,
-        drives={"cam": _drive(law, "lift", mm=lift)},
-        springs={"valve": {"frame_a": "anchor", "frame_b": "mass", "stiffness_N_per_m": 900.0,
-                           "free_length_mm": 512.0}},
+        gravity=GRAVITY,
+        drives={"cam": _drive(law, "lift", mm=36.0)},
+        springs={"valve": valve} if sprung else {},
         stops={"cam": {"joint": "gap", "restitution": 0.3}},
         phases=[{"number": 1, "name": "on the cam", "closed": ["cam"]},
                 {"number": 2, "name": "in the air", "closed": []}],
-        **changed,
     )  # fmt: skip
 
 

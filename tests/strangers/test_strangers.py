@@ -210,6 +210,30 @@ def stays_shut(name: str) -> None:
     assert [segment.closed for segment in solution.segments] == [frozenset({"s"})]
 
 
+def barely_jumps(name: str) -> None:
+    """1e-8 above the speed of its jump a follower leaves for 8 sqrt(1e-8 / (w^2 - k/m))."""
+    solution = run(name)
+    released, landed, *others = solution.events
+    assert released.kind is nip.EventKind.RELEASE
+    omega = solution.shaft.speed_rad_s
+    flight = 8.0 * math.sqrt(1e-8 / (omega**2 - 900.0 / 0.8))
+    assert landed.t - released.t == pytest.approx(flight, rel=1e-3)
+    assert -1e-10 < landed.v_before[1] < 0.0
+    assert others[-1].kind is nip.EventKind.REST
+    motion = solution.trajectory.evaluate(np.linspace(released.t, others[-1].t, 100))
+    assert np.abs(motion.q[:, 1]).max() < 1e-16
+    assert solution.outcome is nip.Outcome.COMPLETED
+
+
+def jumps(name: str) -> None:
+    """The eccentric's force is zero at 133.6 deg; the flight from there lands 47.6 ms later."""
+    released, landed = run(name).events[:2]
+    assert released.kind is nip.EventKind.RELEASE
+    assert released.t == pytest.approx(34.260200506e-3, abs=1e-12)
+    assert landed.t == pytest.approx(81.900900221e-3, abs=1e-12)
+    assert landed.v_before[1] == pytest.approx(-0.941472214542, abs=1e-11)
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -217,6 +241,8 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "ball_e0999": lambda name: bounces_of_a_ball(name, 1.0, 0.999, "floor"),
     "clamp": clamps,
     "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
+    "ecc_graze": barely_jumps,
+    "ecc_jump_stopname": jumps,
     "fb_yaxis": lambda name: four_bar(name, -1.0),
     "lip_on_parent": stays_shut,
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),

@@ -24,6 +24,7 @@ from ...tolerances.hybrid import (
     SIMULTANEOUS,
     SMALLEST,
 )
+from ...tolerances.mechanics import EPS
 from ..motion.chebyshev import Series, interpolant, nodes
 from ..motion.panel import Panel, one_state_at, stop_forces_at
 from .roots import first_descent, polish
@@ -174,8 +175,7 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: flo
     # At the start it may be zero: without a pull there, the first samples decide.
     closing = bool(values[0] <= 0.0 and (values[1:] < 0.0).all())
     if power == 2 and (closing or values[0] < -CLOSING_SHARE * float(np.abs(values).max())):
-        # It was opened where its force only just touched zero, and is pressed shut again.
-        return panel.t
+        return panel.t + h * _soon_back(series, values, float(grid.samples[1]))
     if closing:
         if rate < 0.0 < gap <= nothing:
             # It closes within the round-off of its integral.
@@ -187,6 +187,33 @@ def _flight_root(panel: Panel, stop: Stop, gap: float, rate: float, nothing: flo
         raise SimulationError(message, stop=stop.name, gap=gap, rate=rate)
     found = first_descent(grid.samples, values, series.value)
     return None if found is None else panel.t + h * polish(series.value_and_slope, *found)
+
+
+def _soon_back(series: Series, values: FloatArray, first: float) -> float:
+    """Place at which a gap that has just opened, at rest, is closed before its first sample.
+
+    A stop opens where its force has fallen to zero, and so has its acceleration: of that, round-off
+    is left, and what it becomes tells whether the stop leaves.
+
+    Args:
+        series: The gap, divided by the square of the time.
+        values: The same at the samples.
+        first: The first sample after the start.
+
+    Returns:
+        The place; zero where its force only just touched zero: it is pressed shut again.
+    """
+    nothing, slope = series.value_and_slope(0.0)
+    if slope <= 0.0 or values[0] < -CLOSING_SHARE * float(np.abs(values).max()):
+        return 0.0
+    coefficients = np.array(series.coefficients)
+    coefficients[0] -= nothing
+    lifted, place = Series(coefficients), first
+    while place > EPS:
+        if lifted.value(0.5 * place) > 0.0:
+            return polish(lifted.value_and_slope, 0.5 * place, place)
+        place *= 0.5
+    return 0.0
 
 
 def _force_root(

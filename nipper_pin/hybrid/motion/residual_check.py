@@ -19,6 +19,7 @@ from ...dynamics.elements import Elements
 from ...dynamics.system import System
 from ...tolerances.hybrid import ROUND_OFF_SAFETY, SMALLEST
 from .chebyshev import nodes
+from .noise_floor import roughness
 from .panel import Panel, defect, nearby
 
 _NEWTON_STEPS = 3
@@ -145,7 +146,9 @@ def _round_off(system: System, phase: ConstraintSet, panel: Panel, sigma: FloatA
     motion = system.shaft.driven(t, panel.middle)
     there = system.accelerations(motion, q, v, phase)
     close = system.accelerations(motion, *nearby(system, q, v, panel.split), phase)
-    return np.asarray(ROUND_OFF_SAFETY * np.abs(close - there))
+    # Of a body that hardly leaves another one the difference of two large accelerations is left.
+    of_forces = roughness(system, phase, panel.t, panel.q[0], panel.v[0])
+    return np.asarray(ROUND_OFF_SAFETY * np.maximum(np.abs(close - there), of_forces))
 
 
 def rows_met(system: System, panel: Panel) -> FloatArray:
