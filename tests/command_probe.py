@@ -211,7 +211,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.study.paper.designer.how_fast", lambda *_: "fast")
     note("nipper_pin.study.paper.designer.designer", lambda *_: None)
     note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
-    limit = SimpleNamespace(record=lambda: done, settles_rpm=None, repeats_rpm=None,
+    limit = SimpleNamespace(record=lambda: done, settled=(),
                             speed_rpm=np.array([300.0, 500.0]))  # fmt: skip
     note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: limit)
     note("nipper_pin.view.studies.speed_limit_plot.plot_speed_limit",

@@ -99,9 +99,11 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _next(options: argparse.Namespace, result: SpeedLimit) -> str:
-    """Command line of a turn at the limit, or at the fastest speed that was followed."""
-    limits = [item for item in (result.settles_rpm, result.repeats_rpm) if item is not None]
-    speed = min([*limits, float(result.speed_rpm[-1])])
+    """Command line of a turn where the stop first ceases to rest, or at the least speed."""
+    from ..study.speed_limit import Verdict
+
+    ends = (part.high_rpm for part in result.settled if part.verdict is Verdict.YES)
+    speed = next(ends, float(result.speed_rpm[0]))
     words = [word for item in options.set for word in ("--set", item)]
     run = ["simulate", options.model, *words, "--speed", f"{speed:.5g}", "--window", "cycle"]
     return shlex.join(["nipper-pin", *run])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from enum import Enum
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -25,6 +27,8 @@ from ..reduced.turns import (
 
 # Turns that are shown of each speed, and halvings of the step of a limit.
 _LAST, _HALVINGS = 32, 12
+# Ranges of one verdict that a sentence lists.
+_SAID = 4
 _MOST_SPEEDS = 10_000
 # Speeds that are followed without a look at what the user wants, an interrupt for example.
 _BLOCK = 64
@@ -32,6 +36,30 @@ _BLOCK = 64
 _FASTEST_RPM = 1e9
 _NAMES = {int(status): status.name.lower() for status in TurnStatus}
 _FOLLOWED = _NAMES[TurnStatus.FOLLOWED]
+
+
+class Verdict(Enum):
+    """What is known at a speed, of rest or of turns that repeat."""
+
+    YES = 1
+    NO = 0
+    UNKNOWN = -1
+    """Turns cannot be followed."""
+
+
+@dataclass(frozen=True)
+class SpeedRange:
+    """Neighbouring speeds of one verdict.
+
+    Attributes:
+        low_rpm: Least speed [r/min].
+        high_rpm: Largest one, the least of the next range.
+        verdict: What is known there.
+    """
+
+    low_rpm: float
+    high_rpm: float
+    verdict: Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +74,7 @@ class SpeedLimit:
         title: Its title.
         stop: The clamping stop.
         speed_rpm: Cylinder speeds, increasing [r/min].
-        status: How the turns of each speed ended; "followed" is the usual one. The limits below
-            are sought below the first speed of another one.
+        status: How the turns of each speed ended; "followed" is the usual one.
         turns: Turns that were followed.
         repeats_after: After how many turns the last one repeats an earlier one, 0: it does not.
         closing: Index of the first collision of the clamping stop.
@@ -58,9 +85,10 @@ class SpeedLimit:
         rests: Rest indices of the turns that go on, shape (n, 32): those of one period, or the last
             ones where turns do not repeat.
         touches: Indices of their first collisions, likewise.
-        settles_rpm: Speed from which on the stop is not at rest before it opens, refined; None if
-            it always is.
-        repeats_rpm: Speed from which on the turns do not repeat after one; None if they always do.
+        settled: Where the stop rests before it opens, in ranges that follow one another. Between
+            two speeds of different verdicts one border is sought; what happens twice between
+            neighbouring speeds is not seen.
+        single: Where every turn repeats the one before, likewise.
     """
 
     model: str
@@ -77,8 +105,21 @@ class SpeedLimit:
     margin: FloatArray
     rests: FloatArray = field(repr=False)
     touches: FloatArray = field(repr=False)
-    settles_rpm: float | None
-    repeats_rpm: float | None
+    settled: tuple[SpeedRange, ...]
+    single: tuple[SpeedRange, ...]
+
+    @property
+    def settles_rpm(self) -> float | None:
+        """The one speed [r/min] up to which the stop rests and beyond which it does not.
+
+        The least speed of the range if it rests at none; None if there is no such speed.
+        """
+        return _one_limit(self.settled)
+
+    @property
+    def repeats_rpm(self) -> float | None:
+        """The one speed [r/min] beyond which turns do not repeat the one before, likewise."""
+        return _one_limit(self.single)
 
     @property
     def lost(self) -> str:
@@ -112,6 +153,10 @@ class SpeedLimit:
             "stop": self.stop,
             "settles_rpm": self.settles_rpm,
             "repeats_rpm": self.repeats_rpm,
+            "at_rest": _listed(self.settled, Verdict.YES),
+            "not_at_rest": _listed(self.settled, Verdict.NO),
+            "repeats": _listed(self.single, Verdict.YES),
+            "not_known": _listed(self.settled, Verdict.UNKNOWN),
             "speeds": rows,
         }
 
@@ -128,7 +173,7 @@ def speed_limit(
     turns: int = 400,
     least_force: float = 0.0,
 ) -> SpeedLimit:
-    """Follow turns at many speeds until they repeat, and find where the machine stops working.
+    """Follow turns at many speeds until they repeat, and find at which the machine works.
 
     Args:
         mechanism: The mechanism.
@@ -154,8 +199,7 @@ def speed_limit(
 
     blocks = [followed(speed[i : i + _BLOCK]) for i in range(0, speeds, _BLOCK)]
     found = _joined(blocks)
-    known = _known(found)
-    settled, single = _settled(found), found.repeats_after == 1
+    _need_followed(found)
     goes_on, closing = _goes_on(found), _index(found.closed_at)
     rest, opening = _index(found.rests_at), _index(np.fmin(found.lost_at, found.opened_at))
     return SpeedLimit(
@@ -173,8 +217,8 @@ def speed_limit(
         margin=(opening - rest)[:, 0],
         rests=np.where(goes_on, rest, np.nan),
         touches=np.where(goes_on, closing, np.nan),
-        settles_rpm=_limit(speed[:known], settled, lambda rpm: bool(_settled(followed(rpm))[0])),
-        repeats_rpm=_limit(speed[:known], single, lambda rpm: followed(rpm).repeats_after[0] == 1),
+        settled=_ranges(speed, _settled(found), lambda rpm: _settled(followed(rpm))),
+        single=_ranges(speed, _single(found), lambda rpm: _single(followed(rpm))),
     )
 
 
@@ -203,16 +247,14 @@ def _speeds(low_rpm: float, high_rpm: float, speeds: int) -> FloatArray:
     return np.linspace(low_rpm, high_rpm, speeds)
 
 
-def _known(found: TurnQuantities) -> int:
-    """How many speeds there are below the first at which turns cannot be followed."""
-    lost = found.status != TurnStatus.FOLLOWED
-    if lost.all():
+def _need_followed(found: TurnQuantities) -> None:
+    """Refuse a range in which turns can be followed at no speed."""
+    if (found.status != TurnStatus.FOLLOWED).all():
         status = TurnStatus(int(found.status[0]))
         message = (
             f"{found.model}: turns can be followed at none of these speeds: {TURN_REASONS[status]}"
         )
         raise SimulationError(message, status=_NAMES[status])
-    return int(np.argmax(lost)) if lost.any() else len(lost)
 
 
 def _joined(parts: list[TurnQuantities]) -> TurnQuantities:
@@ -232,10 +274,20 @@ def _index(travel: FloatArray) -> FloatArray:
     return np.asarray(START_INDEX + INDEX_PER_TURN * travel / math.tau)
 
 
-def _settled(found: TurnQuantities) -> NDArray[np.bool_]:
+def _settled(found: TurnQuantities) -> list[Verdict]:
     """Whether the stop rests in every turn that goes on."""
     rests = np.isfinite(found.rests_at) | ~_goes_on(found)
-    return np.asarray(rests.all(axis=1) & (found.status == TurnStatus.FOLLOWED))
+    return _verdicts(found, np.asarray(rests.all(axis=1)))
+
+
+def _single(found: TurnQuantities) -> list[Verdict]:
+    """Whether every turn repeats the one before."""
+    return _verdicts(found, np.asarray(found.repeats_after == 1))
+
+
+def _verdicts(found: TurnQuantities, good: NDArray[np.bool_]) -> list[Verdict]:
+    known = found.status == TurnStatus.FOLLOWED
+    return [Verdict(int(g)) if k else Verdict.UNKNOWN for g, k in zip(good, known, strict=True)]
 
 
 def _goes_on(found: TurnQuantities) -> NDArray[np.bool_]:
@@ -245,24 +297,66 @@ def _goes_on(found: TurnQuantities) -> NDArray[np.bool_]:
     return np.asarray(place < np.minimum(period, found.turns)[:, None])
 
 
-def _limit(
-    speed: FloatArray, good: NDArray[np.bool_], ask: Callable[[FloatArray], bool]
-) -> float | None:
-    """The first speed that is no longer good, between two of those that were computed."""
-    good = good[: len(speed)]
-    if good.all():
-        return None
-    first = int(np.argmin(good))
-    if first == 0:
-        return float(speed[0])
-    low, high = float(speed[first - 1]), float(speed[first])
-    for _ in range(_HALVINGS):
+def _ranges(
+    speed: FloatArray, found: list[Verdict], ask: Callable[[FloatArray], list[Verdict]]
+) -> tuple[SpeedRange, ...]:
+    """Speeds by their verdict; borders by halving, each between two speeds that were computed."""
+    changes = [i for i, (one, next_one) in enumerate(pairwise(found)) if one is not next_one]
+    low, high = speed[changes], speed[[i + 1 for i in changes]]
+    # More changes than this are those of turns without order, whose borders say nothing.
+    for _ in range(_HALVINGS if 0 < len(changes) <= _BLOCK else 0):
         middle = 0.5 * (low + high)
-        if ask(np.array([middle])):
-            low = middle
-        else:
-            high = middle
-    return high
+        same = np.array([v is found[i] for v, i in zip(ask(middle), changes, strict=True)])
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    borders = [float(speed[0]), *map(float, high), float(speed[-1])]
+    verdicts = [verdict for verdict, _ in groupby(found)]
+    return tuple(
+        SpeedRange(*ends, verdict)
+        for ends, verdict in zip(pairwise(borders), verdicts, strict=True)
+    )
+
+
+def _one_limit(ranges: tuple[SpeedRange, ...]) -> float | None:
+    """Where YES ends and NO begins, if the two change once; the first speed if all are NO."""
+    known = [part for part in ranges if part.verdict is not Verdict.UNKNOWN]
+    verdicts = [verdict for verdict, _ in groupby(part.verdict for part in known)]
+    if verdicts not in ([Verdict.YES, Verdict.NO], [Verdict.NO]):
+        return None
+    first = next(i for i, part in enumerate(ranges) if part.verdict is Verdict.NO)
+    # Not known below it: the limit may lie there.
+    if first > 0 and ranges[first - 1].verdict is Verdict.UNKNOWN:
+        return None
+    return ranges[first].low_rpm
+
+
+def where(ranges: tuple[SpeedRange, ...], verdict: Verdict) -> str:
+    """Say at which speeds a verdict holds: "from 60 to 80 and from 120 to 200 r/min".
+
+    Args:
+        ranges: Ranges that follow one another.
+        verdict: The verdict.
+
+    Returns:
+        The words; empty if it holds nowhere.
+    """
+    if all(part.verdict is verdict for part in ranges):
+        return "at every speed"
+    parts = [part for part in ranges if part.verdict is verdict]
+    if not parts:
+        return ""
+    words = [f"from {part.low_rpm:.5g} to {part.high_rpm:.5g}" for part in parts[:_SAID]]
+    if len(parts) > _SAID:
+        words.append(f"in {len(parts) - _SAID} more ranges up to {parts[-1].high_rpm:.5g}")
+    *before, last = words
+    return f"{', '.join(before)} and {last} r/min" if before else f"{last} r/min"
+
+
+def _listed(ranges: tuple[SpeedRange, ...], verdict: Verdict) -> list[dict[str, float]]:
+    return [
+        {"from_rpm": part.low_rpm, "to_rpm": part.high_rpm}
+        for part in ranges
+        if part.verdict is verdict
+    ]
 
 
 def _number(value: float) -> float | None:

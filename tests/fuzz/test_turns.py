@@ -20,7 +20,7 @@ from refusals import assert_clear
 from nipper_pin import InputError, Mechanism, SimulationError, load
 from nipper_pin.reduced.turns import TurnStatus, turn_quantities, turns
 from nipper_pin.study import speed_limit as speed_limit_module
-from nipper_pin.study.speed_limit import SpeedLimit, speed_limit
+from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict, speed_limit
 from nipper_pin.view.studies.speed_limit_plot import plot_speed_limit
 from nipper_pin.view.studies.speed_limit_report import _sentence
 
@@ -128,7 +128,7 @@ def made_up(status: tuple[str, ...], name: str = "jaw") -> SpeedLimit:
     whole = np.ones(count, dtype=np.int64)
     return SpeedLimit(
         name, name, name, 100.0 * np.arange(1.0, count + 1), status, whole, whole, row, row, row,
-        row, row, table, table, 150.0, None,
+        row, row, table, table, (SpeedRange(100.0, 100.0 * count, Verdict.YES),) , (),
     )  # fmt: skip
 
 
@@ -156,7 +156,10 @@ def test_speeds_that_cannot_be_followed_are_told_of(
     assert found.repeats_rpm is None
     assert found.lost.startswith("At 1 of 2 speeds, the first of them 1e+09 r/min")
     said = _sentence(found)
-    assert said.startswith("The jaw comes to rest before it opens at every speed below the first")
+    # Halved twelve times between 600 r/min and the speed that is lost.
+    assert found.settled[-1].verdict is Verdict.UNKNOWN
+    assert found.settled[-1].low_rpm <= 1e4 + 1e9 / 2**12
+    assert "at every speed" not in said
     assert said.endswith(found.lost)
     assert made_up(("followed",) * 2).lost == ""
     with pytest.raises(SimulationError, match="at none of these speeds: a flight goes higher"):

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin import Case, EventKind, InputError, Mechanism, simulate
+from nipper_pin import Case, EventKind, InputError, Mechanism, simulate, turn_table
 from nipper_pin.cli import main
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
-from nipper_pin.study.speed_limit import SpeedLimit, speed_limit
+from nipper_pin.study.speed_limit import SpeedLimit, Verdict, speed_limit
 
 TURNS = 120
 
@@ -64,8 +64,10 @@ def test_turns_that_differ_are_found(e62: Mechanism) -> None:
     """At 1,900 r/min every second turn is the same; the direct engine alternates likewise."""
     found = speed_limit(e62, low_rpm=1875.0, high_rpm=1925.0, speeds=3, turns=TURNS)
     assert found.repeats_after.tolist() == [1, 2, 1]
-    assert found.repeats_rpm is not None
-    assert 1875.0 < found.repeats_rpm <= 1900.0
+    # They repeat again further on, so no one speed is the limit.
+    assert found.repeats_rpm is None
+    assert [part.verdict for part in found.single] == [Verdict.YES, Verdict.NO, Verdict.YES]
+    assert 1875.0 < found.single[1].low_rpm <= 1900.0 < found.single[2].low_rpm <= 1925.0
     cycles, speed = 40, 1900.0
     case = Case(speed_rpm=speed, window="cycle", cycles=cycles, reuse_cycles=False)
     first = [np.nan] * cycles
@@ -78,6 +80,20 @@ def test_turns_that_differ_are_found(e62: Mechanism) -> None:
     shown = found.touches[1][np.isfinite(found.touches[1])]
     np.testing.assert_allclose(np.sort(shown), np.sort(first[-2:]), atol=1e-6)
     assert min(abs(found.closing[1] - index) for index in first[-2:]) < 1e-6
+
+
+def test_a_machine_that_rests_from_a_speed_on() -> None:
+    """The reed of a loom rests above some 100 r/min only, as the direct engine says as well."""
+    machine = drawn_mechanism(GALLERY["loom_sley"]())
+    found = speed_limit(machine, low_rpm=60.0, high_rpm=300.0, speeds=4, turns=TURNS)
+    assert found.settles_rpm is None
+    below, above = found.settled
+    assert (below.verdict, above.verdict) == (Verdict.NO, Verdict.YES)
+    assert (below.low_rpm, above.high_rpm) == (60.0, 300.0)
+    assert below.high_rpm == above.low_rpm
+    near = [0.97 * above.low_rpm, 60.0, 300.0]
+    direct = turn_table(machine, speed_rpm=near, turns=TURNS, engine="direct")
+    assert np.isfinite(direct.rest_index).tolist() == [False, False, True]
 
 
 def test_the_command_says_what_it_found(
@@ -100,10 +116,14 @@ def test_the_command_says_what_it_found(
     assert main([*given, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     limit = document["settles_rpm"]
-    assert f"From {limit:.5g} r/min on the jaw is not at rest before it opens." in text
-    assert "Every turn repeats the one before." in text
+    assert document["at_rest"] == [{"from_rpm": 1500.0, "to_rpm": limit}]
+    assert document["not_at_rest"] == [{"from_rpm": limit, "to_rpm": 1600.0}]
+    assert document["repeats"] == [{"from_rpm": 1500.0, "to_rpm": 1600.0}]
+    assert document["not_known"] == []
+    assert f"comes to rest before it opens from 1500 to {limit:.5g} r/min." in text
+    assert "Every turn repeats the one before at every speed." in text
     # What was found is said once more at the end, then a turn at the limit.
-    assert text.rindex("Found: From ") > text.rindex("repeats after: turns")
+    assert text.rindex("Found: The jaw") > text.rindex("repeats after: turns")
     speed = f"--speed {limit:.5g} --window cycle"
     assert lines[-1] == f"Next: nipper-pin simulate e62 {speed}"
     assert document["repeats_rpm"] is None

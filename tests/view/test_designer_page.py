@@ -21,6 +21,7 @@ from nipper_pin.study.paper.designer import Designer, HowFast, designer, how_fas
 from nipper_pin.study.paper.levers import Bounce, Lever
 from nipper_pin.study.paper.phase_one import phase_one
 from nipper_pin.study.sensitivity import every_path, sensitivities
+from nipper_pin.study.speed_limit import SpeedRange, Verdict
 from nipper_pin.view.paper.front_page import FrontPage, change_words, front_page
 
 BEFORE = Bounce(-20.0, (4e-3, 2e-4), (6e-3, 9e-4), 8e-3, 120.0)
@@ -33,11 +34,18 @@ def study_of(mechanism: Mechanism, threshold: float = math.inf) -> Any:
     return SimpleNamespace(mechanism=mechanism, phase_one=stop)
 
 
+EVERYWHERE = (SpeedRange(400.0, 900.0, Verdict.YES),)
+
+
+def up_to(limit: float) -> tuple[SpeedRange, ...]:
+    return SpeedRange(400.0, limit, Verdict.YES), SpeedRange(limit, 900.0, Verdict.NO)
+
+
 def limit(**others: Any) -> Any:
     """Turns at three made-up speeds."""
     given: dict[str, Any] = {
         "speed_rpm": np.array([400.0, 650.0, 900.0]), "margin": np.array([12.0, 10.25, np.nan]),
-        "settles_rpm": None, "repeats_rpm": None, "lost": "", **others,
+        "settled": EVERYWHERE, "single": EVERYWHERE, "lost": "", **others,
     }  # fmt: skip
     return SimpleNamespace(**given)
 
@@ -81,14 +89,16 @@ def test_made_up_bounce_in_words(e62: Mechanism) -> None:
 def test_speeds_in_words(e62: Mechanism) -> None:
     """What is known of the range, with and without limits."""
     free = " ".join(page_of(e62, HowFast(limit())).fast)
-    assert "From 400 to 900 r/min the jaw is at rest before it opens again." in free
+    assert "The jaw is at rest before it opens again at every speed." in free
     assert "At 650 r/min it holds for 10.2 index units" in free
-    assert "like the one before at all 3 speeds" in free
+    assert "like the one before at every speed" in free
     assert "leaves its stop" not in free
-    bound = HowFast(limit(settles_rpm=1234.4, repeats_rpm=1400.6, lost="At one speed it is lost."))
+    lost = "At one speed it is lost."
+    bound = HowFast(limit(settled=up_to(734.4), single=up_to(800.6), lost=lost))
     told = " ".join(page_of(e62, bound, threshold=640.7).fast)
-    assert "at rest before it opens again up to 1,234 r/min" in told
-    assert "like the one before up to 1,401 r/min" in told
+    assert "at rest before it opens again from 400 to 734.4 r/min" in told
+    assert "still bounces when it opens from 734.4 to 900 r/min" in told
+    assert "like the one before from 400 to 800.6 r/min" in told
     assert "At one speed it is lost." in told
     assert "the steeve leaves its stop from 641 r/min on" in told
 
@@ -172,7 +182,7 @@ def test_speeds_are_those_of_single_turns(e62: Mechanism) -> None:
     fast = how_fast(e62)
     assert fast.limit is not None
     text = " ".join(front_page(study, Designer(650.0, BEFORE, (), fast)).fast)
-    (told,) = re.findall(r"opens again up to ([\d,]+) r/min", text)
+    (told,) = re.findall(r"opens again from \S+ to (\S+) r/min", text)
     settles = float(told.replace(",", ""))
     table = turn_table(e62, speed_rpm=[0.998 * settles, 1.002 * settles], engine="direct")
     assert np.isfinite(table.rest_index).tolist() == [True, False]

@@ -28,6 +28,7 @@ from nipper_pin.bench.stress.judging import Verdict
 from nipper_pin.bench.views.benchmark_report import print_benchmark
 from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
+from nipper_pin.study import speed_limit
 from nipper_pin.study.check import ModelReport, check_model
 from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
 from nipper_pin.study.next_steps import NextSteps, next_steps
@@ -100,12 +101,17 @@ def test_checks(provenance: bool, width: int, checked: ModelReport) -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_speed_limits(width: int) -> None:
     places = np.arange(40.0)
+    verdicts = tuple(speed_limit.Verdict) * 4
+    ranges = tuple(
+        speed_limit.SpeedRange(1234.5 + 100.0 * i, 1334.5 + 100.0 * i, verdict)
+        for i, verdict in enumerate(verdicts)
+    )
     result: Any = SimpleNamespace(
         title="a machine of a long name " * 5, stop="jaw", speed_rpm=1234.5 + 100.0 * places,
         status=["followed"] * 39 + ["lost"], repeats_after=np.array([1, 0] * 20),
         closing=34.125 + places, rest=36.5 + places, opening=55.25 - 0.1 * places,
         margin=np.where(places > 30.0, math.nan, 18.75 - places), clamped_share=0.01 * places,
-        settles_rpm=2345.6, repeats_rpm=3456.7, lost="Beyond them something went wrong.",
+        settled=ranges, single=ranges, lost="Beyond them something went wrong.",
     )  # fmt: skip
     assert not faults(lambda console: print_speed_limit(result, console), width)
 

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
 
-from nipper_pin.study.speed_limit import SpeedLimit
+from nipper_pin.study.speed_limit import SpeedLimit, SpeedRange, Verdict
 from nipper_pin.view.studies.speed_limit_plot import speed_limit_figure
+
+
+def up_to(limit: float | None) -> tuple[SpeedRange, ...]:
+    if limit is None:
+        return (SpeedRange(300.0, 900.0, Verdict.YES),)
+    return SpeedRange(300.0, limit, Verdict.YES), SpeedRange(limit, 900.0, Verdict.NO)
 
 
 def made_up(settles: float | None, repeats: float | None) -> SpeedLimit:
@@ -21,13 +27,13 @@ def made_up(settles: float | None, repeats: float | None) -> SpeedLimit:
         margin=np.array([11.0, 8.5, nan]),
         rests=np.array([[36.0, nan], [39.0, nan], [nan, nan]]),
         touches=np.array([[34.0, nan], [35.0, nan], [36.0, 36.5]]),
-        settles_rpm=settles, repeats_rpm=repeats,
+        settled=up_to(settles), single=up_to(repeats),
     )  # fmt: skip
 
 
 def test_lines_of_a_speed_limit() -> None:
-    figure = speed_limit_figure(made_up(1544.7, 1651.9))
-    assert figure.get_suptitle() == "The jaw is at rest before it opens up to 1,545 r/min"
+    figure = speed_limit_figure(made_up(544.7, 651.9))
+    assert figure.get_suptitle().endswith("from 300 to 544.7 r/min")
     assert figure.get_supxlabel().splitlines()[0] == "a machine"
     above, below = figure.axes
     lines = {str(line.get_label()): line for line in above.lines}
@@ -48,15 +54,15 @@ def test_lines_of_a_speed_limit() -> None:
     assert below.get_xlabel() == "cylinder speed [r/min]"
     assert above.yaxis.get_major_formatter()(42.0, 0) == "2"
     limits = [line.get_xdata()[0] for line in below.lines[1:]]
-    assert limits == [1544.7, 1651.9]
+    assert limits == [544.7, 651.9]
     assert [text.get_text() for text in above.texts] == [
-        "from 1,545 r/min: not at rest before it opens",
-        "from 1,652 r/min: turns differ from one another",
+        "from 545 r/min: not at rest before it opens",
+        "from 652 r/min: turns differ from one another",
     ]
 
 
-@pytest.mark.parametrize("repeats", [None, 900.0])
+@pytest.mark.parametrize("repeats", [None, 800.0])
 def test_a_machine_that_settles_at_every_speed(repeats: float | None) -> None:
     figure = speed_limit_figure(made_up(None, repeats))
-    assert figure.get_suptitle().endswith("at every speed that was followed")
+    assert figure.get_suptitle().endswith("at every speed")
     assert len(figure.axes[0].texts) == (repeats is not None)

@@ -12,6 +12,7 @@ from ...study.conclusions import label
 from ...study.paper import PaperStudy
 from ...study.paper.designer import Designer
 from ...study.paper.levers import Lever
+from ...study.speed_limit import Verdict, where
 from ...terms import digits, named
 from ...units import MM_PER_M, UM_PER_M
 from .terms import REBOUND_TIME, TIME, rebound, unit_text
@@ -159,21 +160,18 @@ def _fast(study: PaperStudy, found: Designer) -> Iterator[str]:
         yield f"That is not known, since its turns cannot be tabulated: {found.fast.why_not}."
     else:
         low, high = (f"{value:,.0f}" for value in limit.speed_rpm[[0, -1]])
-        yield (
-            f"From {low} to {high} r/min the {jaw} is at rest before it opens again."
-            if limit.settles_rpm is None
-            else f"The {jaw} is at rest before it opens again up to "
-            f"{limit.settles_rpm:,.0f} r/min; from there on it still bounces when it opens."
-        )
+        yield f"Speeds from {low} to {high} r/min were followed."
+        if rests := where(limit.settled, Verdict.YES):
+            yield f"The {jaw} is at rest before it opens again {rests}."
+        if restless := where(limit.settled, Verdict.NO):
+            yield f"It still bounces when it opens {restless}."
         speed, margin = found.fast.margin(found.speed_rpm) or (math.nan, math.nan)
         if math.isfinite(margin):
             yield f"At {speed:.4g} r/min it holds for {margin:.1f} index units between the two."
-        yield (
-            f"Each turn is like the one before at all {len(limit.speed_rpm)} speeds from {low} to "
-            f"{high} r/min."
-            if limit.repeats_rpm is None
-            else f"Each turn is like the one before up to {limit.repeats_rpm:,.0f} r/min."
-        )
+        if single := where(limit.single, Verdict.YES):
+            yield f"Each turn is like the one before {single}."
+        if others := where(limit.single, Verdict.NO):
+            yield f"Turns differ from the one before {others}."
         if limit.lost:
             yield limit.lost
     stop = study.phase_one

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...mechanism import INDEX_PER_TURN
 from ...outputs import check_file, complete_file
-from ...study.speed_limit import SpeedLimit
+from ...study.speed_limit import SpeedLimit, Verdict, where
 from ...terms import TERMS
 
 if TYPE_CHECKING:
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 _INDEX_TICKS = 2.0
 _DOTS = "A dot is a turn that goes on; several at one speed are turns that differ."
 _FORMATS = ("png", "svg", "pdf")
+_RESTS = {Verdict.YES: "at rest before it opens", Verdict.NO: "not at rest before it opens",
+          Verdict.UNKNOWN: "not known"}  # fmt: skip
+_REPEATS = {Verdict.YES: "turns repeat", Verdict.NO: "turns differ from one another",
+            Verdict.UNKNOWN: "not known"}  # fmt: skip
+_MOST_LINES = 5
 
 
 def check_figure(path: str | Path) -> str:
@@ -77,17 +82,15 @@ def speed_limit_figure(result: SpeedLimit) -> Figure:
     share = TERMS["clamped_share"].shown()
     below.plot(result.speed_rpm, share.value(result.clamped_share), color=LINES[0], linewidth=1.2)
     below.set_ylim(bottom=0.0)
-    for limit, text in (
-        (result.settles_rpm, "not at rest before it opens"),
-        (result.repeats_rpm, "turns differ from one another"),
-    ):
-        if limit is not None:
+    for ranges, texts in ((result.settled, _RESTS), (result.single, _REPEATS)):
+        # More lines than these hide what they mark.
+        for part in ranges[1:] if len(ranges) <= _MOST_LINES else ():
             for axes in (above, below):
-                axes.axvline(limit, color="0.4", linewidth=0.8, linestyle="--")
+                axes.axvline(part.low_rpm, color="0.4", linewidth=0.8, linestyle="--")
             above.annotate(
-                f"from {limit:,.0f} r/min: {text}", (limit, 0.98), (3.0, 0.0), va="top",
-                ha="left", xycoords=("data", "axes fraction"), textcoords="offset points",
-                rotation=90, fontsize=SMALL,
+                f"from {part.low_rpm:,.0f} r/min: {texts[part.verdict]}", (part.low_rpm, 0.98),
+                (3.0, 0.0), va="top", ha="left", xycoords=("data", "axes fraction"),
+                textcoords="offset points", rotation=90, fontsize=SMALL,
                 path_effects=[withStroke(linewidth=2.0, foreground="white")],
             )  # fmt: skip
     tidy(above, "", "index of the comb cycle (40 to a turn)")
@@ -122,6 +125,7 @@ def _indices(result: SpeedLimit, axes: Axes) -> None:
 
 def _answer(result: SpeedLimit) -> str:
     """The answer as the title of the figure."""
-    if result.settles_rpm is None:
-        return f"The {result.stop} is at rest before it opens at every speed that was followed"
-    return f"The {result.stop} is at rest before it opens up to {result.settles_rpm:,.0f} r/min"
+    rests = where(result.settled, Verdict.YES) or "at none of these speeds"
+    unknown = where(result.settled, Verdict.UNKNOWN)
+    known = f"\nnot known {unknown}" if unknown else ""
+    return f"The {result.stop} is at rest before it opens {rests}{known}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from rich.console import Console
 
-from ...study.speed_limit import SpeedLimit
+from ...study.speed_limit import SpeedLimit, Verdict, where
 from ..console import headline, say, show_table
 
 _ROWS = 12
@@ -48,17 +48,14 @@ def _index(value: float) -> str:
 
 
 def _sentence(result: SpeedLimit) -> str:
-    settles, repeats = result.settles_rpm, result.repeats_rpm
-    lost = f" {result.lost}" if result.lost else ""
-    every = "at every speed below the first that cannot be followed" if lost else "at every speed"
-    first = (
-        f"The {result.stop} comes to rest before it opens {every}."
-        if settles is None
-        else f"From {settles:.5g} r/min on the {result.stop} is not at rest before it opens."
-    )
-    second = (
-        "Every turn repeats the one before."
-        if repeats is None
-        else f"From {repeats:.5g} r/min on turns do not repeat the one before."
-    )
-    return f"{first} {second}{lost}"
+    """Where the stop rests, where turns repeat, and where that is not known."""
+    rests, restless = (where(result.settled, verdict) for verdict in (Verdict.YES, Verdict.NO))
+    single, others = (where(result.single, verdict) for verdict in (Verdict.YES, Verdict.NO))
+    said = [
+        f"The {result.stop} comes to rest before it opens {rests}." if rests else "",
+        f"The {result.stop} is not at rest before it opens {restless}." if restless else "",
+        f"Every turn repeats the one before {single}." if single else "",
+        f"Turns do not repeat the one before {others}." if others else "",
+        f"Not known {where(result.settled, Verdict.UNKNOWN)}. {result.lost}" if result.lost else "",
+    ]
+    return " ".join(filter(None, said))
