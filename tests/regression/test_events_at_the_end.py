@@ -10,6 +10,7 @@ very end of the last turn, a copied one, was taken to have happened a turn befor
 from __future__ import annotations
 
 import pytest
+from driven_machines import LAWS, follower
 from small_machines import SLED, link, machine, slide
 
 from nipper_pin import Case, EventKind, Resolution, Window, load, simulate
@@ -21,8 +22,8 @@ GRAVITY, RESTITUTION, TURN_S = 9.81, 0.8, 1.0
 def test_the_energy_balance_goes_on_to_the_end_of_the_window() -> None:
     """A ball bounces on a lift, and would be at rest a millisecond after the window.
 
-    Rest after t_1 (1 + e) / (1 - e), t_1 being the time of the fall. What the lift does to the
-    resting ball between its last bounce and the end, 0.74 J of 1.06, was missing.
+    Rest after t_1 (1 + e) / (1 - e), t_1 being the time of the fall, which no event tells: the ball
+    bounces at t_1 (1 + 2 (e + ... + e^n)) for as long as the window lasts.
     """
     rest = TURN_S + 1e-3
     fall = rest * (1.0 - RESTITUTION) / (1.0 + RESTITUTION)
@@ -39,10 +40,13 @@ def test_the_energy_balance_goes_on_to_the_end_of_the_window() -> None:
     case = Case(speed_rpm=60.0 / TURN_S, window=Window.CYCLE, start_index=0.0,
                 resolution=Resolution(tolerance=1e-5))  # fmt: skip
     solution = simulate(lift, case)
-    last = solution.events[-1]
-    assert last.kind is EventKind.REST
-    assert last.t == pytest.approx(rest, rel=1e-9)
-    assert last.t > solution.segments[-1].t_end
+    times, flight = [fall], 2.0 * RESTITUTION * fall
+    while times[-1] + flight < TURN_S:
+        times.append(times[-1] + flight)
+        flight *= RESTITUTION
+    assert [event.kind for event in solution.events] == [EventKind.COLLISION] * len(times)
+    assert [event.t for event in solution.events] == pytest.approx(times, rel=1e-9)
+    assert solution.segments[-1].t_end == pytest.approx(TURN_S, rel=1e-12)
     assert solution.energy.relative < 1e-12
 
 
@@ -65,3 +69,20 @@ def test_a_copied_collision_at_the_end_belongs_to_the_balance() -> None:
         assert segments[-1].t_end == hit.t
         balance = energy_balance(solution.system, segments, solution.events[: hit.number])
         assert balance.relative < 1e-9
+
+
+def test_no_rest_lies_beyond_the_end_of_copied_turns() -> None:
+    """A turn that ends between the last bounce and the rest has that in the turn that follows."""
+    mechanism = follower(LAWS["cycloidal, dwells"])
+    speed = 300.0
+    whole = simulate(mechanism, Case(speed_rpm=speed, window=Window.CYCLE, cycles=2))
+    rest = next(event for event in whole.events if event.kind is EventKind.REST)
+    last = [event.t for event in whole.events if event.t < rest.t][-1]
+    angle = float(whole.shaft.angle(0.5 * (last + rest.t)))
+    index = mechanism.cylinder.index_from_angle(angle)
+    case = Case(speed_rpm=speed, window=Window.CYCLE, cycles=4, start_index=index)
+    solution = simulate(mechanism, case)
+    end = solution.trajectory.span[1]
+    assert end == pytest.approx(4.0 * solution.shaft.period)
+    assert len(solution.events) > 4
+    assert max(event.t for event in solution.events) <= end * (1.0 + 1e-12)

@@ -234,6 +234,23 @@ def jumps(name: str) -> None:
     assert landed.v_before[1] == pytest.approx(-0.941472214542, abs=1e-11)
 
 
+def outlasts_the_window(name: str) -> None:
+    """All bounces before the end of the window are there, and no rest that comes after it."""
+    solution = run(name)
+    restitution, fall, number = 0.995, math.sqrt(2.0 / GRAVITY), np.arange(219)
+    bounced = restitution * (1.0 - restitution**number) / (1.0 - restitution)
+    times = fall * (1.0 + 2.0 * bounced)
+    # Each flight depends on the one before: its relative errors add up.
+    np.testing.assert_allclose([hit.t for hit in solution.collisions], times, rtol=1e-10)
+    assert [event.kind for event in solution.events] == [nip.EventKind.COLLISION] * 219
+    assert solution.outcome is nip.Outcome.STILL_BOUNCING
+    assert not solution.warnings
+    left = 120.0 - times[-1]
+    rate = GRAVITY * fall * restitution**219
+    height = rate * left - 0.5 * GRAVITY * left**2
+    assert solution.trajectory.evaluate(120.0).q[0, 0] == pytest.approx(height, rel=1e-8)
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -258,6 +275,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "u08_pendulum": stays,
     "u10_prismatic": falls,
     "urdf_limit": falls,
+    "window_before_rest": outlasts_the_window,
     "yoke_6dec": turned_yoke,
 } | dict.fromkeys(
     (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Set
 
 import numpy as np
@@ -46,6 +47,7 @@ class PhaseManager:
         segments: The motion so far.
         events: The events so far.
         collisions: Number of collisions so far.
+        end: End of the window [s]: bounces that outlast it are followed, not summed up.
     """
 
     def __init__(self, system: System, case: Case, state: State) -> None:
@@ -54,6 +56,7 @@ class PhaseManager:
         self.mechanism = system.mechanism
         self.segments: list[Segment] = []
         self.collisions = 0
+        self.end = math.inf
         self._log = EventLog(system.coupled)
         self._rules = series_rules(system, case, self._log.events)
         self._known: tuple[FloatArray | None, FloatArray] = (None, np.empty(0))
@@ -205,6 +208,7 @@ class PhaseManager:
         for rule in self._rules:
             if rule.concerns(struck):
                 series, rests = rule.followed(struck, self._acceleration(struck.after))
+                rests = [rest for rest in rests if rest.t <= self.end]
                 self.state = self.state._replace(series=series)
                 for rest in rests:
                     self._rest(rest)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...errors import InputError
+from ...tolerances.hybrid import SHORTEST_PANEL
 from ..event import Event, EventKind
 from ..segment import Segment
 from .outcome import Outcome
@@ -112,6 +113,8 @@ def turns(
     """
     case, period = manager.case, manager.system.shaft.period
     previous: list[Segment] = []
+    # What is over within the shortest time that is resolved, is over at the end.
+    manager.end = (case.cycles + SHORTEST_PANEL) * period
     manager.touch()
     for turn in range(1, case.cycles + 1):
         first_segment, first_event = len(manager.segments), len(manager.events)
@@ -123,7 +126,9 @@ def turns(
             progress(turn, case.cycles)
         current = manager.segments[first_segment:]
         wound = None
-        if case.reuse_cycles and turn < case.cycles:
+        # Of the last copy a rest in the turn that follows would lie beyond the window.
+        over = any(event.t > turn * period for event in manager.events[first_event:])
+        if case.reuse_cycles and turn < case.cycles and not over:
             wound = repeats(manager.system, previous, current, start, manager.state)
         if wound is not None:
             manager.copy(current, manager.events[first_event:], case.cycles - turn, wound)
