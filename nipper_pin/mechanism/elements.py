@@ -14,6 +14,9 @@ from ..tolerances.mechanics import LEAST_TABLE_STEP
 
 MOST_ROWS = 100_000
 """Most rows of a table. A motion is divided at each of them, so that long tables make slow runs."""
+Interpolation = Literal["smooth", "linear"]
+# Places of a piece at which its curve is compared with its line, and one more.
+_LOOKS = 8
 # Largest number of a table, in its units.
 _LARGEST = 1e15
 
@@ -40,13 +43,16 @@ class Characteristic:
     A piecewise cubic with continuous slope that never overshoots: between two rows the force stays
     between theirs, so a table that rises makes a spring that is stable everywhere, and rows on a
     line give the line. A smoother spline would ring at the kink of a progressive spring and make
-    stiffness of the wrong sign there.
+    stiffness of the wrong sign there. Where few rows describe a kink, straight lines between
+    them are what is meant.
 
     Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300 (PCHIP).
 
     Attributes:
         coordinate: Rising coordinates, at least two [m or rad].
         force: Force against the coordinate at each of them [N or N m].
+        interpolation: "smooth": that cubic; "linear": straight lines; None: smooth, as nothing was
+            said.
 
     Raises:
         InputError: The rows are not such a table.
@@ -54,17 +60,22 @@ class Characteristic:
 
     coordinate: tuple[float, ...]
     force: tuple[float, ...]
+    interpolation: Interpolation | None = None
     _force: Callable[[FloatArray], FloatArray] = field(init=False, repr=False, compare=False)
     _energy: Callable[[FloatArray], FloatArray] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Check the rows and fit the interpolant."""
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import PchipInterpolator, PPoly
 
         _check_rows(self.coordinate, self.force)
-        # The reciprocal of a slope of nearly none may overflow: the harmonic mean then is zero.
-        with np.errstate(over="ignore"):
-            force = PchipInterpolator(np.array(self.coordinate), np.array(self.force))
+        x, y = np.array(self.coordinate), np.array(self.force)
+        if self.interpolation == "linear":
+            force = PPoly(np.array([np.diff(y) / np.diff(x), y[:-1]]), x)
+        else:
+            # The reciprocal of a slope of nearly none may overflow: the harmonic mean then is zero.
+            with np.errstate(over="ignore"):
+                force = PchipInterpolator(x, y)
         object.__setattr__(self, "_force", force)
         object.__setattr__(self, "_energy", force.antiderivative())
 
@@ -74,8 +85,22 @@ class Characteristic:
         return self.coordinate[0], self.coordinate[-1]
 
     @property
+    def departure(self) -> tuple[float, int]:
+        """How far the curve leaves the straight lines between rows, by the range of the forces [1].
+
+        With the number, from 1, of the row at which the piece begins that leaves its line most.
+        """
+        x, y = np.array(self.coordinate), np.array(self.force)
+        shares = np.arange(1, _LOOKS)[:, None] / _LOOKS
+        lines = y[:-1] + shares * np.diff(y)
+        with np.errstate(over="ignore"):
+            off = np.abs(self.forces(x[:-1] + shares * np.diff(x)) - lines).max(axis=0)
+        row = int(off.argmax())
+        return float(off[row] / (np.ptp(y) or 1.0)), row + 1
+
+    @property
     def reach(self) -> tuple[float, float]:
-        """Coordinates between which the force is that of a cubic; constant beyond [m or rad]."""
+        """Coordinates between which the force is that of a piece; constant beyond [m or rad]."""
         low, high = self.ends
         length = high - low
         return low - length, high + length

@@ -18,6 +18,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..errors import ImpactError, InputError, UnknownNameError
+from ..tolerances.mechanics import CURVE_DEPARTURE
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
@@ -360,6 +361,24 @@ class Mechanism:
         from .build.closing import closing_text
 
         return closing_text(self.closures, self.reach_m)
+
+    @property
+    def curves(self) -> str:
+        """Which tables of springs bend away from the lines between their rows; empty if none does.
+
+        A table that says how its rows are joined is not among them.
+        """
+        told = (
+            f"the smooth curve of spring {item.name} leaves the straight line after row {row} by "
+            f"{100.0 * share:.0f} % of the range of its forces: interpolation = \"linear\" joins "
+            "rows by lines, more rows beside a kink keep the curve near them, and "
+            "interpolation = \"smooth\" says that it is meant so"
+            for item in self.tabulated_springs
+            if item.characteristic.interpolation is None
+            for share, row in [item.characteristic.departure]
+            if share > CURVE_DEPARTURE
+        )
+        return "; ".join(told)
 
     @cached_property
     def coupling_rows(self) -> FloatArray:

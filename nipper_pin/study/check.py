@@ -95,6 +95,7 @@ class ModelReport:
             "start_index": self.start_index,
             "side_view": mechanism.side_view,
             "closing": mechanism.closing,
+            "curves": mechanism.curves,
             "links": list(mechanism.links),
             "masses_kg": {item.link: item.mass_kg for item in self.masses},
             "joints": [asdict(joint) for joint in mechanism.joints],

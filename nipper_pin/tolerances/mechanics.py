@@ -102,6 +102,8 @@ round-off of angles that are written in degrees, 1e-15."""
 LEAST_TABLE_STEP = 1e-12
 """[unit of the table] Least distance of two of its rows. A choice: at smaller ones slopes are
 round-off."""
+CURVE_DEPARTURE = 0.05
+"""[1] By a table's range: a curve farther from its chords is told of. A choice."""
 ACROSS_PLANE = 1e-12
 """[1] Distance of a cosine from one up to which the axis of a cylinder is across the plane. A
 choice, far above round-off; the angle is at most 1.4e-6 rad."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import nipper_pin as nip
 from nipper_pin.cli import main
@@ -251,10 +254,16 @@ def outlasts_the_window(name: str) -> None:
     assert solution.trajectory.evaluate(120.0).q[0, 0] == pytest.approx(height, rel=1e-8)
 
 
+def bends(name: str) -> None:
+    """Three rows with a kink: the smooth curve through them is told of."""
+    assert "interpolation" in run(name).warnings[0]
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
     "ball_e05": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
+    "bungee_3rows": bends,
     "ball_e0999": lambda name: bounces_of_a_ball(name, 1.0, 0.999, "floor"),
     "clamp": clamps,
     "crlf_bom": lambda name: bounces_of_a_ball(name, 1.0, 0.5, "floor"),
@@ -265,6 +274,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "mirror_gripper": mirrored_jaws,
     "onshape_fivebar_6": five_bar,
+    "spring_pad_3rows": bends,
     "sw_fourbar_16": whole_four_bar,
     "sw_fourbar_5": rounded_four_bar,
     "rod_falls_away": falls_on_a_peg,
@@ -316,6 +326,31 @@ def test_machine_does_what_it_has_to(name: str) -> None:
 def test_mistake_is_named(name: str) -> None:
     with pytest.raises(nip.InputError, match=REFUSED[name]):
         nip.load(HERE / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "stiffness", "fall", "before"),
+    [("spring_pad_3rows", 1.3, 1600.0, 0.45, 0.0), ("bungee_3rows", 70.0, 45.0, 6.0, 6.0)],
+)
+def test_rows_joined_by_lines(
+    name: str, mass: float, stiffness: float, fall: float, before: float, tmp_path: Path
+) -> None:
+    """Energy at the lowest point: m g (fall + d) = k d^2 / 2; the first strikes at 0."""
+    folder = tmp_path / name
+    shutil.copytree(HERE / name, folder)
+    file = folder / f"{name}.toml"
+    text = re.sub("(?m)^joint =", 'interpolation = "linear"\njoint =', file.read_text())
+    file.write_text(text, encoding="utf-8")
+    solution = run(str(folder))
+    assert solution.warnings == ()
+    motion = solution.trajectory.evaluate
+    times = np.linspace(0.0, solution.shaft.period, 4001)
+    lowest = int(motion(times).q[:, 0].argmin())
+    turns = brentq(lambda t: motion(np.array([t])).v[0, 0], *times[[lowest - 1, lowest + 1]])
+    static = mass * GRAVITY / stiffness
+    depth = static + math.sqrt(static * static + 2.0 * static * fall)
+    found = motion(np.array([turns])).q[0, 0]
+    assert found == pytest.approx(-before - depth, rel=1e-9)
 
 
 def test_the_lever_of_a_slide_is_no_length(capsys: pytest.CaptureFixture[str]) -> None:

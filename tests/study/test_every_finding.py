@@ -47,7 +47,7 @@ def test_the_record(report: ModelReport, e62: Mechanism, turn: Solution) -> None
     release = next(item for item in turn.events if item.kind.value == "release")
     assert record == {
         "model": "e62", "title": e62.title, "speed_rpm": 650.0, "start_index": 24.0,
-        "side_view": "", "closing": "", "links": list(e62.links), "couplings": [],
+        "side_view": "", "closing": "", "curves": "", "links": list(e62.links), "couplings": [],
         "mobility": 3, "driven": 2,
         "masses_kg": {
             joint.child: e62.model.inertias[e62.model.getJointId(joint.name)].mass

@@ -167,7 +167,9 @@ class Solution:
         from .other_law import law_that_matters
         from .summed_bounces import bounces_summed_up
 
-        told = (self.mechanism.closing, law_that_matters(self), bounces_summed_up(self))
+        mechanism = self.mechanism
+        told = (mechanism.closing, mechanism.curves, law_that_matters(self),
+                bounces_summed_up(self))  # fmt: skip
         return tuple(filter(None, told))
 
     @cached_property

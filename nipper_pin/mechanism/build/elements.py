@@ -184,6 +184,8 @@ def _check_keys(
     listed = " and ".join([", ".join(keys[:-1]), keys[-1]] if keys[:-1] else keys)
     for key in entry.__struct_fields__:
         value = getattr(entry, key)
+        if key == "interpolation" and keys[0] in _TABLES:
+            continue
         if (value is None or value == ()) == (key in wanted):
             allowed = f"a {noun} {place} has the {only} {listed}, and no others"
             if joint and noun == "spring" and keys[0] not in _TABLES:
@@ -200,7 +202,9 @@ def _characteristic(
     key = f"{where}.{keys.table[0]}"
     try:
         rows = Characteristic(
-            coordinate=tuple(keys.scale * value for value in coordinates), force=forces
+            coordinate=tuple(keys.scale * value for value in coordinates),
+            force=forces,
+            interpolation=spring.interpolation,
         )
     except InputError as error:
         value = f"{len(coordinates)} rows"

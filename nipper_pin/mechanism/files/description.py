@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, field
 
+from ..elements import Interpolation
 from ..mechanism import Simultaneous
 from .toml_types import (
     Damping,
@@ -57,6 +58,7 @@ class SpringDescription(TomlTable, frozen=True, kw_only=True):
         force_N: Force against the coordinate at each of them [N].
         coordinate_deg: Rising coordinates of a table on a hinge [deg].
         torque_N_m: Torque against the coordinate at each of them [N m].
+        interpolation: How the rows of a table are joined, "smooth" if not given.
         frame_a: URDF link whose origin is the first point.
         frame_b: URDF link whose origin is the second point.
         free_length_mm: Distance of the two points without force [mm].
@@ -72,6 +74,7 @@ class SpringDescription(TomlTable, frozen=True, kw_only=True):
     force_N: tuple[float, ...] = ()
     coordinate_deg: tuple[float, ...] = ()
     torque_N_m: tuple[float, ...] = ()
+    interpolation: Interpolation | None = None
     frame_a: Name | None = None
     frame_b: Name | None = None
     free_length_mm: Length | None = None

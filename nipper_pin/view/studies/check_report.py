@@ -41,6 +41,8 @@ def print_report(
         say(console, f"axes: {mechanism.side_view}")
     if mechanism.closing:
         say(console, f"gaps: {mechanism.closing}")
+    if mechanism.curves:
+        say(console, f"curves: {mechanism.curves}")
     _joints(report, console)
     _stops(report, console)
     if law := law_text(mechanism):

@@ -28,11 +28,11 @@ _PAGES = {
     "tolerances_bench": ("Tolerances: judges and peers", "bench"),
 }
 _FIRST = """Small numbers decide whether something counts as zero, equal, converged or accurate
-enough. They are fixed; the tolerance of a run is set in its case ([stated errors](accuracy.md)).
+enough. The tolerance of a run is set in its case ([stated errors](accuracy.md)).
 Each stands in `nipper_pin/tolerances/` with its unit (1 for a ratio), what it decides and where it
-comes from: a derivation, a measurement, or a choice, which then says so. eps is the spacing of
+comes from: a derivation, a measurement, or a choice. eps is the spacing of
 doubles above one. The unit of a coordinate is a radian or, of a slide, the reach of the machine as
-a power of two: machines of all sizes move alike.
+a power of two.
 
 Other pages: {others}."""
 _NEXT = "How to read the table: [tolerances of models and dynamics](tolerances.md)."
