@@ -77,6 +77,22 @@ PARTS = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "given", [["--window", "transition"], ["--window=transition"], ["--out", "run"], ["--out=run"]]
+)
+def test_the_command_of_whole_turns_writes_over_nothing(
+    given: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """The user's own words, as a shell takes them, without the files of this run."""
+    monkeypatch.chdir(tmp_path)
+    words = ["e62", "--set", "stops.jaw.restitution=0.25", "--json", "a run.json"]
+    assert main(["simulate", *words, *given]) == 0
+    last = capsys.readouterr().out.rstrip().splitlines()[-1]
+    kept = "e62 --set stops.jaw.restitution=0.25"
+    assert last == f"Next: nipper-pin simulate {kept} --window cycle"
+
+
 @pytest.mark.parametrize("window", PARTS)
 def test_simulate_prints_every_part(window: str, capsys: pytest.CaptureFixture[str]) -> None:
     """From the title to the sentence how it ended: no part is missing, empty or only its heading,

@@ -29,6 +29,9 @@ from .arguments import (
 )
 from .case_options import add_case, add_window, changed_case, new_case
 
+# Options with a value that the command of another run does not take over.
+_OF_THIS_RUN = ("--window", "--out", "--json")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Define the arguments of the command."""
@@ -73,11 +76,15 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _whole_turns(words: Sequence[str]) -> str:
-    """Return the command line of the same run for whole turns."""
-    kept = shlex.join(["nipper-pin", *words])
-    for given in ("--window transition", "--window=transition"):
-        kept = kept.replace(f" {given}", "")
-    return f"{kept} --window cycle"
+    """Return the command line of the same run for whole turns; it writes over no file of this."""
+    kept, rest = ["nipper-pin"], iter(words)
+    for word in rest:
+        option, equals, _ = word.partition("=")
+        if option not in _OF_THIS_RUN:
+            kept.append(word)
+        elif not equals:
+            next(rest, None)
+    return shlex.join([*kept, "--window", "cycle"])
 
 
 def _asked(options: argparse.Namespace) -> tuple[Mechanism, Case]:

@@ -215,7 +215,7 @@ def close_positions(
     best = min(best, float(np.abs(g).max()))
     message = (
         f"the loops do not close: {best * MM_PER_M:.3g} mm remain after {_MAX_ITERATIONS} Newton "
-        "steps; the drive asks for a position that the links cannot reach"
+        "steps; the links cannot reach the position that is asked of them"
     )
     evidence = {"residual": best, "tolerance": tolerance, "iterations": _MAX_ITERATIONS}
     raise ConvergenceError(message, **evidence, row=int(np.argmax(np.abs(g).max(axis=0))))

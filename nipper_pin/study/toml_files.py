@@ -11,6 +11,7 @@ import msgspec
 
 from ..errors import InputError, ModelError
 from ..mechanism import Mechanism, find_model, load
+from ..mechanism.files.describe import allowed_values
 from ..mechanism.files.refusal import Refusal, first_refusal, may_be_table
 from ..mechanism.files.toml_text import need_plain_text, read_toml
 from ..texts import MOST_TEXT, read_text
@@ -85,7 +86,8 @@ def _reason(refusal: Refusal) -> str:
         whole = refusal.path == ("parameters",)
         form = "[parameters.NAME] with" if whole else "a table with"
         return f"{refusal.text}; write {form} low and high"
-    return refusal.text
+    choices = allowed_values(refusal.kind)
+    return f"{refusal.text}; write {choices}" if choices.startswith("one of") else refusal.text
 
 
 def base_mechanism(

@@ -25,7 +25,6 @@ from nipper_pin.bench.stress import Campaign
 from nipper_pin.bench.stress.judging import Verdict
 from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
-from nipper_pin.cli.simulate import _whole_turns
 from nipper_pin.study.identify.fitting.fit import Fit
 from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
 from nipper_pin.study.identify.fitting.limits import FORCE_SIGMA_N, INDEX_SIGMA
@@ -322,12 +321,3 @@ def test_other_stops_of_the_live_page(count: int, word: str) -> None:
     text = _also(SimpleNamespace(collisions=[first, *others]), others)  # type: ignore[arg-type]
     assert text == f" On the way the steeve struck its stop {word}, first after 2.5 ms."
     assert _also(SimpleNamespace(collisions=[first]), []) == ""  # type: ignore[arg-type]
-
-
-def test_command_for_whole_turns() -> None:
-    """The user's own words, as a shell takes them, with the other window."""
-    words = ["simulate", "e62", "--window", "transition", "--set", "a.b=1 2"]
-    wanted = "nipper-pin simulate e62 --set 'a.b=1 2' --window cycle"
-    assert _whole_turns(words) == wanted
-    words[2:4] = ["--window=transition"]
-    assert _whole_turns(words) == wanted

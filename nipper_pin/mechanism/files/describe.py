@@ -194,7 +194,7 @@ def _explain(refusal: Refusal, prefix: str, file: str) -> ModelError:
         allowed = f"a required key; known here: {known}"
     else:
         text = refusal.text
-        value, allowed = found, _allowed(refusal.kind) or text[:1].lower() + text[1:]
+        value, allowed = found, allowed_values(refusal.kind) or text[:1].lower() + text[1:]
     return ModelError(
         file=file, key=key.removeprefix(".") or "the file", value=value, allowed=allowed
     )
@@ -208,11 +208,15 @@ def _keys(kind: Any) -> list[str]:
     return sorted([field.name for field in msgspec.structs.fields(kind)] + ([tag] if tag else []))
 
 
-def _allowed(kind: Any) -> str:
-    """Return the allowed values of a type in words; empty if the converter's message suffices."""
+def allowed_values(kind: Any) -> str:
+    """Return the allowed values of a type in words; empty if the converter's message suffices.
+
+    Args:
+        kind: A type hint of a key.
+    """
     arguments = typing.get_args(kind)
     if type(None) in arguments:
-        return _allowed(next(item for item in arguments if item is not type(None)))
+        return allowed_values(next(item for item in arguments if item is not type(None)))
     if typing.get_origin(kind) is Literal:
         return f"one of {', '.join(str(item) for item in arguments)}"
     if typing.get_origin(kind) is not Annotated:
