@@ -45,7 +45,7 @@ def repetition(solution: Solution) -> Repetition:
     before = solution.trajectory.evaluate(ends[1:], left=True)
     first = solution.trajectory.evaluate(ends[:1])
     q, v = np.concatenate([first.q, before.q]), np.concatenate([first.v, before.v])
-    closed = [_closed_before(solution, t) for t in ends]
+    closed = _closed_before(solution, ends)
     within_q, within_v = _sizes(solution)
     for turn in range(1, turns + 1):
         for back in range(1, min(turn, _MOST_PERIOD) + 1):
@@ -59,11 +59,11 @@ def repetition(solution: Solution) -> Repetition:
     return Repetition(turns, 0 if solution.repeated_from is None else 1)
 
 
-def _closed_before(solution: Solution, t: float) -> frozenset[str]:
-    """Stops that are closed up to a time; those at the start of the run at its start."""
-    starts = [segment.t_start for segment in solution.segments]
-    place = int(np.searchsorted(starts, t, side="left")) - 1
-    return solution.segments[max(place, 0)].closed
+def _closed_before(solution: Solution, times: FloatArray) -> list[frozenset[str]]:
+    """Stops that are closed up to each time; those at the start of the run at its start."""
+    starts = np.array([segment.t_start for segment in solution.segments])
+    places = np.maximum(np.searchsorted(starts, times, side="left") - 1, 0)
+    return [solution.segments[place].closed for place in places]
 
 
 def _sizes(solution: Solution) -> tuple[FloatArray, FloatArray]:
