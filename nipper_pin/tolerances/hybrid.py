@@ -180,7 +180,7 @@ SELF_CHECK_TOLERANCES = 1e3
 """[1] The same in tolerances of the run. A choice: some thousand times what the machines of the
 package leave over."""
 STORED_ENERGY = 1e-12
-"""[1] Round-off of the energy balance by the energy of the springs. A choice, as
+"""[1] Round-off of the energy balance by the energy of springs and weights. A choice, as
 ``ENERGY_AGREEMENT``."""
 
 # Limits of a case

@@ -11,13 +11,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from driven_machines import LAWS, follower
+from small_machines import link, machine, slide
 
-from nipper_pin import Case, SelfCheckError, Solution, load, save, simulate
+from nipper_pin import Case, SelfCheckError, Solution, Window, load, save, simulate
 from nipper_pin.cli import main
 from nipper_pin.cli import simulate as command
 from nipper_pin.hybrid.case import Resolution
 from nipper_pin.hybrid.result.json_document import record
 from nipper_pin.hybrid.result.self_check import need_sound
+from nipper_pin.mechanism.load import with_numbers
 from nipper_pin.view.run.export import export
 
 
@@ -73,3 +76,20 @@ def test_right_runs_pass(tolerance: float, drive: str) -> None:
             speed_rpm=450.0, window="cycle", drive=drive, resolution=Resolution(tolerance=tolerance)
         )
         need_sound(simulate(load(name), case))
+
+
+@pytest.mark.parametrize("gravity", [1e-6, 1e-12, 1e-20])
+@pytest.mark.parametrize("speed", [60.0, 1e-3])
+@pytest.mark.parametrize("weighs", ["ball", "follower"])
+def test_round_off_of_what_springs_and_weights_hold_is_no_error(
+    weighs: str, speed: float, gravity: float
+) -> None:
+    """A ball falls by next to nothing of its height, and a cam lifts a follower as slowly."""
+    if weighs == "ball":
+        floor = {"joint": "z", "restitution": 0.5}
+        parts = [link("ball"), slide("z", "frame", "ball", (0.0, 1.0))]
+        start = {"z": {"at_mm": 1000.0}}
+        mechanism = machine(parts, 1, gravity=gravity, stops={"floor": floor}, initial=start)
+    else:
+        mechanism = with_numbers(follower(LAWS["Fourier"]), {"gravity_m_s2": gravity})
+    need_sound(simulate(mechanism, Case(speed_rpm=speed, window=Window.CYCLE)))
