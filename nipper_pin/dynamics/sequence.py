@@ -49,20 +49,11 @@ def in_sequence(
         round-off of the first ones are zero.
 
     Raises:
-        ImpactError: The strikes do not become slower: the stops jam the mechanism.
+        ImpactError: The strikes do not become slower, or too little for ``most`` of them.
     """
     before = np.array([stop.rate(v) for stop in contacts])
     matrix = delassus(system, q, jacobian, contacts)
-    found = _struck(matrix, before, contacts, most)
-    if found is None:
-        names = ", ".join(stop.name for stop in contacts)
-        message = (
-            f"the impulses at {names} pass to and fro without an end: these stops jam the "
-            "mechanism; give it room, let them lose more (restitution), or choose simultaneous = "
-            '"newton"'
-        )
-        raise ImpactError(message, stops=names, rates_before=before.tolist())
-    impulses, after = found
+    impulses, after = _struck(matrix, before, contacts, most)
     delta, closure_impulses = _response(system, q, jacobian, contacts, impulses)
     v_after = v + delta
     for stop, rate in zip(contacts, after.tolist(), strict=True):
@@ -74,8 +65,8 @@ def in_sequence(
 
 def _struck(
     matrix: FloatArray, before: FloatArray, contacts: Sequence[Stop], most: int
-) -> tuple[FloatArray, FloatArray] | None:
-    """Impulses and gap rates after all strikes; None if there is no end of them."""
+) -> tuple[FloatArray, FloatArray]:
+    """Impulses and gap rates after all strikes."""
     own = np.diag(matrix)
     with np.errstate(divide="ignore"):
         per_root = 1.0 / np.sqrt(own)
@@ -92,10 +83,10 @@ def _struck(
             return impulses, rates
         if number % _JAM == 0:
             if not fastest <= (1.0 - JAM_SLOWING) * slowest:
-                return None
+                break
             slowest = fastest
         if not responses[first] > 0.0:
-            return None
+            break
         if np.count_nonzero(approach >= (1.0 - EQUAL_APPROACH) * fastest) == 1:
             rate = float(rates[first])
             impulse = -(1.0 + contacts[first].coefficient(rate)) * rate / responses[first]
@@ -104,11 +95,23 @@ def _struck(
         else:
             given = _together(matrix, rates, contacts, approach >= (1.0 - EQUAL_APPROACH) * fastest)
             if given is None:
-                return None
+                break
             impulses += given
             rates += matrix @ given
         np.multiply(rates, -per_root, out=approach)
-    return None
+    raise _endless(contacts, before, number)
+
+
+def _endless(contacts: Sequence[Stop], before: FloatArray, strikes: int) -> ImpactError:
+    """The error of strikes that hardly become weaker."""
+    names = ", ".join(stop.name for stop in contacts)
+    message = (
+        f"the impulses at {names} still pass to and fro after {strikes} strikes, which hardly "
+        "become weaker: these stops jam the mechanism, or a body that is light beside its "
+        "neighbours slows them down by next to nothing at each strike; give it room, let them lose "
+        'more (restitution), make the masses more alike, or choose simultaneous = "newton"'
+    )
+    return ImpactError(message, stops=names, rates_before=before.tolist(), strikes=strikes)
 
 
 def _together(

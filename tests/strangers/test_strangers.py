@@ -259,6 +259,13 @@ def bends(name: str) -> None:
     assert "interpolation" in run(name).warnings[0]
 
 
+def slows_too_little(name: str) -> None:
+    """A light ball between heavy ones: the limit is far off, and nobody says that there is none."""
+    with pytest.raises(nip.ImpactError, match=r"g1, g2 still pass .* light beside") as caught:
+        run(name)
+    assert caught.value.evidence["strikes"] >= 10_000
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -274,6 +281,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "mirror_gripper": mirrored_jaws,
     "onshape_fivebar_6": five_bar,
+    "sequential_heavy_light": slows_too_little,
     "spring_pad_3rows": bends,
     "sw_fourbar_16": whole_four_bar,
     "sw_fourbar_5": rounded_four_bar,
