@@ -14,6 +14,7 @@ import pytest
 
 from nipper_pin import Case, Window, load, load_solution, simulate
 from nipper_pin.cli import main
+from nipper_pin.hybrid.result.json_document import record
 
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
@@ -334,3 +335,9 @@ def test_many_turns_repeat(capsys: pytest.CaptureFixture[str]) -> None:
     assert document["work"]["turns_computed"] == 1
     one = len(simulate(load("e62"), Case(speed_rpm=450.0, window=Window.CYCLE)).collisions)
     assert len(document["collisions"]) == 50 * one
+
+
+def test_turns_that_were_not_begun_are_not_computed() -> None:
+    case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=50, max_collisions=2)
+    solution = simulate(load("e62"), case)
+    assert record(solution)["work"]["turns_computed"] == 1

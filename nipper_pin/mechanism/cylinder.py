@@ -36,7 +36,9 @@ class Cylinder:
     def index_from_angle(self, psi: float) -> float:
         """Index in [0, 40) of the cylinder angle psi [rad]."""
         turns = self.sense * (psi - self.reference_angle_rad) / math.tau
-        return (self.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN
+        index = (self.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN
+        # The remainder of next to nothing below zero is rounded to a whole turn.
+        return 0.0 if index >= INDEX_PER_TURN else index
 
     def angle_from_index(self, index: float) -> float:
         """Cylinder angle psi [rad] of an index, on the turn that starts at the reference."""

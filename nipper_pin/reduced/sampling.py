@@ -71,6 +71,8 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
     free = mechanism.degrees_of_freedom - len(mechanism.drives)
     if free != 1:
         return f"the reduced engine needs one degree of freedom in flight, and {free} are left"
+    if not mechanism.transition_stop:
+        return "the reduced engine follows the bounces of a stop, and no stop strikes at the touch"
     driven = {item.index for item in mechanism.drives}
     column = mechanism.stop(mechanism.transition_stop).index
     if column in driven:

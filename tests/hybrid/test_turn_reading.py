@@ -10,7 +10,7 @@ from judge import Judge, press
 from scipy.optimize import minimize_scalar
 
 from nipper_pin import Case, Mechanism, Solution, simulate
-from nipper_pin.hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
+from nipper_pin.hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY
 
@@ -207,7 +207,7 @@ def test_every_quantity_by_another_path(name: str, e62: Mechanism) -> None:
     for key in turn_names(mechanism, drives=True):
         item, part = of_turn(key, mechanism)
         if item.read is not None and item.name not in ELSEWHERE:
-            read[key] = item.read(run, turn.at(part) if part else turn)
+            read[key] = item.read(run, read_of(turn, key, part))
     assert read.keys() == expected.keys()
     assert sum(value is not None for value in read.values()) >= 10
     # Of each passage of the level, the grid knows the time to its spacing.

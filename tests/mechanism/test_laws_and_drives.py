@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import msgspec
@@ -266,3 +267,5 @@ def test_the_index_goes_round_in_forty() -> None:
         assert cylinder.index_from_angle(0.7) == pytest.approx(24.0)
         assert cylinder.index_from_angle(0.7 + sense * math.pi) == pytest.approx(4.0)
         assert cylinder.angle_from_index(34.0) == pytest.approx(0.7 + sense * 0.5 * math.pi)
+        at_zero = replace(cylinder, reference_angle_rad=0.0, reference_index=0.0)
+        assert at_zero.index_from_angle(-sense * 1e-17) == 0.0

@@ -145,6 +145,7 @@ def test_unfit_mechanisms(e62: Mechanism) -> None:
         build(e62, drive=DriveMode.INERTIAL)
     driven = load(MODELS / "four_bar")
     assert "one degree of freedom" in str(unfit(driven))
+    assert "no stop" in str(unfit(replace(e62, transition_stop="")))
     with pytest.raises(InputError, match="direct engine"):
         build(driven)
     with pytest.raises(InputError, match="travel_rad"):

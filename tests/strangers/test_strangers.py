@@ -266,6 +266,14 @@ def slows_too_little(name: str) -> None:
     assert caught.value.evidence["strikes"] >= 10_000
 
 
+def shares_a_name(name: str) -> None:
+    """A drive and a stop of one name: each has its own quantities."""
+    table = nip.turn_table(nip.load(HERE / name), speed_rpm=650.0, torques=True)
+    assert table.clamped_share[0] == pytest.approx(0.39441887, abs=1e-8)
+    assert table.collisions["cam"][0] == 7
+    assert table.largest_torque["cam"][0] > 0.0
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -280,6 +288,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "lip_on_parent": stays_shut,
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "mirror_gripper": mirrored_jaws,
+    "name_clash": shares_a_name,
     "onshape_fivebar_6": five_bar,
     "sequential_heavy_light": slows_too_little,
     "spring_pad_3rows": bends,

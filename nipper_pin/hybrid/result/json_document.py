@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import asdict, fields
 from typing import Any
@@ -61,9 +62,16 @@ def record(solution: Solution) -> dict[str, Any]:
             "engine": "direct",
             "evaluations": solution.evaluations,
             "wall_s": solution.wall_s,
-            "turns_computed": solution.repeated_from or solution.case.cycles,
+            "turns_computed": _turns_computed(solution),
         },
     }
+
+
+def _turns_computed(solution: Solution) -> int:
+    """Turns that were begun; copies of an earlier one are none."""
+    end = solution.segments[-1].t_end if solution.segments else 0.0
+    begun = max(math.ceil(end / solution.shaft.period), 1)
+    return min(solution.repeated_from or solution.case.cycles, begun)
 
 
 def _collision(solution: Solution, item: Collision) -> dict[str, Any]:

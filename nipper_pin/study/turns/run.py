@@ -11,7 +11,7 @@ from ...dynamics.system import DriveMode
 from ...errors import NipperError
 from ...hybrid.case import START_INDEX, Case, Resolution, Window
 from ...hybrid.result.solution import Solution
-from ...hybrid.result.turns import Turn, of_turn, reported_turn, turn_names
+from ...hybrid.result.turns import Turn, of_turn, read_of, reported_turn, turn_names
 from ...hybrid.run.outcome import Outcome
 from ...hybrid.simulate import simulate
 from ...mechanism import Mechanism
@@ -143,7 +143,7 @@ class Run:
         for name, (item, part) in self._read.items():
             if item.read is None or not (wanted is None or name in wanted):
                 continue
-            value: Any = item.read(solution, turn.at(part) if part else turn)
+            value: Any = item.read(solution, read_of(turn, name, part))
             if value is not None:
                 self._found[item.column, part][number] = value
         self._found["repeats_after", ""][number] = turn.repeats_after

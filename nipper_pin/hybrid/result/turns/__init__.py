@@ -1,7 +1,7 @@
 """Quantities of one turn, read off a run of whole turns."""
 
 from .parts import DriveTurn, StopTurn
-from .quantities import TURN, TURN_DRIVE, TURN_STOP, is_of_drive, of_turn, turn_names
+from .quantities import TURN, TURN_DRIVE, TURN_STOP, is_of_drive, of_turn, read_of, turn_names
 from .turn import Turn, reported_turn
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Turn",
     "is_of_drive",
     "of_turn",
+    "read_of",
     "reported_turn",
     "turn_names",
 ]

@@ -114,6 +114,20 @@ def is_of_drive(name: str, mechanism: Mechanism) -> bool:
     return name in _of_drives(mechanism)
 
 
+def read_of(turn: Turn, name: str, part: str) -> Turn | StopTurn | DriveTurn:
+    """What a quantity of a turn is read from.
+
+    Args:
+        turn: The turn.
+        name: Name of the quantity.
+        part: The stop or drive that it is of, as :func:`of_turn` tells; "" for the whole turn.
+    """
+    if not part:
+        return turn
+    of_drive = is_of_drive(name, turn.solution.mechanism)
+    return turn.drive(part) if of_drive else turn.at(part)
+
+
 def _named(mechanism: Mechanism) -> dict[str, tuple[Quantity[Any], str]]:
     """Quantities of the turn and of the stops that a machine has, by name."""
     clamp = mechanism.transition_stop
