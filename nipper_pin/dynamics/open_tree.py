@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import pinocchio as pin
 
@@ -45,11 +47,11 @@ class OpenTree:
         self.scaled = bool((self.units != 1.0).any())
         self._plain = pin.Model(model)
         self._plain_data = self._plain.createData()
-        self._weightless = pin.Model(model)
-        self._weightless.gravity = pin.Motion.Zero()
         self._upper = np.triu(np.ones((self.nv, self.nv), dtype=bool))
         self._link_ids = [model.getJointId(joint.name) for joint in mechanism.joints]
-        self._lips = self._lips_of(mechanism)
+        moves = {j.index: link for j, link in zip(mechanism.joints, self._link_ids, strict=True)}
+        touching = ((stop.index, stop.contact) for stop in mechanism.stops)
+        self._contacts = [(moves[index], contact) for index, contact in touching if contact]
         self.closure_rows = mechanism.closure_rows
         self._coupled = mechanism.coupling_rows
         self._couples = len(self._coupled) > 0
@@ -287,22 +289,26 @@ class OpenTree:
             wrenches[row] = force[0], force[2], -moment[1]
         return wrenches
 
-    @staticmethod
-    def _lips_of(mechanism: Mechanism) -> list[tuple[int, FloatArray, FloatArray]]:
+    @cached_property
+    def _weightless(self) -> pin.Model:
+        """The model without gravity, which impacts know nothing of."""
+        model = pin.Model(self._plain)
+        model.gravity = pin.Motion.Zero()
+        return model
+
+    @cached_property
+    def _lips(self) -> list[tuple[int, FloatArray, FloatArray]]:
         """Of each stop with a contact point: its joint, point and normal in the lower body.
 
         The lower lip is on the body above the joint, so it turns with that.
         """
-        model = mechanism.model
+        model = self._plain
         world = joint_placements(model)
-        names = {joint.index: joint.name for joint in mechanism.joints}
         lips = []
-        for stop in mechanism.stops:
-            if stop.contact is not None:
-                joint = model.getJointId(names[stop.index])
-                below = world[model.parents[joint]]
-                local = below.actInv(stop.contact.point)
-                lips.append((joint, local, below.rotation.T @ stop.contact.normal))
+        for joint, contact in self._contacts:
+            below = world[model.parents[joint]]
+            local = below.actInv(contact.point)
+            lips.append((joint, local, below.rotation.T @ contact.normal))
         return lips
 
     def _push(

@@ -18,7 +18,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ..errors import ImpactError, InputError, UnknownNameError
-from ..tolerances.mechanics import CURVE_DEPARTURE
 from .cylinder import Cylinder
 from .drives.law import DriveLaw, Geared
 from .elements import Damper, Strut, TabulatedSpring
@@ -78,6 +77,13 @@ class Closure:
     slot_frame: str | None = None
     slot_axis: Literal["x", "z"] | None = None
     gap_m: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def first_side(self) -> str:
+        """What the pin of frame b meets, in words."""
+        if self.slot_frame is None:
+            return self.frame_a
+        return f"the slot along {self.slot_axis} of {self.slot_frame}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -358,9 +364,9 @@ class Mechanism:
     @property
     def closing(self) -> str:
         """What was closed of loops that rounded numbers leave open; empty if all meet."""
-        from .build.closing import closing_text
+        from .summary import closing
 
-        return closing_text(self.closures, self.reach_m)
+        return closing(self)
 
     @property
     def curves(self) -> str:
@@ -368,17 +374,9 @@ class Mechanism:
 
         A table that says how its rows are joined is not among them.
         """
-        told = (
-            f"the smooth curve of spring {item.name} leaves the straight line after row {row} by "
-            f"{100.0 * share:.0f} % of the range of its forces: interpolation = \"linear\" joins "
-            "rows by lines, more rows beside a kink keep the curve near them, and "
-            "interpolation = \"smooth\" says that it is meant so"
-            for item in self.tabulated_springs
-            if item.characteristic.interpolation is None
-            for share, row in [item.characteristic.departure]
-            if share > CURVE_DEPARTURE
-        )
-        return "; ".join(told)
+        from .summary import curves
+
+        return curves(self)
 
     @cached_property
     def coupling_rows(self) -> FloatArray:

@@ -207,7 +207,7 @@ def test_every_quantity_by_another_path(name: str, e62: Mechanism) -> None:
     for key in turn_names(mechanism, drives=True):
         item, part = of_turn(key, mechanism)
         if item.read is not None and item.name not in ELSEWHERE:
-            read[key] = item.read(run, read_of(turn, key, part))
+            read[key] = item.read(run, read_of(turn, item, part))
     assert read.keys() == expected.keys()
     assert sum(value is not None for value in read.values()) >= 10
     # Of each passage of the level, the grid knows the time to its spacing.

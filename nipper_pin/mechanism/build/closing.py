@@ -129,44 +129,9 @@ def _gaping(
     return AssemblyError(
         file=file,
         key=f"closures.{closure.name}",
-        value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {first_side(closure)} "
+        value=f"a gap of {np.hypot(x, z):.6g} mm (x {x:.6g}, z {z:.6g}) from {closure.first_side} "
         f"to {closure.frame_b}",
         allowed=f"{meet} within {MM_PER_M * within_m:g} mm in the touch configuration, where all "
         f"joint coordinates are zero{rounded}: correct the origins of the joints that carry the "
         f"two, or place {closure.frame_b} by x {-x:.6g} and z {-z:.6g} mm (side view) elsewhere",
-    )
-
-
-def first_side(closure: Closure) -> str:
-    """The first side of a closure, for messages."""
-    if closure.slot_frame is None:
-        return closure.frame_a
-    return f"the slot along {closure.slot_axis} of {closure.slot_frame}"
-
-
-def closing_text(closures: Sequence[Closure], reach_m: float) -> str:
-    """Say which gaps of closures were closed.
-
-    Args:
-        closures: The cut joints.
-        reach_m: Reach of the machine [m].
-
-    Returns:
-        One sentence; empty if all closures meet.
-    """
-    words = []
-    for closure in closures:
-        x, z = closure.gap_m
-        if x or z:
-            length = float(np.hypot(x, z))
-            words.append(
-                f"closure {closure.name} by {MM_PER_M * length:.3g} mm (x {MM_PER_M * x:.3g}, "
-                f"z {MM_PER_M * z:.3g}) from {first_side(closure)} to {closure.frame_b}, "
-                f"{length / reach_m:.2g} of the machine's reach"
-            )
-    if not words:
-        return ""
-    return (
-        "loops that rounded numbers of the URDF leave open are closed at touch by moving the "
-        f"frames that meet: {'; '.join(words)}"
     )

@@ -143,7 +143,7 @@ class Run:
         for name, (item, part) in self._read.items():
             if item.read is None or not (wanted is None or name in wanted):
                 continue
-            value: Any = item.read(solution, read_of(turn, name, part))
+            value: Any = item.read(solution, read_of(turn, item, part))
             if value is not None:
                 self._found[item.column, part][number] = value
         self._found["repeats_after", ""][number] = turn.repeats_after

@@ -114,18 +114,17 @@ def is_of_drive(name: str, mechanism: Mechanism) -> bool:
     return name in _of_drives(mechanism)
 
 
-def read_of(turn: Turn, name: str, part: str) -> Turn | StopTurn | DriveTurn:
+def read_of(turn: Turn, item: Quantity[Any], part: str) -> Turn | StopTurn | DriveTurn:
     """What a quantity of a turn is read from.
 
     Args:
         turn: The turn.
-        name: Name of the quantity.
+        item: The quantity.
         part: The stop or drive that it is of, as :func:`of_turn` tells; "" for the whole turn.
     """
     if not part:
         return turn
-    of_drive = is_of_drive(name, turn.solution.mechanism)
-    return turn.drive(part) if of_drive else turn.at(part)
+    return turn.drive(part) if item in TURN_DRIVE else turn.at(part)
 
 
 def _named(mechanism: Mechanism) -> dict[str, tuple[Quantity[Any], str]]:
