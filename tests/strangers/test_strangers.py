@@ -60,6 +60,23 @@ def bounces_of_a_ball(name: str, height_m: float, restitution: float, *stops: st
     assert ["summed up" in text for text in solution.warnings] == [True] * (restitution > 0.99)
 
 
+def each_ball_as_alone(name: str) -> None:
+    """Ball i falls from 100 + i mm, strikes 13 times and rests at three times its first strike."""
+    solution = run(name)
+    places = {stop.name: i for i, stop in enumerate(solution.mechanism.stops)}
+    falls = [math.sqrt(2.0 * (0.1 + 0.001 * i) / GRAVITY) for i in range(40)]
+    strikes: list[list[float]] = [[] for _ in falls]
+    for hit in solution.collisions:
+        strikes[places[hit.stop]].append(hit.t)
+    np.testing.assert_allclose([times[0] for times in strikes], falls, rtol=1e-12)
+    assert [len(times) for times in strikes] == [13] * 40
+    rests = [event for event in solution.events if event.kind is nip.EventKind.REST]
+    for event in rests:
+        for stop in event.stops:
+            assert event.t == pytest.approx(3.0 * falls[places[stop]], rel=1e-12)
+    assert sorted(stop for event in rests for stop in event.stops) == sorted(places)
+
+
 def losses(name: str) -> None:
     """Each of three balls loses m g h (1 - e^2) at its first strike."""
     first = {}
@@ -287,6 +304,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "fb_yaxis": lambda name: four_bar(name, -1.0),
     "lip_on_parent": stays_shut,
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
+    "forty_balls_apart": each_ball_as_alone,
     "mirror_gripper": mirrored_jaws,
     "name_clash": shares_a_name,
     "onshape_fivebar_6": five_bar,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
@@ -42,6 +42,7 @@ def pressed(
     v: FloatArray,
     jacobian: FloatArray,
     at_rest: Closed,
+    about: Collection[str] | None = None,
 ) -> Closed:
     """Stops at rest (zero gap and rate) that stay closed, by complementarity of accelerations.
 
@@ -56,6 +57,8 @@ def pressed(
         v: Velocity, shape (nv,).
         jacobian: Closure Jacobian, shape (m, nv).
         at_rest: Names of the stops at rest.
+        about: Names of stops whose parts are asked for, all by default; what rests in others stays
+            closed.
 
     Returns:
         Names of the stops that stay closed.
@@ -63,9 +66,10 @@ def pressed(
     Raises:
         SimulationError: No set satisfies the conditions.
     """
-    if not at_rest:
+    concerned = at_rest if about is None else at_rest & system.coupled(about)
+    if not concerned:
         return at_rest
-    stops = [stop for stop in system.mechanism.stops if stop.name in at_rest]
+    stops = [stop for stop in system.mechanism.stops if stop.name in concerned]
     free = system.constraint_set(frozenset())
     a = system.accelerations(motion, q[None], v[None], free)[0]
     if len(stops) == 1 and free.freedom > 0 and stops[0].rate(a) <= 0.0:
@@ -78,15 +82,17 @@ def pressed(
         found = _held(matrix, np.array([stop.rate(a) for stop in group]), nothing)
         if found is None:
             message = (
-                f"no set of the stops {sorted(at_rest)} can stay closed: each choice "
+                f"no set of the stops {sorted(concerned)} can stay closed: each choice "
                 "either pulls or penetrates; check the sides of the stops"
             )
-            raise SimulationError(message, stops=sorted(at_rest))
+            raise SimulationError(message, stops=sorted(concerned))
         closed += [group[i] for i in found]
-    return frozenset(stop.name for stop in closed)
+    return (at_rest - concerned).union(stop.name for stop in closed)
 
 
-def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -> Closed:
+def pressed_next(
+    system: System, phase: ConstraintSet, panel: Panel, t: float, about: Collection[str]
+) -> Closed:
     """Closed stops that are still closed a moment later.
 
     Where forces vanish together, so do all accelerations: what comes next tells which stops open.
@@ -96,6 +102,7 @@ def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -
         phase: The phase that ends.
         panel: Its last panel.
         t: Its end [s].
+        about: As in :func:`pressed`.
 
     Returns:
         Names of the stops that stay closed.
@@ -105,7 +112,7 @@ def pressed_next(system: System, phase: ConstraintSet, panel: Panel, t: float) -
     """
     later = t + ACCELERATION_LOOKAHEAD * system.shaft.period
     q, v, jacobian, motion = one_state_at(system, phase, panel, later)
-    return pressed(system, motion, q, v, jacobian, phase.closed)
+    return pressed(system, motion, q, v, jacobian, phase.closed, about)
 
 
 def _held(matrix: FloatArray, leaving: FloatArray, nothing: FloatArray) -> list[int] | None:

@@ -84,7 +84,7 @@ class PhaseManager:
     def _settle(self, still: Closed) -> None:
         """Close the open stops with neither gap nor rate that are pressed shut."""
         state = self.state
-        closed = self._pressed(state, state.v, state.closed | still)
+        closed = self._pressed(state, state.v, state.closed | still, still)
         opened = state.closed - closed
         if opened:
             state = self._open(opened)
@@ -175,7 +175,7 @@ class PhaseManager:
         impact = strike(self.system, state.q, state.v, state.jacobian, contacts)
         rates = {stop.name: stop.rate(impact.v_after) for stop in contacts}
         at_rest = after_collision(state.closed, rates)
-        closed = self._pressed(state, impact.v_after, at_rest)
+        closed = self._pressed(state, impact.v_after, at_rest, met)
         struck = _struck(impact, hit)
         number = self._log.record(EventKind.COLLISION, state, state.t, struck, impact, closed)
         after = State(
@@ -246,7 +246,8 @@ class PhaseManager:
         if len(released) > 1:
             # Those that pull at the start of a phase may push once another one is open.
             phase = self.system.constraint_set(state.closed)
-            released = state.closed - pressed_next(self.system, phase, panel, state.t) or released
+            stay = pressed_next(self.system, phase, panel, state.t, released)
+            released = state.closed - stay or released
         return self._open(released)
 
     def _open(self, released: Collection[str]) -> State:
@@ -289,10 +290,12 @@ class PhaseManager:
             self._known = state.v, a
         return a
 
-    def _pressed(self, state: State, v: FloatArray, at_rest: Closed) -> Closed:
+    def _pressed(
+        self, state: State, v: FloatArray, at_rest: Closed, about: Collection[str]
+    ) -> Closed:
         if not at_rest:
             return at_rest
-        return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest)
+        return pressed(self.system, state.motion, state.q, v, state.jacobian, at_rest, about)
 
 
 def _struck(impact: Impact, hit: set[str]) -> list[str]:

@@ -143,8 +143,9 @@ class Bounces:
         for name in state.closed - part:
             # Round-off in a part that the impact does not reach.
             impact.v_after[system.mechanism.stop(name).index] = 0.0
+        at_rest = state.closed | names
         closed = pressed(
-            system, state.motion, state.q, impact.v_after, state.jacobian, state.closed | names
+            system, state.motion, state.q, impact.v_after, state.jacobian, at_rest, names
         )
         if names <= closed:
             return Rest(_latest(limits), _error(limits), sorted(names), impact, closed)

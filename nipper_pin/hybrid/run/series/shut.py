@@ -32,5 +32,5 @@ def shut_together(
     for name in state.closed - part:
         # Round-off in a part that the impact does not reach.
         impact.v_after[system.mechanism.stop(name).index] = 0.0
-    stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed)
+    stay = pressed(system, state.motion, state.q, impact.v_after, state.jacobian, closed, names)
     return Rest(t, error, sorted(names - state.closed), impact, closed) if stay == closed else None
