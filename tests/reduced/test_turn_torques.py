@@ -119,3 +119,13 @@ def test_cases_that_cannot_be_followed_have_no_torque(
     assert whole.largest.shape == (1, 1, 2)
     with pytest.raises(InputError, match="turns"):
         turn_torques(e62, speed_rpm=450.0, turns=0)
+
+
+@pytest.mark.slow
+def test_torques_may_have_no_tables_as_wide_as_those_of_a_flight() -> None:
+    """Such a case leaves the widest tables, and does not end the others."""
+    mechanism = drawn_mechanism(GALLERY["stephenson_1"]())
+    speeds = mechanism.cylinder.rated_speed_rpm * np.array([1.0, 12.0])
+    found = turn_torques(mechanism, speed_rpm=speeds, restitution=0.9)
+    assert found.status.tolist() == [TurnStatus.FOLLOWED, TurnStatus.LEFT_GAP]
+    assert np.isnan(found.largest).tolist() == [[False], [True]]

@@ -9,7 +9,8 @@ from ...arrays import FloatArray
 # Status of a case.
 (
     AT_REST, LEFT_TRAVEL, LEFT_GAP, OTHER_STOP, NOT_PRESSED, TOO_MANY, UNRESOLVED, UNTOLD, JAM,
-) = range(9)  # fmt: skip
+    OFF_ROWS,
+) = range(10)  # fmt: skip
 # Rows of the table of collisions.
 (
     TIME, ANGLE, APPROACH, SEPARATION, IMPULSE, ENERGY, AMPLITUDE, REBOUND,

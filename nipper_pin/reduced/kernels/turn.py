@@ -18,7 +18,9 @@ from .layout import (
     AT_REST,
     GROWTH,
     JAM,
+    LEFT_GAP,
     LEFT_TRAVEL,
+    OFF_ROWS,
     OTHER_STOP,
     SCRATCH_ROWS,
     TOO_MANY,
@@ -28,7 +30,7 @@ from .layout import (
 from .panel import acceleration, contract
 from .repeats import mark, repeats
 from .series import settles
-from .turn_charts import chart_at, other_of, seen_by, surface, visit
+from .turn_charts import chart_at, off_rows, off_rows_at, other_of, seen_by, surface, visit
 from .turn_events import collide, errors_after, note, release_error
 from .turn_layout import (
     AMPLITUDE,
@@ -108,6 +110,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             if place < 0.0:
                 return UNTOLD, n, hold, turn, 0
             at_end = place > travel
+            if off_rows(charts, c, u, min(place, travel), (0.0, 0.0), 0.0, 0.0):
+                return OFF_ROWS, n, hold, turn, 0
             if stop == clamp:
                 holds[hold, HOLD_TURN], holds[hold, HOLD_CHART] = turn, c
                 holds[hold, HOLD_BEGIN], holds[hold, HOLD_END] = u, min(place, travel)
@@ -171,6 +175,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
             )  # fmt: skip
             status = int(ended)
             touching = free = False
+            if off_rows(charts, c, u, u + speed * T, (x, gap), top, fastest / speed):
+                return OFF_ROWS, n, hold, turn, 0
             if status == AT_REST:
                 duration, dv, height = flight_errors(
                     sizes, speed, T, rate, a, peak, fastest, changed, left, dt, dw
@@ -230,6 +236,8 @@ def follow(grids: FloatArray, charts: Charts, work: TurnWork, speed: float,
                 x, v, dx, dw, bounces = 0.0, -e_N * closing, 0.0, e_N * dv, 0
                 risen = unsure_top = 0.0
                 continue
+            if status == LEFT_GAP and off_rows_at(charts, c, charts.high[c]):
+                return OFF_ROWS, n, hold, turn, 0
             if status != LEFT_TRAVEL:
                 return status, n, hold, turn, 0
             x_before, v_before = dx, dw

@@ -64,6 +64,40 @@ def surface(table: FloatArray, row: int, span: float, case: FloatArray, u: float
 
 
 @compiled
+def off_rows(charts: Charts, c: int, begin: float, end: float, gaps: tuple[float, float],
+             top: float, steepest: float) -> bool:  # fmt: skip
+    """Whether a spring may leave the rows of its table between two travels.
+
+    Args:
+        charts: The charts.
+        c: The chart.
+        begin: Travel [rad].
+        end: Later travel [rad].
+        gaps: Gaps at both.
+        top: Largest gap between them.
+        steepest: Largest derivative of the gap by the travel.
+    """
+    parts = charts.on_rows.shape[1]
+    if parts == 0:
+        return False
+    width = charts.span[c] / parts
+    last = min(int(end / width), parts - 1)
+    for part in range(min(int(begin / width), last), last + 1):
+        before, after = (part + 1) * width - begin, end - part * width
+        if charts.on_rows[c, part] < min(
+            top, gaps[0] + steepest * before, gaps[1] + steepest * after
+        ):
+            return True
+    return False
+
+
+@compiled
+def off_rows_at(charts: Charts, c: int, x: float) -> bool:
+    """Whether a spring is off the rows of its table at a gap, at any travel."""
+    return bool(charts.on_rows.shape[1] > 0 and charts.on_rows[c].max() < x)
+
+
+@compiled
 def seen_by(charts: Charts, work: TurnWork, c: int, s: int, speed: float, u: float, x: float,
              v: float, dx: float, dw: float) -> tuple[float, float, float, float]:  # fmt: skip
     """Gap and rate of another stop, and bounds on their errors, from x and x' of a chart."""

@@ -59,6 +59,9 @@ class Charts(NamedTuple):
         span: Length of all cells, those of the padding included [rad].
         low: Least x.
         high: Largest x.
+        on_rows: Largest x up to which springs are on the rows of their tables, negative where they
+            leave them with the stop closed, by equal parts of ``span``, shape (C, parts); none of a
+            machine without tables.
         begin: Travel from the start of the turn to u = 0 [rad].
         stop: Place of the stop among the stops, shape (C,).
         others: Those of the others, shape (C, S).
@@ -85,6 +88,7 @@ class Charts(NamedTuple):
     span: FloatArray
     low: FloatArray
     high: FloatArray
+    on_rows: FloatArray
     begin: FloatArray
     stop: NDArray[np.int64]
     others: NDArray[np.int64]

@@ -96,8 +96,8 @@ def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     place_x = np.cos(np.pi * np.arange(2 * count_x + 1) / (2 * count_x))
     basis_u = chebyshev.chebvander(place_u, count_u - 1)
     basis_x = chebyshev.chebvander(place_x, count_x - 1)
-    slope_u = _slopes(place_u, count_u)
-    slope_x = _slopes(place_x, count_x)
+    slope_u = slopes(place_u, count_u)
+    slope_x = slopes(place_x, count_x)
 
     def most(left: FloatArray, right: FloatArray) -> FloatArray:
         values = left @ coefficients @ right.T
@@ -106,6 +106,7 @@ def largest(coefficients: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
     return most(basis_u, basis_x), most(slope_u, basis_x), most(basis_u, slope_x)
 
 
-def _slopes(places: FloatArray, count: int) -> FloatArray:
+def slopes(places: FloatArray, count: int) -> FloatArray:
+    """Derivatives of the first polynomials at places in [-1, 1], shape (places, count)."""
     derivative = chebyshev.chebder(np.eye(count), axis=0)
     return np.asarray(chebyshev.chebvander(places, count - 2) @ derivative)

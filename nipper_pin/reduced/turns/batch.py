@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import FloatArray
+from ...errors import SimulationError
 from ...extras import require
 from ...mechanism import Mechanism
 from ..kernels import turn_layout as rows
@@ -71,7 +72,7 @@ def widening(
     found: FloatArray,
     run: Callable[[TurnModel, float, list[FloatArray], NDArray[np.int64], FloatArray], None],
 ) -> None:
-    """Run cases, those that leave the tables of a model on the next wider one.
+    """Run cases, those that leave the tables of a model on the next wider one, if there is one.
 
     Args:
         mechanism: The mechanism.
@@ -87,7 +88,13 @@ def widening(
         if model is None:
             break
         here = told[left], found[left]
-        run(model, room, [item[left] for item in cases], *here)
+        try:
+            run(model, room, [item[left] for item in cases], *here)
+        except SimulationError:
+            # It needs tables of its own, and there are none that wide.
+            if room == ROOMS[0]:
+                raise
+            break
         told[left], found[left] = here
         left = left[told[left, 0] == _LEFT_GAP]
 

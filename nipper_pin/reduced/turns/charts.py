@@ -19,6 +19,7 @@ from ..tables.series2d import needed
 from ..tables.tables import Domain, Tables, checks, misfit, resolved
 from ..tables.trimmed import Trimmed, trimmed
 from .arcs import TURN, Arc, sampler_at, system_at
+from .rows import on_rows
 
 # Part of the range of x below zero; flights are solved a little beyond their end.
 _MARGIN = 1.0 / 16.0
@@ -45,6 +46,8 @@ class Chart:
         gap_residual: Bounds on the errors of the gaps, shape (S,).
         slope_residual: Bounds on the errors of the slopes, shape (2 S,).
         samples: Points that were sampled.
+        on_rows: Largest gaps up to which springs are on the rows of their tables, by equal parts of
+            the travel, shape (parts,).
         meets: Derivative by u of the gap of the stop that takes over at the end, bound on its
             error, rate of x by that of its gap, and bound on the error of the end [rad]; zeros if
             it is the same stop.
@@ -57,6 +60,7 @@ class Chart:
     gap_residual: FloatArray
     slope_residual: FloatArray
     samples: int
+    on_rows: FloatArray
     meets: tuple[float, float, float, float]
 
 
@@ -184,6 +188,7 @@ def _sampled(around: Surroundings, gap: float, w: float, tolerance: float) -> Ch
         misfit(points, domain, kept.gaps, points.true.gaps),
         misfit(points, domain, slopes, points.true.slopes),
         samples,
+        on_rows(around.mechanism, domain, tables),
         around.meets(),
     )
 
@@ -229,6 +234,8 @@ def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Char
     travel = np.array([chart.domain.travel for chart in charts])
     stops = [names.index(chart.arc.stop.name) for chart in charts]
     meets = np.array([chart.meets for chart in charts])
+    limits = [chart.on_rows for chart in charts]
+    parts = max(len(rows) for rows in limits)
     return Charts(
         equation=padded([chart.kept.equation for chart in charts]),
         gaps=padded([chart.kept.gaps for chart in charts]),
@@ -245,6 +252,8 @@ def stacked(mechanism: Mechanism, charts: list[Chart], after: list[int]) -> Char
         span=travel / shapes[:, 0] * cells,
         low=np.array([chart.domain.low for chart in charts]),
         high=np.array([chart.domain.high for chart in charts]),
+        on_rows=np.array([np.pad(rows, (0, parts - len(rows)), "edge") if parts else rows
+                          for rows in limits]),
         begin=np.array([chart.arc.begin for chart in charts]),
         stop=np.array(stops, dtype=np.int64),
         others=np.array([[k for k in range(len(names)) if k != stop] for stop in stops],

@@ -30,6 +30,8 @@ class TurnStatus(IntEnum):
     """Round-off decides whether a stop comes to rest, or is released."""
     JAM = layout.JAM
     """Two stops jam the mechanism against its drives."""
+    OFF_ROWS = layout.OFF_ROWS
+    """A spring may leave the rows of its table, beyond which no force is known."""
 
 
 TURN_REASONS = {
@@ -39,6 +41,7 @@ TURN_REASONS = {
     TurnStatus.UNRESOLVED: "a flight cannot be resolved",
     TurnStatus.UNTOLD: "round-off decides whether a stop comes to rest or is released",
     TurnStatus.JAM: "two stops jam the mechanism against its drives",
+    TurnStatus.OFF_ROWS: "a spring may leave the rows of its table",
 }
 
 

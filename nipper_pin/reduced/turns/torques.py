@@ -124,7 +124,7 @@ def _chart(around: Surroundings, drive: int, domain: Domain, tolerance: float) -
     )
     slopes = np.zeros((2, *kept.equation.shape[1:]))
     return Chart(around.arc, domain, functions, slopes, kept.residual[-1:], np.zeros(2), samples,
-                 (0.0, 0.0, 0.0, 0.0))  # fmt: skip
+                 np.empty(0), (0.0, 0.0, 0.0, 0.0))  # fmt: skip
 
 
 def _weights(around: Surroundings, sampler: _DriveSampler, rate: float) -> FloatArray:

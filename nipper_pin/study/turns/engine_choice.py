@@ -14,6 +14,7 @@ from ...mechanism import Mechanism, need_mechanism
 from ...reduced.inputs import check_run
 from ...reduced.turns import TurnModel, turn_model
 from ...reduced.turns.fit import unfit_turns
+from ...reduced.turns.torques import torque_model
 from ..cases import SPRING_KEYS, Cases, cases_of, spring_values
 from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
@@ -106,7 +107,7 @@ def turns_of(
     run = Run(mechanism, cases, settings)
     count = len(cases.speed_rpm)
     model, why = chosen(
-        lambda: _model(mechanism, settings.drive),
+        lambda: _model(mechanism, settings.drive, torques=settings.torques),
         engine=engine,
         count=count,
         pays_from=TURNS_PAY_FROM,
@@ -123,13 +124,16 @@ def turns_of(
     return run.table(why)
 
 
-def _model(mechanism: Mechanism, drive: DriveMode) -> TurnModel:
-    """The tables of a mechanism, which keeps them."""
+def _model(mechanism: Mechanism, drive: DriveMode, *, torques: bool = False) -> TurnModel:
+    """The tables of a mechanism, which keeps them; those of its torques are made, too, if asked."""
     reason = _unfit(mechanism, drive)
     if reason is not None:
         message = f"{mechanism.name}: {reason}"
         raise InputError(message, model=mechanism.name)
-    return turn_model(mechanism)
+    model = turn_model(mechanism)
+    if torques:
+        torque_model(mechanism, model)
+    return model
 
 
 def _unfit(mechanism: Mechanism, drive: DriveMode) -> str | None:

@@ -1,0 +1,367 @@
+"""Every kind of drive, force, restitution and stop: the answer does not depend on the engine.
+
+Few cases are computed by the direct engine, more by the reduced one: the same cases are refused, by
+the same words, and all others have the same numbers within the errors that are stated.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from small_machines import frame, hinge, link, slide, sources
+
+from nipper_pin import (
+    Case,
+    Mechanism,
+    TransitionTable,
+    TurnTable,
+    compare,
+    load,
+    read_sweep,
+    simulate,
+    sweep,
+    transition_table,
+    turn_table,
+)
+from nipper_pin.hybrid.result.turns import of_turn, turn_names
+from nipper_pin.mechanism import Characteristic, TabulatedSpring, from_sources
+from nipper_pin.mechanism.elements import Interpolation
+from nipper_pin.mechanism.files.description import (
+    DamperDescription,
+    SpringDescription,
+    StopDescription,
+)
+from nipper_pin.mechanism.files.register import DRIVES, FORCES, RESTITUTIONS, STOPS, Register
+from nipper_pin.study.transitions import REDUCED_PAYS_FROM
+from nipper_pin.study.transitions import TURNS_PAY_FROM as FALSE_PREMISES_PAY_FROM
+from nipper_pin.study.turns import TURNS_PAY_FROM
+
+Tables = dict[str, Any]
+Sources = tuple[str, Tables]
+GRAVITY = 9.81
+CLASH = Path(__file__).parents[1] / "strangers" / "name_clash"
+# Round-off of forces that the direct engine solves for, by the largest one, and of other numbers.
+FORCE, EPS = 1e-10, float(np.finfo(float).eps)
+# Events at which clamping begins or ends.
+ENDS = "closing_index", "rest_index", "loss_index", "opening_index"
+# At most of these speeds nothing leaves its seat.
+SPEEDS = np.array([*np.linspace(60.0, 120.0, 10), 290.0, 330.0, 380.0, 440.0, 520.0, 100.0])
+
+
+def sliding(tables: Tables) -> Sources:
+    """A mass on a slide that goes up and down, between a seat and a roof."""
+    parts = [
+        frame("anchor", "frame", (0.0, 0.5)),
+        frame("pole", "frame", (0.0, 0.0205)),
+        link("base", 0.1, 1e-3),
+        slide("base", "frame", "base", (0.0, 1.0)),
+        link("mass", 0.8, 1e-3),
+        slide("gap", "base", "mass", (0.0, 1.0)),
+    ]
+    return described(parts, {"law": "fourier", "cosine_mm": [-10.0, 1.0]}, {"at_mm": 12.0}, tables)
+
+
+def turning(tables: Tables) -> Sources:
+    """A flap on an arm that swings, between a seat and a roof."""
+    parts = [
+        frame("anchor", "frame", (0.1, 0.5)),
+        link("base", 0.5, 1e-3, (0.05, 0.0)),
+        hinge("base", "frame", "base"),
+        link("wheel", 0.5, 1e-3),
+        hinge("wheel", "frame", "wheel", (0.0, 0.3)),
+        link("flap", 0.2, 3e-4, (0.05, 0.0)),
+        hinge("gap", "base", "flap", (0.1, 0.0)),
+    ]
+    wheel = {"joint": "wheel", "law": "fourier", "cosine_rad": [0.2]}
+    swing = {"law": "fourier", "cosine_rad": [-0.1, 0.01]}
+    return described(parts, swing, {"at_deg": 30.0}, {"drives": {"wheel": wheel}, **tables})
+
+
+def described(parts: list[str], drive: Tables, roof: Tables, tables: Tables) -> Sources:
+    """A machine with a seat and a roof.
+
+    Of the tables ``base`` and ``seat`` have keys of its drive and its seat, and ``moved_by`` is the
+    name of the drive.
+    """
+    tables = dict(tables)
+    name = tables.pop("moved_by", "base")
+    drives = {name: {"joint": "base", **tables.pop("base", drive)}, **tables.pop("drives", {})}
+    seat = {"joint": "gap", "restitution": 0.3, **tables.pop("seat", {})}
+    stops = {"seat": seat, "roof": {"joint": "gap", "side": "upper", "restitution": 0.2, **roof}}
+    phases = [{"number": 1, "name": "on the seat", "closed": ["seat"]},
+              {"number": 2, "name": "in the air", "closed": []}]  # fmt: skip
+    return sources(parts, 1 + len(drives), gravity=GRAVITY, drives=drives, stops=stops,
+                   phases=phases, **tables)  # fmt: skip
+
+
+def spring(**keys: Any) -> Tables:
+    """A spring alone."""
+    return {"springs": {"spring": keys}}
+
+
+def rows(**keys: Any) -> Tables:
+    """A spring with rows that high flights leave."""
+    return spring(joint="gap", coordinate_mm=[-1.0, 1.0], force_N=[1.0, 6.0], **keys)
+
+
+PRESSED = spring(joint="gap", stiffness_N_per_m=2500.0, preload_length_mm=1.4)
+TWISTED = spring(joint="gap", stiffness_N_m_per_rad=0.6, preload_deg=20.0)
+
+
+def pressed(**keys: Any) -> Tables:
+    """A linear spring and another one."""
+    return {"springs": {**PRESSED["springs"], "other": keys}}
+
+
+ANGLES = [30.0 * row for row in range(13)]
+WAVE = [20.0 * math.sin(math.radians(15.0 * row)) ** 4 for row in range(13)]
+TURNED = {"cylinder_angle_deg": ANGLES, "coordinate_mm": [*WAVE[:-1], WAVE[0]]}
+PIECES = {"rise_deg": 100.0, "dwell_deg": 60.0, "return_deg": 120.0, "lift_mm": 20.0}
+KINDS: dict[str, tuple[Callable[[Tables], Sources], Tables]] = {
+    "linear spring": (sliding, PRESSED),
+    "torsion spring": (turning, TWISTED),
+    "rows": (sliding, rows()),
+    "rows, smooth": (sliding, rows(interpolation="smooth")),
+    "rows, linear": (sliding, rows(interpolation="linear")),
+    "rows from the seat on": (sliding, spring(joint="gap", coordinate_mm=[0.0, 0.5],
+                                              force_N=[3.5, 5.0])),
+    "rows with a kink": (sliding, spring(joint="gap", coordinate_mm=[0.0, 0.3, 4.0],
+                                         force_N=[1.0, 2.5, 30.0], interpolation="linear")),
+    "rows of a hinge": (turning, spring(joint="gap", coordinate_deg=[-1.0, 3.0],
+                                        torque_N_m=[0.19, 0.22])),
+    "rows of the drive": (
+        sliding,
+        pressed(joint="base", force_N=[0.0, 10.0], coordinate_mm=[-1.0, 21.0]),
+    ),
+    "rows as long as the stroke": (
+        sliding,
+        pressed(joint="base", force_N=[0.0, 10.0], coordinate_mm=[0.0, 20.0]),
+    ),
+    "rows that the drive leaves": (sliding, pressed(joint="base", force_N=[0.0, 10.0],
+                                                    coordinate_mm=[-1.0, 19.0])),
+    "spring between points": (sliding, spring(
+        frame_a="anchor", frame_b="mass", free_length_mm=512.0, stiffness_N_per_m=900.0)),
+    "points that meet": (sliding, pressed(frame_a="pole", frame_b="mass", free_length_mm=5.0,
+                                          stiffness_N_per_m=40.0)),
+    "drive and stop of one name": (sliding, {"moved_by": "seat", **PRESSED}),
+    "damper": (sliding, PRESSED | {"dampers": {"d": {"joint": "gap", "damping_N_s_per_m": 4.0}}}),
+    "damper of a hinge": (turning, TWISTED | {
+        "dampers": {"d": {"joint": "gap", "damping_N_m_s_per_rad": 1e-3}}}),
+    "damper between points": (sliding, PRESSED | {
+        "dampers": {"d": {"frame_a": "anchor", "frame_b": "mass", "damping_N_s_per_m": 4.0}}}),
+    "force orifice": (sliding, PRESSED | {
+        "forces": {"oil": {"joint": "gap", "law": "orifice", "c_N_s2_per_m2": 3.0}}}),
+    "restitution falling": (sliding, PRESSED | {
+        "seat": {"restitution_law": {"law": "falling", "fast": 0.1, "scale": 0.5}}}),
+    "stop screw": (sliding, PRESSED | {
+        "seat": {"adjusted": {"law": "screw", "pitch_mm": 1.5, "turns": 2.0}}}),
+    "stop of a hinge elsewhere": (turning, TWISTED | {"seat": {"at_deg": 2.0}}),
+    "drive fourier": (turning, TWISTED),
+    "drive cam": (sliding, PRESSED | {"base": {"law": "cam", "motion": "cycloidal", **PIECES}}),
+    "drive table": (sliding, PRESSED | {"base": {"law": "table", **TURNED}}),
+    "drive oscillating_guide": (turning, TWISTED | {
+        "base": {"law": "oscillating_guide", "crank_radius_mm": 20.0, "guide_axis_mm": [0.0, 0.0],
+                 "crank_axis_mm": [150.0, 0.0]}}),
+    "drive geared": (turning, TWISTED | {"base": {"law": "geared", "of": "wheel", "ratio": -0.5}}),
+    "drive constant_speed": (turning, TWISTED | {"base": {"law": "constant_speed", "ratio": 1.0}}),
+    "drive screw": (sliding, PRESSED | {"base": {"law": "screw", "lead_mm_per_turn": 3.0}}),
+}  # fmt: skip
+
+# Machines that the reduced engine does not follow, and those with cases that neither does.
+DIRECT = {"force orifice", "restitution falling", "drive screw", "points that meet"}
+REFUSED = {"rows", "rows, linear", "rows, smooth", "rows from the seat on", "rows of a hinge",
+           "rows that the drive leaves", "rows with a kink", "points that meet"}  # fmt: skip
+QUICK = {
+    "drive and stop of one name",
+    "rows, linear",
+    "rows from the seat on",
+    "rows that the drive leaves",
+    "stop screw",
+}
+
+
+def both(name: str) -> tuple[TurnTable, TurnTable]:
+    """A machine with as many cases as the direct engine does, and with one more."""
+    make, tables = KINDS[name]
+    mechanism = from_sources("small", *make(tables), ".")
+    few, many = (
+        turn_table(mechanism, speed_rpm=SPEEDS[:count], turns=3, rest_rate=1e-3, torques=True)
+        for count in (TURNS_PAY_FROM - 1, TURNS_PAY_FROM)
+    )
+    return few, many
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(key, marks=[] if key in QUICK else [pytest.mark.slow]) for key in KINDS]
+)
+def test_the_number_of_cases_changes_no_answer(name: str) -> None:
+    few, many = both(name)
+    assert few.why.startswith("direct")
+    assert many.why.startswith("direct" if name in DIRECT else "reduced")
+    assert ("failed" in few.outcome) == (name in REFUSED)
+    for i, outcome in enumerate(few.outcome):
+        assert outcome == many.outcome[i]
+        if outcome == "failed":
+            assert few.message[i] == many.message[i]
+            continue
+        for quantity in turn_names(few.mechanism, drives=True):
+            if "error" not in quantity:
+                one, other, most = difference(few, many, i, quantity)
+                assert one == pytest.approx(other, rel=0.0, abs=most, nan_ok=True), quantity
+
+
+def difference(few: TurnTable, many: TurnTable, i: int, name: str) -> tuple[float, float, float]:
+    """A quantity of a case in both tables, and the most by which it may differ."""
+    item, part = of_turn(name, few.mechanism)
+    column = item.column
+
+    def stated(*columns: str) -> float:
+        found = [getattr(table, f"{key}_error") for table in (few, many) for key in columns]
+        return float(np.nansum([(errors[part] if part else errors)[i] for errors in found]))
+
+    one, other = (float(table.quantity(name)[i]) for table in (few, many))
+    room = 64.0 * EPS * max(abs(one), 1.0)
+    if column in ("collisions", "repeats_after"):
+        return one, other, 0.0
+    if column.startswith("clamped"):
+        # Of the direct engine the errors are those of the events between which it is clamped.
+        turn = 60.0 / float(few.speed_rpm[i])
+        room += stated("clamped_time") / turn + stated(*ENDS) / 40.0
+        return one, other, room * (turn if column == "clamped_time" else 1.0)
+    if column.endswith("clamping_force"):
+        return one, other, stated("clamping_force") + FORCE * float(few.largest_clamping_force[i])
+    if column == "largest_torque":
+        room += FORCE * abs(one)
+    return one, other, room + stated(column)
+
+
+def with_rows(e62: Mechanism, end_m: float) -> Mechanism:
+    """The E62 with its spring as two rows, of which a later one ends what is known of it."""
+    (linear,) = e62.springs
+    ends = np.array([0.0, end_m])
+    forces = linear.stiffness * (linear.preload + ends)
+    rows = Characteristic(coordinate=tuple(ends), force=tuple(forces))
+    table = TabulatedSpring(name="steeve", index=linear.index, characteristic=rows)
+    return replace(e62, springs=(), tabulated_springs=(table,))
+
+
+@pytest.mark.parametrize(("rows", "engine"), [(False, "reduced"), (True, "direct")])
+def test_transitions(rows: bool, engine: str, e62: Mechanism) -> None:
+    """A table of a spring is the direct engine's, whatever the number of cases."""
+    mechanism = with_rows(e62, 3.9e-3) if rows else e62
+    speeds = np.append([1300.0, 1200.0] * rows, np.linspace(520.0, 680.0, REDUCED_PAYS_FROM))
+    few, many = (
+        transition_table(mechanism, speed_rpm=speeds[:count], rest_rate=1e-3)
+        for count in (REDUCED_PAYS_FROM - 1, REDUCED_PAYS_FROM)
+    )
+    assert {*few.engine} == {"direct"}
+    assert {*many.engine} == {engine}
+    assert few.outcome.tolist() == [*["failed"] * 2 * rows, *["at_rest"] * (len(few) - 2 * rows)]
+    agree(few, many)
+
+
+def test_transitions_of_turns(e62: Mechanism) -> None:
+    """Where a machine does not arrive as a transition assumes, by whole turns of either engine."""
+    mechanism = with_rows(e62, 4.2e-3)
+    speeds = np.append(1500.0, np.linspace(800.0, 980.0, FALSE_PREMISES_PAY_FROM))
+    few, many = (
+        transition_table(mechanism, speed_rpm=speeds[:count], rest_rate=1e-3)
+        for count in (FALSE_PREMISES_PAY_FROM, FALSE_PREMISES_PAY_FROM + 1)
+    )
+    assert {*few.engine[1:]} == {"turn"}
+    assert {*many.engine[1:]} == {"reduced_turn"}
+    assert few.outcome.tolist() == ["failed", *["at_rest"] * (len(few) - 1)]
+    assert "the rows of its table go from 0 to 4.2 mm" in few.message[0]
+    agree(few, many)
+
+
+def agree(few: TransitionTable, many: TransitionTable) -> None:
+    """Both refuse the same cases by the same words; the others agree within their errors."""
+    same = slice(0, len(few))
+    assert few.outcome.tolist() == many.outcome[same].tolist()
+    assert few.collisions.tolist() == many.collisions[same].tolist()
+    failed = few.outcome == "failed"
+    assert [few.message[i] for i in np.flatnonzero(failed)] == [
+        many.message[i] for i in np.flatnonzero(failed)
+    ]
+    for name, error in (
+        ("duration", "duration_error"),
+        ("time", "time_error"),
+        ("approach_rate", "rate_error"),
+        ("impulse", "impulse_error"),
+    ):
+        one, other = (getattr(table, name)[same] for table in (few, many))
+        most = sum(getattr(table, error)[same] for table in (few, many)) + 64.0 * EPS * abs(one)
+        assert (np.isnan(one) == np.isnan(other)).all()
+        assert not (np.abs(one - other) > most).any(), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [TURNS_PAY_FROM - 1, TURNS_PAY_FROM])
+def test_a_drive_and_a_stop_of_one_name(count: int, tmp_path: Path) -> None:
+    """A sweep has what a table has, by either engine, and so has a comparison of two runs."""
+    shutil.copytree(CLASH, tmp_path / CLASH.name)
+    file = tmp_path / CLASH.name / f"{CLASH.name}.toml"
+    roof = '[stops.roof]\njoint = "gap"\nside = "upper"\nat_mm = 60.0\nrestitution = 0.2\n'
+    file.write_text(file.read_text(encoding="utf-8") + roof, encoding="utf-8")
+    speeds = np.linspace(640.0, 650.0, count)
+    names = ["clamped_share", "collisions_cam", "largest_torque_N_cam"]
+    study = tmp_path / "study.toml"
+    study.write_text(
+        f'format = 1\ntitle = "names"\nmodel = "{file.parent}"\nquantities = {names}\n'
+        '[case]\nwindow = "cycle"\nturns = 3\nrest_rate = 1e-3\n'
+        f"[parameters.speed_rpm]\nvalues = {speeds.tolist()}\n",
+        encoding="utf-8",
+    )
+    mechanism = load(file.parent)
+    table = turn_table(mechanism, speed_rpm=speeds, torques=True, turns=3, rest_rate=1e-3)
+    assert {*table.engine} == {"direct" if count < TURNS_PAY_FROM else "reduced"}
+    sweep(study, tmp_path / "rows", workers=1)
+    rows = read_sweep(tmp_path / "rows").to_frame("pyarrow")
+    for name in names:
+        np.testing.assert_array_equal(rows[name].to_numpy(), table.quantity(name))
+    case = Case(speed_rpm=640.0, window="cycle", cycles=3, rest_rate=1e-3)
+    found = compare(*(simulate(mechanism, replace(case, speed_rpm=rpm)) for rpm in speeds[[0, -1]]))
+    for name in names[:2]:
+        row = found.row(name)
+        assert [row.a, row.b] == pytest.approx(table.quantity(name)[[0, -1]], rel=1e-8)
+
+
+def test_no_kind_is_left_out() -> None:
+    """All laws of the package, all keys of springs, dampers and stops, all ways to join rows."""
+    used = [make(tables)[1] for make, tables in KINDS.values()]
+
+    def found(room: str) -> list[Tables]:
+        return [table for document in used for table in document.get(room, {}).values()]
+
+    def laws(tables: list[Tables]) -> set[str]:
+        return {table["law"] for table in tables}
+
+    adjusted = [stop["adjusted"] for stop in found("stops") if "adjusted" in stop]
+    restitution = [stop["restitution_law"] for stop in found("stops") if "restitution_law" in stop]
+    assert laws(found("drives")) == own(DRIVES)
+    assert laws(found("forces")) == own(FORCES)
+    assert laws(restitution) == own(RESTITUTIONS)
+    assert laws(adjusted) == own(STOPS)
+    joined = {table.get("interpolation") for table in found("springs")}
+    assert joined == {None, *get_args(Interpolation)}
+    # A file holds the same rows; a contact is a lever only, and the E62 has one.
+    for room, kind, others in (
+        ("springs", SpringDescription, {"file"}),
+        ("dampers", DamperDescription, set()),
+        ("stops", StopDescription, {"contact"}),
+    ):
+        assert set().union(*found(room)) == {*kind.__struct_fields__} - others
+
+
+def own(register: Register[Any]) -> set[str]:
+    """Laws of the package, without those that other tests have added."""
+    tables = register.tables().items()
+    return {name for name, table in tables if table.__module__.startswith("nipper_pin.")}
