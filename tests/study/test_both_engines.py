@@ -192,7 +192,7 @@ def both(name: str) -> tuple[TurnTable, TurnTable]:
     make, tables = KINDS[name]
     mechanism = from_sources("small", *make(tables), ".")
     few, many = (
-        turn_table(mechanism, speed_rpm=SPEEDS[:count], turns=3, rest_rate=1e-3, torques=True)
+        turn_table(mechanism, speed_rpm=SPEEDS[:count], turns=2, rest_rate=1e-3, torques=True)
         for count in (TURNS_PAY_FROM - 1, TURNS_PAY_FROM)
     )
     return few, many

@@ -185,7 +185,6 @@ def _until_repeated(
         if solution.outcome is Outcome.TOO_MANY_COLLISIONS:
             return solution, None
         turn = reported_turn(solution, least_force)
-        # Rebounds at the end of the last turn are only known from the next one.
-        if cycles == case.cycles or (turn.repeats_after and turn.number < cycles):
+        if cycles == case.cycles or turn.repeats_after:
             return solution, turn
         cycles = min(_MORE_TURNS * cycles, case.cycles)

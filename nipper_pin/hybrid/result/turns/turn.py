@@ -104,7 +104,7 @@ class Turn:
     def largest_gap(self) -> float | None:
         """Largest gap of its rebounds, those that end at the stop itself [rad or m].
 
-        One that is slower than ``rest_rate`` is none.
+        It counts in the turn in which it ends. One that is slower than ``rest_rate`` is none.
         """
         hit = self._highest
         return None if hit is None else hit.rebound_amplitude
@@ -185,15 +185,20 @@ class Turn:
 
     @cached_property
     def _highest(self) -> Collision | None:
-        """The collision with the highest rebound that ends at its own stop."""
-        own = [(hit.rebound_amplitude, hit) for hit in self._hits if self._ends_there(hit)]
+        """The collision with the highest rebound that ends in the turn, at its own stop."""
+        own = [
+            (hit.rebound_amplitude, hit)
+            for hit in self.solution.collisions
+            if hit.stop == self._stop and self._ends_there(hit)
+        ]
         known = [(height, hit) for height, hit in own if height is not None]
         return max(known, key=lambda item: item[0])[1] if known else None
 
     def _ends_there(self, hit: Collision) -> bool:
-        """Whether a collision has a rebound, and no other stop is struck before it ends."""
+        """Whether a rebound ends in the turn, and no other stop is struck before."""
+        begin, over = self._span
         end, left_out = hit.rebounds.until(hit.event, hit.stop)
-        if end is None or end is hit.event:
+        if end is None or end is hit.event or not begin <= end.t < over:
             return False
         if left_out is not None and self.solution.case.rest_rate is not None:
             return False
