@@ -24,12 +24,12 @@ class ConstraintSet:
 
     Attributes:
         closed: Names of the closed stops.
-        shut: The closed stops.
+        shut: The closed stops, of those that close together their leader.
         stops: Their coordinates.
         columns: The same as an index, a slice where that is possible.
         places: Where they hold these coordinates, shape (closed,) [rad or m].
         senses: Direction in which each pushes, 1 or -1, shape (closed,).
-        open: The other stops.
+        open: The other stops, likewise.
         given: Held drives and closed stops: never dependent through the closures.
         yielding: Driven coordinates that forces move; independent as far as closures allow it.
         armature: Inertia added to each joint in flight, shape (nv,).
@@ -77,7 +77,8 @@ def constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool) 
 
 
 def _constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool) -> ConstraintSet:
-    shut = tuple(stop for stop in mechanism.stops if stop.name in closed)
+    leaders = [stop for stop in mechanism.stops if not stop.leader]
+    shut = tuple(stop for stop in leaders if stop.name in closed)
     stops = tuple(stop.index for stop in shut)
     drives = tuple(drive.index for drive in mechanism.drives)
     # Elastic drive trains prescribe nothing: with all stops closed their coordinates may depend on
@@ -101,7 +102,7 @@ def _constraint_set(mechanism: Mechanism, closed: frozenset[str], *, held: bool)
         columns=column_index(np.array(stops, dtype=np.intp)),
         places=np.array([stop.at for stop in shut]),
         senses=np.array([stop.sense for stop in shut]),
-        open=tuple(stop for stop in mechanism.stops if stop.name not in closed),
+        open=tuple(stop for stop in leaders if stop.name not in closed),
         given=given,
         yielding=yielding,
         armature=armature,

@@ -10,7 +10,9 @@ from ..dynamics.system import System
 from ..errors import InputError
 from ..mechanism import Mechanism, need_mechanism
 from ..mechanism.cylinder import rad_s_from_rpm
+from ..mechanism.parallel import led
 from .case import Case, Window
+from .parallel import for_all
 from .result.solution import Solution
 from .run.phase_manager import PhaseManager
 from .run.start import start_of
@@ -43,16 +45,17 @@ def simulate(
     cylinder = mechanism.cylinder
     angle = cylinder.angle_at_touch_rad if touching else cylinder.angle_from_index(case.start_index)
     shaft = ShaftMotion(mechanism, rad_s_from_rpm(case.speed_rpm), angle)
-    system = System(mechanism, shaft, case.drive)
+    system = System(led(mechanism), shaft, case.drive)
     before = system.body.evaluations
     manager = PhaseManager(system, case, start_of(system, case))
     outcome, repeated = (transition(manager), None) if touching else turns(manager, progress)
+    events, segments = for_all(mechanism, manager.events, manager.segments)
     return Solution(
         mechanism=mechanism,
         case=case,
         shaft=shaft,
-        events=tuple(manager.events),
-        segments=tuple(manager.segments),
+        events=events,
+        segments=segments,
         outcome=outcome,
         evaluations=system.body.evaluations - before,
         wall_s=time.perf_counter() - began,

@@ -184,6 +184,8 @@ class Stop:
         sense: 1 for a lower limit, -1 for an upper one: the direction W_N in which it pushes.
         at: Coordinate at which the stop is closed [rad or m].
         law: How the restitution depends on the rate of approach; None if it does not.
+        leader: Stop that closes together with it and is followed for both; empty if none is.
+        ratio: Rate of its gap by that of the leader's [1, m/rad or rad/m].
     """
 
     name: str
@@ -193,6 +195,8 @@ class Stop:
     sense: float = 1.0
     at: float = 0.0
     law: RestitutionLaw | None = None
+    leader: str = ""
+    ratio: float = 1.0
 
     @property
     def lever(self) -> float:

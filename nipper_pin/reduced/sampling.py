@@ -63,6 +63,9 @@ def unfit(mechanism: Mechanism, drive: DriveMode | str = DriveMode.HELD) -> str 
         *(f"{item.kind} {item.name} between two points" for item in mechanism.struts),
         *(f"{item.kind} {item.name}" for item in mechanism.forces),
     ]
+    pair = next((f"{stop.leader} and {stop.name}" for stop in mechanism.stops if stop.leader), "")
+    if pair:
+        return f"the reduced engine has one stop where {pair} close both"
     law = next((stop.name for stop in mechanism.stops if stop.law is not None), None)
     if law is not None:
         return f"the reduced engine has constant restitutions, and stop {law!r} has a law"

@@ -99,6 +99,46 @@ def mirrored_jaws(name: str) -> None:
     assert solution.outcome is nip.Outcome.COMPLETED
 
 
+def grips(name: str, place_m: float, *stops: str) -> None:
+    """Jaws of 0.2 and 0.3 kg on one rack, drawn by 300 N/m with 30 mm of preload to a stop, or two.
+
+    x = l (cos(w t) - 1), w^2 = k / m, after a rebound x = -l + A cos(w t - phase): so are all
+    flights, whose times add up.
+    """
+    preload, omega, restitution = 0.03, math.sqrt(300.0 / 0.5), 0.3
+    above = preload - place_m
+    t = math.acos(above / preload) / omega
+    rate = omega * math.sqrt(preload**2 - above**2)
+    solution = run(name)
+    first = solution.collisions[0]
+    assert first.t == pytest.approx(t, rel=1e-12)
+    assert sum(first.event.P_N.values()) == pytest.approx(1.3 * 0.5 * rate, rel=1e-12)
+    while rate > 1e-12:
+        rate *= restitution
+        t += 2.0 * math.atan2(rate, omega * above) / omega
+    (rest,) = (event for event in solution.events if event.kind is nip.EventKind.REST)
+    assert sorted(rest.stops) == sorted(stops)
+    assert rest.t == pytest.approx(t, rel=1e-11)
+    forces = solution.trajectory.reactions(0.5).contacts
+    whole = 300.0 * above / len(stops)
+    assert [forces[stop][0] for stop in stops] == pytest.approx([whole] * len(stops), rel=1e-12)
+    share = nip.turn_table(solution.mechanism, speed_rpm=60.0, turns=1).clamped_share[0]
+    assert share == pytest.approx((1.0 - t) * ("s1" in stops), rel=1e-9)
+
+
+def lies_down(name: str) -> None:
+    """A parallelogram strikes at 145.768 ms and rests at 284.838 ms, with one stop or with two."""
+    solution = run(name)
+    assert solution.collisions[0].t == pytest.approx(0.145768, abs=5e-7)
+    (rest,) = (event for event in solution.events if event.kind is nip.EventKind.REST)
+    assert rest.stops == tuple(stop.name for stop in solution.mechanism.stops)
+    assert rest.t == pytest.approx(0.284838, abs=5e-7)
+    (transition,) = solution.transitions
+    assert transition.duration == pytest.approx(0.139070, abs=5e-7)
+    share = nip.turn_table(solution.mechanism, speed_rpm=60.0, turns=1).clamped_share[0]
+    assert share == pytest.approx(0.71516, abs=5e-6)
+
+
 def falls(name: str) -> None:
     """What nothing stops falls by g t^2 / 2."""
     solution = run(name)
@@ -302,12 +342,17 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "ecc_graze": barely_jumps,
     "ecc_jump_stopname": jumps,
     "fb_yaxis": lambda name: four_bar(name, -1.0),
+    "grip_both_closed": lambda name: grips(name, 0.012, "s1", "s2"),
+    "grip_first": lambda name: grips(name, 0.011, "s2"),
+    "grip_same": lambda name: grips(name, 0.012, "s1", "s2"),
     "lip_on_parent": stays_shut,
     "lips_mesh_mesh_slide": lambda name: carried(name, 2.0 * GRAVITY, 1.0),
     "forty_balls_apart": each_ball_as_alone,
     "mirror_gripper": mirrored_jaws,
     "name_clash": shares_a_name,
     "onshape_fivebar_6": five_bar,
+    "par_one_stop": lies_down,
+    "par_two_stops": lies_down,
     "sequential_heavy_light": slows_too_little,
     "spring_pad_3rows": bends,
     "sw_fourbar_16": whole_four_bar,

@@ -25,7 +25,7 @@ def motion_at(solution: Solution, event: Event) -> Motion:
     Raises:
         SimulationError: The motion cannot be followed to the time of a rest.
     """
-    system, t = solution.system, event.t
+    system, t = solution.led_system, event.t
     q, v = event.q, event.v_after
     if event.kind is EventKind.REST:
         if solution.segments and t <= solution.segments[-1].t_end:
@@ -33,7 +33,8 @@ def motion_at(solution: Solution, event: Event) -> Motion:
         began = found_after(solution.events, event).t
         _, jacobian = system.body.closures(q[None])
         motion = system.shaft.driven_at(began)
-        start = State(began, q, v, jacobian[0], motion, event.closed_after)
+        closed = solution.led_events[event.number - 1].closed_after
+        start = State(began, q, v, jacobian[0], motion, closed)
         reached, _ = go_on(system, solution.case, start, t)
         if reached is not None:
             q, v = reached.q, reached.v

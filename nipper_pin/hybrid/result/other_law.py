@@ -29,8 +29,8 @@ def law_that_matters(solution: Solution) -> str:
         solution: The solution. Only impacts at two stops or more that share a motion are looked at,
             until the first one that differs.
     """
-    system, law = solution.system, solution.mechanism.simultaneous
-    for event in solution.events:
+    system, law = solution.led_system, solution.mechanism.simultaneous
+    for event in solution.led_events:
         if event.kind is not EventKind.COLLISION or event.source != event.number:
             continue
         for stops in system.apart([solution.mechanism.stop(name) for name in event.P_N]):

@@ -52,7 +52,7 @@ def premise_of(solution: Solution) -> Premise:
     """
     if solution.case.window is not Window.TRANSITION:
         return Premise(None, "Whole turns assume nothing of how the machine arrives.")
-    system, touch = solution.system, solution.events[0]
+    system, touch = solution.led_system, solution.led_events[0]
     reason = _unanswerable(system, touch)
     if reason:
         return Premise(None, reason)
@@ -72,7 +72,7 @@ def premise_of(solution: Solution) -> Premise:
         return Premise(None, f"The turn cannot be followed to the next touch: {error.message}")
     if end is None:
         return Premise(None, "The turn has too many collisions to be followed to the next touch.")
-    return _judged(system, touch, end, (*solution.events, *events))
+    return _judged(system, touch, end, (*solution.led_events, *events))
 
 
 def _unanswerable(system: System, touch: Event) -> str:
@@ -88,7 +88,7 @@ def _unanswerable(system: System, touch: Event) -> str:
 
 def _end(solution: Solution) -> State:
     """State at the end of a run, from which it can be followed on."""
-    system, last = solution.system, solution.events[-1]
+    system, last = solution.led_system, solution.led_events[-1]
     t, q, v = last.t, last.q, last.v_after
     if solution.segments:
         t = solution.segments[-1].t_end

@@ -66,7 +66,7 @@ def _left_out(
 ) -> ReboundError:
     """Errors of a rebound that the run did not follow: those of its rate, and of its own flight."""
     index = solution.mechanism.stop(hit.stop).index
-    maps, last = LinearMaps(solution.system, solution.events), flown[-1]
+    maps, last = LinearMaps(solution.led_system, solution.led_events), flown[-1]
     own = [maps.flight(segment).own for segment in flown if segment.t_end > segment.t_start]
     _, v = last.panels[-1].interpolate_at(last.t_end)
     rate = abs(float(v[index]))

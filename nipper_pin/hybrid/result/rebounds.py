@@ -28,6 +28,7 @@ class Rebounds:
         segments: Segments in order of time.
         events: Events in order of time.
         case: The case, for motion that a run has left out.
+        led: The system with leaders alone; by default the same.
     """
 
     def __init__(
@@ -36,9 +37,10 @@ class Rebounds:
         segments: Sequence[Segment],
         events: Sequence[Event],
         case: Case,
+        led: System | None = None,
     ) -> None:
         """Store what a rebound is looked up in."""
-        self._system, self._case = system, case
+        self._system, self._case, self._led = system, case, led or system
         self._segments, self._events = segments, events
         self._starts = [segment.t_start for segment in segments]
         self._highest_gaps: dict[tuple[int, str], float] = {}
@@ -109,27 +111,28 @@ class Rebounds:
         return self._flights[key]
 
     def _flight(self, event: Event, stop: Stop) -> tuple[Segment, ...]:
-        system = self._system
-        closed = event.closed_after - {stop.name}
+        system, leader = self._led, stop.leader or stop.name
+        leaders = {item.name for item in system.mechanism.stops}
+        closed = (event.closed_after & leaders) - {leader}
         motion = system.shaft.driven_at(event.t)
         q, v = event.q, event.v_after
         phase = system.constraint_set(closed)
         a = system.accelerations(motion, q[None], v[None], phase)[0]
         _, jacobian = system.body.closures(q[None])
         start = State(event.t, q, v, jacobian[0], motion, closed)
-        limit, part = event.t + system.shaft.period, system.coupled([stop.name])
+        limit, part = event.t + system.shaft.period, system.coupled([leader])
         reached = advance(system, start, a, limit, self._case.resolution, watched=part)
         struck = [trigger.stop for trigger in reached.triggers]
-        if stop.name in struck or not struck:
+        if leader in struck or not struck:
             return (reached.segment,) if struck else ()
         # Of stops that bounce in step another one is back first.
-        return _past_others(PhaseManager(system, self._case, start), stop, limit)
+        return _past_others(PhaseManager(system, self._case, start), leader, limit)
 
 
-def _past_others(manager: PhaseManager, stop: Stop, limit: float) -> tuple[Segment, ...]:
+def _past_others(manager: PhaseManager, name: str, limit: float) -> tuple[Segment, ...]:
     """Motion until a stop is struck, past events of other stops; empty if it is not."""
     while manager.step(limit):
-        if any(stop.name in event.P_N for event in manager.events):
+        if any(name in event.P_N for event in manager.events):
             return tuple(manager.segments)
     return ()
 

@@ -10,10 +10,12 @@ from ...arrays import FloatArray
 from ...dynamics.shaft import ShaftMotion
 from ...dynamics.system import System
 from ...mechanism import Mechanism
+from ...mechanism.parallel import led
 from ..case import Case
 from ..event import Event
 from ..run.outcome import Outcome
 from ..segment import Segment
+from .rebounds import Rebounds
 from .tables import (
     Collision,
     PhaseInterval,
@@ -125,6 +127,21 @@ class Solution:
         return System(self.mechanism, self.shaft, self.case.drive)
 
     @cached_property
+    def led_system(self) -> System:
+        """The system that was followed: of stops that close together it has the leader."""
+        alone = led(self.mechanism)
+        if alone is self.mechanism:
+            return self.system
+        return System(alone, self.shaft, self.case.drive)
+
+    @cached_property
+    def led_events(self) -> tuple[Event, ...]:
+        """The events of that system."""
+        from ..parallel import of_leaders
+
+        return of_leaders(self.mechanism, self.events)
+
+    @cached_property
     def trajectory(self) -> Trajectory:
         """Dense motion and forces at any time."""
         from .trajectory import Trajectory
@@ -134,7 +151,8 @@ class Solution:
     @cached_property
     def collisions(self) -> tuple[Collision, ...]:
         """Collisions with their rebounds."""
-        return collision_table(self.system, self.segments, self.events, self.case)
+        rebounds = Rebounds(self.system, self.segments, self.events, self.case, self.led_system)
+        return collision_table(self.system, self.events, rebounds)
 
     @cached_property
     def phases(self) -> tuple[PhaseInterval, ...]:
@@ -183,8 +201,10 @@ class Solution:
     def errors(self) -> tuple[EventError, ...]:
         """Estimated errors of the events, in their order."""
         from ..error_estimate.event_errors import event_errors
+        from ..parallel import errors_for_all
 
-        return event_errors(self.system, self.segments, self.events)
+        found = event_errors(self.led_system, self.segments, self.led_events)
+        return errors_for_all(self.mechanism, found)
 
     @cached_property
     def energy(self) -> EnergyBalance:

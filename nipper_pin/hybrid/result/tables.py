@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...dynamics.system import System
-from ..case import Case
 from ..event import Event, EventKind
-from ..segment import Segment
 from .rebounds import Rebounds
 
 
@@ -91,13 +89,9 @@ class Transition:
 
 
 def collision_table(
-    system: System,
-    segments: Sequence[Segment],
-    events: Sequence[Event],
-    case: Case,
+    system: System, events: Sequence[Event], rebounds: Rebounds
 ) -> tuple[Collision, ...]:
     """Collisions of a run, in order of time; of stops that are struck at once in their order."""
-    rebounds = Rebounds(system, segments, events, case)
     table: list[Collision] = []
     for event in events:
         if event.kind is not EventKind.COLLISION:

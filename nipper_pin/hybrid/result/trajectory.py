@@ -12,6 +12,7 @@ from ...dynamics.system import System
 from ...errors import InputError
 from ...given import refuse
 from ...mechanism import Mechanism
+from ...mechanism.parallel import force_shares
 from ..event import Event
 from ..motion.panel import Panel, forces_at, state_at
 from ..segment import Segment
@@ -134,14 +135,16 @@ class Trajectory:
         cuts = np.empty((count, len(mechanism.closures), 2))
         torques = np.empty((count, len(mechanism.drives)))
         stops = np.zeros((count, len(mechanism.stops)))
+        places = {stop.name: i for i, stop in enumerate(mechanism.stops)}
         lips, levers = _with_point(mechanism)
         for segment, panel, chosen in self._groups(times, left):
             phase = self.system.constraint_set(segment.closed)
             q, v, a_chosen, forces = forces_at(self.system, phase, panel, times[chosen])
             a[chosen] = a_chosen
             torques[chosen] = forces.drive
-            closed = [i for i, stop in enumerate(mechanism.stops) if stop.name in segment.closed]
-            stops[np.ix_(chosen, closed)] = forces.la_N
+            for column, stop in enumerate(phase.shut):
+                for name, share in force_shares(mechanism.stops, stop.name).items():
+                    stops[chosen, places[name]] = share * forces.la_N[:, column]
             pulls = self.system.point_forces(q, v)
             for row, place in enumerate(chosen):
                 wrenches[place], cuts[place] = body.joint_wrenches(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,16 +18,18 @@ from ..files.side_view import side_view_text
 from ..files.toml_text import need_plain_text
 from ..files.urdf import check_urdf, parse_xml
 from ..files.urdf_parts import Urdf
-from ..mechanism import Closure, Coupling, Drive, Joint, Mechanism, Phase
+from ..mechanism import Closure, Coupling, Drive, Joint, Mechanism, Phase, Stop
+from ..parallel import together
 from .closing import close_gaps
 from .drive_keys import check_drive
 from .elements import build_elements
 from .laws import build_cylinder, build_laws
+from .parallel import with_leaders
 from .placements import joint_placements
 from .slots import block_of, check_frames, with_blocks
 from .starts import build_starts
 from .stops import build_stops
-from .touch_checks import Held, check_assembly
+from .touch_checks import check_assembly, held_by
 from .tree import (
     Tree,
     build_model,
@@ -67,11 +70,11 @@ def build_mechanism(
     drives = _drives(description, laws, by_name, cylinder.angle_at_touch_rad, file)
     elements = build_elements(description, by_name, tree.urdf, tree.model, file)
     couplings = _couplings(tree.urdf, by_name)
-    phases = _phases(description, file)
     stops = build_stops(description, by_name, tree)
     _check_shortcuts(description.shortcuts, data, tree.urdf, file)
     closures = close_gaps(_closures(description), stops, tree)
-    held = Held(closures, couplings, drives, stops)
+    held = with_leaders(held_by(tree, closures, couplings, drives, stops), tree)
+    phases = _phases(description, held.stops, file)
     check_assembly(tree, held, phases, description.degrees_of_freedom)
     return Mechanism(
         name=name,
@@ -85,7 +88,7 @@ def build_mechanism(
         dampers=elements.dampers,
         struts=elements.struts,
         forces=_forces(description, by_name, file),
-        stops=stops,
+        stops=held.stops,
         phases=phases,
         simultaneous=description.simultaneous,
         transition_stop=description.transition_stop,
@@ -199,8 +202,11 @@ def _forces(
     return build_forces(description.forces, joints, file)
 
 
-def _phases(description: Description, file: str) -> tuple[Phase, ...]:
-    """Return the phases; numbers and sets of closed stops must differ."""
+def _phases(description: Description, stops: Sequence[Stop], file: str) -> tuple[Phase, ...]:
+    """Return the phases; numbers and sets of closed stops must differ.
+
+    What closes together with a stop of a phase belongs to it.
+    """
     phases: list[Phase] = []
     for place, phase in enumerate(description.phases):
         key = f"phases[{place}]"
@@ -223,7 +229,7 @@ def _phases(description: Description, file: str) -> tuple[Phase, ...]:
         raise ModelError(
             file=file, key="initial_phase", value=description.initial_phase, allowed=allowed
         )
-    return tuple(phases)
+    return tuple(replace(item, closed=together(stops, item.closed)) for item in phases)
 
 
 def _check_shortcuts(

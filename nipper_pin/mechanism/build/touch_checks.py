@@ -79,12 +79,33 @@ class Held(NamedTuple):
         couplings: The joints that follow others.
         drives: The driven joints.
         stops: The stops.
+        jacobian: Of closures and couplings in the touch configuration, by coordinates in their
+            units, shape (rows, nv).
     """
 
     closures: Sequence[Closure]
     couplings: Sequence[Coupling]
     drives: Sequence[Drive]
-    stops: Sequence[Stop]
+    stops: tuple[Stop, ...]
+    jacobian: FloatArray
+
+
+def held_by(
+    tree: Tree,
+    closures: Sequence[Closure],
+    couplings: Sequence[Coupling],
+    drives: Sequence[Drive],
+    stops: tuple[Stop, ...],
+) -> Held:
+    """What holds the coordinates of a tree, with the Jacobian of closures and couplings."""
+    joints = tree.joints
+    jacobian = closure_jacobian(closures, joints, tree.urdf, tree.model, tree.placements)
+    followers = _unit([item.index for item in couplings], len(joints))
+    leaders = _unit([item.of for item in couplings], len(joints))
+    multipliers = np.array([item.multiplier for item in couplings]).reshape(-1, 1)
+    jacobian = np.vstack([jacobian, followers - multipliers * leaders])
+    units = units_of(joints, unit_of(reach(tree.model, joints, stops)))
+    return Held(closures, couplings, drives, stops, jacobian * units)
 
 
 def check_assembly(
@@ -103,16 +124,9 @@ def check_assembly(
         ModelError: The mobility is not the stated one, a guide does not stand on its joint, or
             drives or stops contradict the closures.
     """
-    model, joints, placements, file = tree.model, tree.joints, tree.placements, tree.file
-    closures, couplings, drives, stops = held
-    unit_m = unit_of(reach(model, joints, stops))
-    within_m = ASSEMBLY_TOLERANCE_M * written(unit_m)
-    jacobian = closure_jacobian(closures, joints, tree.urdf, model, placements)
-    followers = _unit([item.index for item in couplings], len(joints))
-    leaders = _unit([item.of for item in couplings], len(joints))
-    multipliers = np.array([item.multiplier for item in couplings]).reshape(-1, 1)
-    jacobian = np.vstack([jacobian, followers - multipliers * leaders])
-    jacobian *= units_of(joints, unit_m)
+    joints, file = tree.joints, tree.file
+    closures, couplings, drives, stops, jacobian = held
+    within_m = ASSEMBLY_TOLERANCE_M * written(unit_of(reach(tree.model, joints, stops)))
     names = [f"{closure.name} {axis}" for closure in closures for axis in "xz"]
     names += [f"mimic of joint {item.name}" for item in couplings]
     redundant = dependent_rows(jacobian, names)
@@ -231,7 +245,8 @@ def _check_phases(
     driven = _unit([drive.index for drive in drives], size)
     labels = [*names, *(f"drive {drive.name}" for drive in drives)]
     for place, phase in enumerate(phases):
-        closed = [stop for stop in stops if stop.name in phase.closed]
+        # Those that close with another hold nothing more.
+        closed = [stop for stop in stops if stop.name in phase.closed and not stop.leader]
         rows = np.vstack([jacobian, driven, _unit([stop.index for stop in closed], size)])
         clash = dependent_rows(rows, [*labels, *(f"stop {stop.name}" for stop in closed)])
         if clash:

@@ -19,6 +19,8 @@ def unfit_turns(mechanism: Mechanism) -> str | None:
         return f"the reduced engine needs one degree of freedom in flight, and {free} are left"
     driven = {item.index for item in mechanism.drives}
     for stop in mechanism.stops:
+        if stop.leader:
+            return f"the reduced engine has one stop where {stop.leader} and {stop.name} close both"
         if stop.law is not None:
             return f"the reduced engine has constant restitutions, and stop {stop.name!r} has a law"
         if stop.index in driven:

@@ -131,6 +131,8 @@ def _stops(report: ModelReport, console: Console) -> None:
                 f", meeting at ({x:.2f}, {z:.2f}) mm, normal ({contact.normal[0]:.3f}, "
                 f"{contact.normal[2]:.3f}), lever {_lever(report.mechanism, stop)}"
             )
+        if stop.leader:
+            where += f", closing together with {stop.leader}"
         say(
             console,
             f"stop {stop.name}: restitution {stop.restitution:g}, {where}; smallest force while "

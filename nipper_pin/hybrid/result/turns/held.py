@@ -13,6 +13,7 @@ from numpy.polynomial import chebyshev
 
 from ....arrays import FloatArray
 from ....dynamics.multipliers import Multipliers
+from ....mechanism.parallel import force_shares
 from ....tolerances.hybrid import FORCE_RESOLVED, REAL_ROOT
 from ...motion.panel import Panel, forces_at
 from ...segment import Segment
@@ -92,10 +93,11 @@ def _of_stop(
     solution: Solution, stop: str, segment: Segment, forces: Multipliers
 ) -> FloatArray | None:
     """Force at the contact of a stop, shape (K,); None where it is open."""
-    closed = [item for item in solution.mechanism.stops if item.name in segment.closed]
-    for place, item in enumerate(closed):
-        if item.name == stop:
-            return forces.la_N[:, place] / item.lever
+    item = solution.mechanism.stop(stop)
+    share = force_shares(solution.mechanism.stops, item.leader or stop)[stop]
+    for place, leader in enumerate(solution.system.constraint_set(segment.closed).shut):
+        if leader.name in (stop, item.leader):
+            return share * forces.la_N[:, place] / item.lever
     return None
 
 

@@ -31,8 +31,7 @@ def followed_on(solution: Solution) -> Solution:
     """
     if solution.outcome is not Outcome.AT_REST:
         return solution
-    rest = solution.events[-1]
-    system = solution.system
+    rest, system = solution.led_events[-1], solution.led_system
     try:
         motion = solution.motion_at(rest)
         q, v = motion.q[0], motion.v[0]
