@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 # Letters of the begin and of the end of a message that is longer: a file may hold any word.
 _BEGIN, _END = 3000, 1000
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 def one_line(text: str) -> str:
@@ -32,6 +34,15 @@ def printable(text: str, kept: str = "") -> str:
     return "".join(
         letter if letter.isprintable() or letter in kept else repr(letter)[1:-1] for letter in text
     )
+
+
+def without_numbers(message: str) -> str:
+    """A message with a sign in place of each number: reasons that differ in numbers are one kind.
+
+    Args:
+        message: The message.
+    """
+    return _NUMBER.sub("#", message)
 
 
 class NipperError(Exception):

@@ -159,10 +159,18 @@ def test_an_optimum_that_is_confirmed_or_not() -> None:
     text = told()
     assert "confirmed by turn 4 of the direct engine" in text
     assert "NOT CONFIRMED" not in text
-    wrong = optimum(contradiction="it differs", before=design(2.0, inside=False))
+    refused = SimpleNamespace(values={"duration_s": 0.375}, turns=4, confirmed=False)
+    wrong = optimum(contradiction="it differs", control=refused, before=design(2.0, inside=False))
     text = printed(lambda console: optimise_report.print_optimum(wrong, console), colours=True)
     assert f"{BOLD}NOT CONFIRMED: it differs\x1b[0m" in text
     assert "confirmed by turn" not in text
+    # What the turn refuses is no gain.
+    said = "no confirmed optimum; smallest time to rest of the search alone: 250.0 ms"
+    assert text.count(said) == 2
+    assert "(-12.5 %)" not in text
+    assert "Next: do it" in text
+    refused.values = {}
+    assert "Next" not in printed(lambda console: optimise_report.print_optimum(wrong, console))
     # The limit whose slack is negative, and none that is just kept.
     assert "the model itself breaks: first rebound amplitude at least 2.000 um\n" in text
     assert "breaks" not in told(before=design(2.0))

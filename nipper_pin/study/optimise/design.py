@@ -86,9 +86,4 @@ def _holding(problem: Problem, by: Scales, point: Point) -> tuple[str, ...]:
     """Names of the limits with less than the least room, and of the bounds that are as near."""
     limits = zip(problem.limits, point.slacks, by.limits, strict=True)
     found = [str(limit) for limit, slack, size in limits if slack <= ACTIVE_LIMIT * size]
-    for item, z in zip(problem.parameters, point.z, strict=True):
-        if z <= ACTIVE_LIMIT:
-            found.append(item.bound("low"))
-        if z >= 1.0 - ACTIVE_LIMIT:
-            found.append(item.bound("high"))
-    return tuple(found)
+    return (*found, *problem.bounds_at(point.z))

@@ -36,7 +36,7 @@ class Optimum:
         account: What holds it back.
         descents: Descents by the first aim, the best first.
         screened: Samples of the screen.
-        no_machine: Of these, those that made no machine, and why, each reason once.
+        no_machine: Why some of these made no machine: the first reason of each kind.
         check: Result of differential evolution; None without a global check.
         check_gain: Relative improvement of the first aim that it brought beyond the descents.
         engines: Numbers of usable points by the engine that found their transition or turn:
@@ -103,11 +103,14 @@ class Optimum:
 
     @property
     def case(self) -> Case:
-        """The case that simulates the best design: turns, if its transition is one of theirs."""
+        """The case that simulates the best design.
+
+        Turns, if its transition is one of theirs, or if they contradict it.
+        """
         case = Case(
             speed_rpm=self.problem.speed(np.array(self.best.z)), rest_rate=self.problem.rest_rate
         )
-        if self.best.engine not in (TURN, REDUCED_TURN):
+        if self.control.confirmed and self.best.engine not in (TURN, REDUCED_TURN):
             return case
         return replace(case, window=Window.CYCLE, cycles=self.control.turns + 1)
 

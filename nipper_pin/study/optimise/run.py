@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ...errors import SimulationError
+from ...errors import SimulationError, without_numbers
 from ...given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
 from ..folders import alone_in
 from .control import control
@@ -139,7 +139,7 @@ def _optimum(search: Search, led: _Led, began: float) -> Optimum:
         account=account(problem.with_aim(problem.aims[0]), by, led.best.z),
         descents=led.descents,
         screened=len(search.seen),
-        no_machine=tuple(dict.fromkeys(item.why for item in search.seen if item.why)),
+        no_machine=_reasons(item.why for item in search.seen if item.why),
         check=found,
         check_gain=led.gain,
         engines=dict(engines),
@@ -150,6 +150,14 @@ def _optimum(search: Search, led: _Led, began: float) -> Optimum:
         evaluations=evaluations + (0 if found is None else found.evaluations),
         wall_s=time.perf_counter() - began,
     )
+
+
+def _reasons(messages: Iterable[str]) -> tuple[str, ...]:
+    """The first message of each kind: two that differ in their numbers alone are one."""
+    found: dict[str, str] = {}
+    for message in messages:
+        found.setdefault(without_numbers(message), message)
+    return tuple(found.values())
 
 
 def _known(found: Design | None) -> Design:

@@ -51,7 +51,8 @@ def print_optimum(optimum: Optimum, console: Console) -> None:
         _front(optimum.front, optimum, console)
     headline(console, f"Found: {_found(optimum)}")
     say(console, CAUTION)
-    paste(console, f"Next: {optimum.command}")
+    if optimum.control.values:
+        paste(console, f"Next: {optimum.command}")
 
 
 def _aim(aim: Aim, problem: Problem) -> str:
@@ -62,8 +63,10 @@ def _aim(aim: Aim, problem: Problem) -> str:
 def _found(optimum: Optimum) -> str:
     problem = optimum.problem
     aim = problem.aims[0]
-    change = "" if optimum.gain is None else f" ({100.0 * optimum.gain:+.3g} %)"
     value = quantity_shown(problem, aim.quantity).phrase(optimum.best.values[aim.quantity])
+    if not optimum.control.confirmed:
+        return f"no confirmed optimum; {_aim(aim, problem)} of the search alone: {value}"
+    change = "" if optimum.gain is None else f" ({100.0 * optimum.gain:+.3g} %)"
     return f"{_aim(aim, problem)}: {value}{change}"
 
 

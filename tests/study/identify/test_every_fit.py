@@ -194,11 +194,8 @@ def test_searches_that_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         search, "Objective", lambda asked: replace(linear(edge=-1.0), problem=asked)
     )
-    with pytest.raises(
-        SimulationError, match=r"none of 2 starts .* \(the first: no machine\)"
-    ) as no:
+    with pytest.raises(SimulationError, match=r"none of 2 starts .* nor is the .* no machine"):
         search.identify(linear().problem, starts=2, seed=3, workers=1)
-    assert no.value.evidence == {"starts": 2, "seed": 3, "reason": "no machine"}
     for name in ("starts", "workers"):
         with pytest.raises(InputError, match=f"{name} = 0 cannot be used") as caught:
             search.identify(linear().problem, **{name: 0})  # type: ignore[arg-type]

@@ -19,6 +19,8 @@ LOW, HIGH = (10.0, -1.0), (14.0, 1.0)
 
 def problem(*limits: Limit, aims: tuple[Aim, ...] = (), **others: Any) -> Problem:
     """Minimise the rebound by a preload and a ratio."""
+    wanted = aims or (Aim(quantity="rebound_amplitude_1", sense=1.0),)
+    units = {"rebound_amplitude_1": "rad", "duration_s": "s", "clamping_force_N": "N"}
     given = {
         "title": "mine", "model": "e62", "changes": {"stops.jaw.restitution": 0.25},
         "sources": Sources.of(load("e62")), "speed_rpm": 600.0, "rest_rate": None,
@@ -28,9 +30,8 @@ def problem(*limits: Limit, aims: tuple[Aim, ...] = (), **others: Any) -> Proble
                       high=high, start=low + 0.25 * (high - low))
             for name, low, high in zip(("one", "two"), LOW, HIGH, strict=True)
         ),
-        "aims": aims or (Aim(quantity="rebound_amplitude_1", sense=1.0),),
-        "limits": limits, "units": {"rebound_amplitude_1": "rad", "duration_s": "s",
-                                    "clamping_force_N": "N", "closing_index": ""},
+        "aims": wanted, "limits": limits,
+        "units": {item.quantity: units.get(item.quantity, "") for item in (*wanted, *limits)},
     }  # fmt: skip
     return Problem(**{**given, **others})
 

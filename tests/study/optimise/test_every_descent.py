@@ -149,6 +149,49 @@ def test_a_descent_and_its_price(sources: list[Source]) -> None:
     assert free.residual == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("go_down", [descend.descend, descend.restore])
+@pytest.mark.parametrize("start", [(0.5, 0.3), (0.3, 0.6)])
+def test_descents_that_end_at_an_edge(
+    monkeypatch: pytest.MonkeyPatch, go_down: Any, start: tuple[float, float]
+) -> None:
+    """The limit asks for more of x, and beyond x = 1/2 there is no machine: the edge is nearest."""
+    limit = Limit(quantity=TIME, side="low", value=3.5)
+    values: Quantities = {AIM: lambda z: z[1], TIME: lambda z: 1.5 + 2.0 * z[0]}
+    edged: Any = Source(problem(limit), values, edge=0.5)
+    monkeypatch.setattr(descend, "evaluator", lambda _: edged)
+    found = go_down(problem(limit).text(), Scales(1.0, (1.0,)), start)
+    assert found.z[0] == pytest.approx(0.5, abs=1e-4)
+    assert found.violation == pytest.approx(1.0, abs=2e-4)
+    assert not found.feasible
+
+
+def test_a_front_goes_around_a_gap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Halfway between the best by either aim there is no machine: no descent begins there."""
+    aims = (Aim(quantity=AIM, sense=1.0), Aim(quantity=TIME, sense=-1.0))
+    values: Quantities = {AIM: lambda z: z[0] ** 2 + z[1], TIME: lambda z: z[0] + z[1]}
+
+    class Gap(Source):
+        def at(self, z: np.ndarray) -> Point:
+            point = super().at(z)
+            lost = abs(z[0] - 0.5) + abs(z[1] - 0.5) < 0.1
+            return replace(point, values={}, why="in the gap") if lost else point
+
+    made: Any = Gap(problem(aims=aims), values)
+    monkeypatch.setattr(front, "Evaluator", lambda _: made)
+    monkeypatch.setattr(descend, "evaluator", lambda text: Gap(read_text(text), values))
+    scales = Scales(1.0, ())
+    one, two = (descend.descend(problem(aims=(aim,)).text(), scales, (0.2, 0.9)) for aim in aims)
+    assert (one.z, two.z) == (pytest.approx((0.0, 0.0), abs=1e-6), pytest.approx((1.0, 1.0)))
+    with work() as parts:
+        places, descents = front.front(problem(aims=aims), (scales, scales), (one, two), 3, parts)
+    # Two steps: from three places, the middle of which is in the gap at the first one.
+    assert len(descents) == 2 + 3
+    # The least x^2 + y with x + y held to 1 has x = 1/2, beside the gap; held to 2 it is a corner.
+    assert len(places) == 3
+    assert sum(places[1]) == pytest.approx(1.0, abs=1e-5)
+    assert places[2] == pytest.approx((1.0, 1.0), abs=3e-3)
+
+
 def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     """The nearest design, what it breaks and by how much, alone and together.
 

@@ -217,7 +217,9 @@ def test_an_optimum_that_is_contradicted_is_status_1_with_all_files(
     assert json.loads((tmp_path / "wrong" / "result.json").read_text()) == document
     # And in the text for people.
     assert main([*command[:-2], "--out", str(tmp_path / "wrong")]) == 1
-    assert "NOT CONFIRMED" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "NOT CONFIRMED" in said
+    assert "no confirmed optimum" in said.splitlines()[5]
 
 
 @pytest.mark.slow

@@ -100,6 +100,14 @@ class Objective:
             broken = np.zeros(0 if problem.limits is None else 3 + SAMPLES)
             return np.concatenate([misfit, broken, problem.prior_weight * (z - self.start)])
 
+    def failure(self, z: FloatArray) -> str:
+        """Why these values make no machine that can be simulated; empty if they make one."""
+        try:
+            self.rows(z)
+        except NipperError as error:
+            return error.message
+        return ""
+
     def fenced(self, rows: FloatArray) -> Objective:
         """Return the same with values that make no machine worse than some residuals.
 

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from ....arrays import FloatArray
-from ....errors import SimulationError
 from ....given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
 from ...processes import mapped
+from ..problem.parameters import no_machine
 from ..problem.problem import Problem
 from ..problem.targets import premises
 from .fit import Descent, Fit, descend
@@ -87,11 +87,8 @@ def _best(
             progress(len(found), starts, min(item.cost for item in found))
     ranked = tuple(sorted(found, key=lambda item: item.cost))
     if not np.isfinite(ranked[0].cost):
-        message = (
-            f"none of {starts} starts is a machine whose transitions can be simulated (the first: "
-            f"{found[0].reason}); narrow the bounds around the model's own values"
-        )
-        raise SimulationError(message, starts=starts, seed=seed, reason=found[0].reason)
+        error = no_machine(f"{starts} starts", objective.failure(objective.start))
+        raise error
     (fit,) = mapped(partial(_fitted, objective, seed), [ranked], 1)
     return fit
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from ....errors import SimulationError
 from ....mechanism.edit.dimensions import HEADS, read_dimension
 from ....mechanism.edit.layout import Layout
 from ....mechanism.edit.overrides import apply_overrides
@@ -47,6 +48,20 @@ def with_values(sources: Sources, values: Mapping[str, float]) -> Sources:
         sources.document, sources.urdf, values, f"{sources.name}.toml", f"{sources.name}.urdf"
     )
     return Sources(name=sources.name, urdf=urdf, document=document, folder=sources.folder)
+
+
+def no_machine(tried: str, own: str) -> SimulationError:
+    """The error of numbers none of which makes a machine that can be simulated.
+
+    Args:
+        tried: What was tried, in words.
+        own: Why the model's own numbers make none, wherever its bounds are; empty if they do.
+    """
+    found = f"none of {tried} is a machine that can be simulated"
+    if own:
+        message = f"{found}, nor is the model as it is: {own}; change that first"
+        return SimulationError(message, why=own)
+    return SimulationError(f"{found}; the model as it is can: put its numbers within the bounds")
 
 
 def _read(sources: Sources, found: Layout, path: str) -> float:

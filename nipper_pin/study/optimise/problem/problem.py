@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from ....arrays import FloatArray
+from ....tolerances.study import ACTIVE_LIMIT
 from ...identify.problem.geometry import Sources
 from ...sweep.axes import SPEED, Target
 
@@ -129,9 +130,12 @@ class Problem:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of all quantities in aims and limits, each once."""
+        """Names of all quantities in aims and limits of the file, each once.
+
+        With one aim alone, too: a design that lacks the other quantity is none of the problem.
+        """
         named = [aim.quantity for aim in self.aims] + [limit.quantity for limit in self.limits]
-        return tuple(dict.fromkeys(named))
+        return tuple(dict.fromkeys((*named, *self.units)))
 
     def numbers(self, z: FloatArray) -> dict[str, float]:
         """Values of the free numbers by name.
@@ -163,6 +167,18 @@ class Problem:
             z: Unit coordinates, shape (parameters,).
         """
         return self.numbers(z).get(SPEED, self.speed_rpm)
+
+    def bounds_at(self, z: FloatArray) -> tuple[str, ...]:
+        """Names of the bounds that a design lies at.
+
+        Args:
+            z: Unit coordinates, shape (parameters,).
+        """
+        found: list[str] = []
+        for item, place in zip(self.parameters, z, strict=True):
+            found += [item.bound("low")] * bool(place <= ACTIVE_LIMIT)
+            found += [item.bound("high")] * bool(place >= 1.0 - ACTIVE_LIMIT)
+        return tuple(found)
 
     def with_aim(self, aim: Aim, *limits: Limit) -> Problem:
         """Return the problem with one aim and more limits.

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....errors import SimulationError
 from ....tolerances.study import DESCENT_END, DESCENT_GAIN, FEASIBLE
 from ..points import evaluator
 from .trace import Scales, Trace
@@ -92,7 +93,11 @@ def _run(
     rank = (np.inf, np.inf)
     converged = False
     for _ in range(_ROUNDS):
-        converged = method(trace, z)
+        try:
+            converged = method(trace, z)
+        except SimulationError:
+            # However short its step, the line search met no machine: it stands at such an edge.
+            converged = False
         point, violation = trace.best()
         now = (max(violation - FEASIBLE, 0.0), trace.aim(point) / trace.scales.aim)
         if now[0] >= rank[0] - DESCENT_GAIN and now[1] >= rank[1] - DESCENT_GAIN:

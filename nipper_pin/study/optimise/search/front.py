@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import islice
 from typing import Literal
 
 import numpy as np
@@ -51,18 +52,23 @@ def front(
     if reached - ends[1].aim <= NO_CONFLICT * by[1].aim:
         return (ends[0].z,), []
     tasks: dict[str, Callable[[], Descent]] = {}
+    counts: list[int] = []
     for k in range(1, points):
         part = k / (points - 1)
         held = reached + min(part, _LAST) * (ends[1].aim - reached)
         text, scales = _held(problem, one, two, held, by)
         blend = (1.0 - part) * np.array(ends[0].z) + part * np.array(ends[1].z)
-        starts = (ends[0].z, tuple(blend.tolist()), ends[1].z)
+        starts = [ends[0].z, ends[1].z]
+        if source.at(blend).usable:
+            starts.insert(1, tuple(blend.tolist()))
+        counts.append(len(starts))
         tasks |= {
             f"front_{points}_{k}_{number}": partial(descend, text, scales, z)
             for number, z in enumerate(starts)
         }
     found = work.all(Descent, tasks)
-    groups = [found[k : k + len(starts)] for k in range(0, len(found), len(starts))]
+    left = iter(found)
+    groups = [list(islice(left, count)) for count in counts]
     best = [ends[0], *(min(group, key=lambda item: item.rank) for group in groups)]
     places = [item.z for item in best if item.feasible]
     aims = [(item.aim, _second(source, item)) for item in best if item.feasible]

@@ -74,9 +74,10 @@ def _infeasible(
     )
     numbers = problem.numbers(z)
     design = ", ".join(f"{key} = {value:.6g}" for key, value in numbers.items())
+    wider = " or ".join(problem.bounds_at(z))
     message = (
         f"no design within the bounds meets all limits; the nearest ({design}) breaks {words}. "
-        "Relax these limits, or widen the bounds"
+        f"Relax these limits{f', or widen the bound {wider}' if wider else ''}"
     )
     return InfeasibleError(message, limits=broken, numbers=numbers)
 

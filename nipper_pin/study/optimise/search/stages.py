@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from ....errors import SimulationError
+from ...identify.problem.parameters import no_machine
+from ..points import Evaluator
 from ..problem.problem import Aim, Problem
 from ..work import Work
 from .descend import Descent, descend
@@ -35,11 +36,8 @@ def screen(problem: Problem, seed: int, work: Work) -> list[Seen]:
     shares = work.all(tuple[Seen, ...], tasks)
     seen = [item for share in shares for item in share]
     if not any(item.values for item in seen):
-        message = (
-            f"none of {len(seen)} samples is a machine that can be simulated ({seen[0].why}); "
-            "narrow the bounds around the model's own values"
-        )
-        raise SimulationError(message, samples=len(seen), why=seen[0].why)
+        error = no_machine(f"{len(seen)} samples", Evaluator(problem).at(problem.start).why)
+        raise error
     return seen
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....arrays import FloatArray
+from ....errors import SimulationError
 from ....tolerances.study import DESIGN_STEP, FEASIBLE
 from ..points import Evaluator, Point
 from ..problem.problem import Problem
@@ -66,14 +67,20 @@ class Trace:
         and zero where both do.
 
         Args:
-            z: Unit coordinates of a usable point, shape (parameters,).
+            z: Unit coordinates, shape (parameters,).
 
         Returns:
             Shapes (parameters,) and (rows, parameters).
+
+        Raises:
+            SimulationError: The point makes no machine.
         """
         key = z.tobytes()
         if key not in self._slopes:
-            here = self._stacked(self.at(z))
+            point = self.at(z)
+            if not point.usable:
+                raise SimulationError(point.why)
+            here = self._stacked(point)
             columns = [self._column(z, here, place) for place in range(len(z))]
             table = np.array(columns).T
             self._slopes[key] = table[0], table[1:]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from ....errors import without_numbers
 from ...transitions import FAILED
 from ..job import NO_MODEL
 from .chunk_file import about
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 SUMMARY = ("scenario", "engine", "outcome", "message", "premise_holds")
 """Columns that a summary is made of."""
-_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
 class Tally:
@@ -58,7 +57,7 @@ class Tally:
             self.outcomes[row["outcome"]] += count
             self.engines[row["engine"]] += count
             if row["outcome"] in (FAILED, NO_MODEL):
-                kind = _NUMBER.sub("#", row["message"])
+                kind = without_numbers(row["message"])
                 self._failed[kind] += count
                 self._told.setdefault(kind, row["message"])
 

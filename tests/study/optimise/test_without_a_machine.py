@@ -1,0 +1,65 @@
+"""Designs that are no machine, or break a limit: what is said of them, and advised."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nipper_pin import SimulationError
+from nipper_pin.cli import main
+from nipper_pin.study.optimise import optimise, read_problem
+
+TESTS = Path(__file__).resolve().parents[2]
+MASS = TESTS / "verification" / "models" / "bouncing_mass"
+FALLING = TESTS / "strangers" / "ball_e05"
+E_N, WEIGHT = "stops.table.restitution", "links.mass.mass_kg"
+
+
+def study(folder: Path, model: Path, body: str, **bounds: tuple[float, float]) -> Path:
+    text = f'format = 1\nmodel = "{model}"\n{body}\n'
+    for name, (low, high) in bounds.items():
+        text += f'[parameters."{name}"]\nlow = {low}\nhigh = {high}\n'
+    file = folder / "study.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("model", "bounds", "advice"),
+    [
+        # Nothing approaches the floor in the touch configuration, whatever the numbers.
+        (FALLING, {"stops.floor.restitution": (0.1, 0.9)}, "the model as it is: stop 'floor' is"),
+        # No mass is negative, but that of the model itself is not.
+        (MASS, {WEIGHT: (-2.0, -1.0)}, "the model as it is can: put its numbers within the bounds"),
+    ],
+)
+def test_advice_where_no_sample_is_a_machine(
+    model: Path, bounds: dict[str, tuple[float, float]], advice: str, tmp_path: Path
+) -> None:
+    file = study(tmp_path, model, 'minimise = "duration_s"', **bounds)
+    with pytest.raises(SimulationError, match=advice) as caught:
+        optimise(read_problem(file), starts=1, check=False, workers=1)
+    assert "narrow" not in caught.value.message
+
+
+def test_reasons_that_differ_in_numbers_are_told_once(tmp_path: Path) -> None:
+    """Each sample below zero has another mass, and all of them the same reason."""
+    file = study(
+        tmp_path, MASS, 'minimise = "duration_s"', **{E_N: (0.1, 0.5), WEIGHT: (-1.0, 1.0)}
+    )
+    found = optimise(read_problem(file), starts=1, check=False, workers=1)
+    (reason,) = found.no_machine
+    assert "mass" in reason
+
+
+def test_the_bound_that_is_in_the_way_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No rebound is a metre high, and the highest is that of the largest restitution."""
+    body = 'minimise = "duration_s"\nlimits = { rebound_amplitude_1 = { low = 1.0 } }'
+    file = study(tmp_path, MASS, body, **{E_N: (0.1, 0.5)})
+    command = ["optimise", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]
+    assert main([*command, "--starts", "1", "--no-check"]) == 1
+    advice = f"Relax these limits, or widen the bound {E_N} <= 0.5\n"
+    assert capsys.readouterr().err.endswith(advice)
