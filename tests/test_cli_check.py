@@ -77,7 +77,7 @@ def test_a_start_that_cannot_be_assembled_names_the_loop_and_the_phase(
     assert main(["check", folder, *longer]) == 1
     said = capsys.readouterr().err
     assert "the loops do not close" in said
-    assert "widest open is closure 'C'; turns start in phase 3 (no stop closed)" in said
+    assert "widest open is closure 'C'; turns start in phase 3 free (no stop closed)" in said
     assert "start_index has to lie in it" in said
 
 

@@ -55,6 +55,7 @@ def intervals(solution: Solution) -> list[Interval]:
 
     A phase without closed stops is the transition only if the transition stop bounces in it. While
     that one is open another stop may be left, or bounce: this has words and a colour of its own.
+    In a machine that starts with no stop closed, that phase is not the transition, and is as named.
 
     Args:
         solution: The solution.
@@ -113,8 +114,9 @@ def _place(order: list[frozenset[str]], closed: frozenset[str]) -> int:
 
 def _elsewhere(solution: Solution, item: PhaseInterval) -> str | None:
     """What happens in a phase without closed stops in which the transition stop is not struck."""
-    main = solution.mechanism.transition_stop
-    if item.closed or not main:
+    mechanism = solution.mechanism
+    main = mechanism.transition_stop
+    if item.closed or not main or not mechanism.phase(mechanism.initial_phase).closed:
         return None
     struck = {
         stop
@@ -125,7 +127,7 @@ def _elsewhere(solution: Solution, item: PhaseInterval) -> str | None:
     if main in struck:
         return None
     names = " and ".join(sorted(struck)) or " and ".join(
-        stop.name for stop in solution.mechanism.stops if stop.name != main
+        stop.name for stop in mechanism.stops if stop.name != main
     )
     if not names:
         return None

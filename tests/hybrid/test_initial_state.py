@@ -153,7 +153,7 @@ def test_more_than_is_free_is_refused() -> None:
 def test_a_place_out_of_reach_says_by_how_much() -> None:
     """The rod is longer than the crank and turns by 17.46 degrees at most."""
     with pytest.raises(
-        ConvergenceError, match=r"mm remain.*closure 'pin'.*the start of rod"
+        ConvergenceError, match=r"mm remain.*closure 'pin'.*rod where .initial. says"
     ) as bad:
         _turn(_slider_crank(initial={"rod": {"at_deg": 30.0}}))
     assert bad.value.evidence["residual"] > 0.0

@@ -331,6 +331,20 @@ def shares_a_name(name: str) -> None:
     assert table.largest_torque["cam"][0] > 0.0
 
 
+def cannot_start(name: str) -> None:
+    """At 70 degrees of one arm no links close the loop with two other joints at 0."""
+    words = (
+        r"phase 1 swinging \(no stop closed\), arm1_joint where \[initial\] says, "
+        r"plate_joint, fore2_joint at 0, as nothing says where: \[initial\] has to give other"
+    )
+    with pytest.raises(nip.ConvergenceError, match=words) as caught:
+        run(name)
+    assert caught.value.evidence["residual"] == pytest.approx(22.6e-3, abs=5e-5)
+    # There is no drive, so no index is another place.
+    assert "drive" not in caught.value.message
+    assert "start_index" not in caught.value.message
+
+
 RIGHT: dict[str, Callable[[str], None]] = {
     "ball_contact": lambda name: bounces_of_a_ball(name, 0.1, 0.5, "floor"),
     "ball_e0": lambda name: bounces_of_a_ball(name, 1.0, 0.0, "floor"),
@@ -365,6 +379,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "u08_pendulum": stays,
     "u10_prismatic": falls,
     "urdf_limit": falls,
+    "volc_pasted": cannot_start,
     "window_before_rest": outlasts_the_window,
     "yoke_6dec": turned_yoke,
 } | dict.fromkeys(
@@ -431,6 +446,20 @@ def test_rows_joined_by_lines(
     depth = static + math.sqrt(static * static + 2.0 * static * fall)
     found = motion(np.array([turns])).q[0, 0]
     assert found == pytest.approx(-before - depth, rel=1e-9)
+
+
+def test_phases_have_the_names_of_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without a start of its own the arm hangs with all ten stops open, and that has a name."""
+    folder = tmp_path / "hanging"
+    shutil.copytree(HERE / "volc_pasted", folder)
+    file = folder / "volc_pasted.toml"
+    file.write_text(file.read_text().replace("at_deg = 70.0", "at_deg = 0.0"), encoding="utf-8")
+    assert main(["simulate", str(folder), "--window", "cycle"]) == 0
+    said = capsys.readouterr().out
+    assert "1 swinging  none" in said
+    assert "off its stop" not in said
 
 
 def test_the_lever_of_a_slide_is_no_length(capsys: pytest.CaptureFixture[str]) -> None:

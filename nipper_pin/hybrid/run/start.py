@@ -8,9 +8,9 @@ from math import ceil, tau
 import numpy as np
 
 from ...dynamics.system import System
-from ...dynamics.touch import assemble
+from ...dynamics.touch import assemble, touch
 from ...errors import ConvergenceError, InputError, SimulationError, SingularConfigurationError
-from ...mechanism import Mechanism, Start, Stop
+from ...mechanism import Start, Stop
 from ...tolerances.hybrid import GAP_ROUND_OFF
 from ..case import Case, Window
 from ..state import State
@@ -38,20 +38,33 @@ def start_of(system: System, case: Case) -> State:
         return initial_state(system, case.start_index, starts)
     except (ConvergenceError, SingularConfigurationError) as error:
         found = located(error, system)
-        raise (found if touching else _beginning(found, system.mechanism)) from error
+        raise (found if touching else _beginning(found, system)) from error
 
 
-def _beginning(error: SimulationError, mechanism: Mechanism) -> SimulationError:
-    """The error of a start at an index, with what has to be so there."""
+def _beginning(error: SimulationError, system: System) -> SimulationError:
+    """The error of a start at an index, with what has to be so there, and what may be changed."""
+    mechanism = system.mechanism
     phase = mechanism.phase(mechanism.initial_phase)
     closed = ", ".join(sorted(phase.closed)) or "no stop"
-    message = (
-        f"{error.message}; turns start in phase {phase.number} ({closed} closed): start_index "
-        "has to lie in it, or initial_phase has to be another one"
-    )
-    if mechanism.starts:
-        names = ", ".join(item.joint for item in mechanism.starts)
-        message += f"; [initial] gives the start of {names}"
+    name = f"{phase.number} {phase.name}".rstrip()
+    message = f"{error.message}; turns start in phase {name} ({closed} closed)"
+    starts = [item.joint for item in mechanism.starts]
+    if starts:
+        message += f", {', '.join(starts)} where [initial] says"
+    ways = []
+    if mechanism.drives:
+        ways += ["start_index has to lie in it", "initial_phase has to be another one"]
+    if isinstance(error, ConvergenceError):
+        shut = [stop.index for stop in mechanism.stops if stop.name in phase.closed]
+        given = [*system.shaft.indices, *shut, *(item.index for item in mechanism.starts)]
+        free = set(touch(system.body, given).split.independent) - set(given)
+        kept = [joint.name for joint in mechanism.joints if joint.index in free]
+        if kept:
+            message += f", {', '.join(kept)} at 0, as nothing says where"
+        if kept or starts:
+            ways.append(f"[initial] has to give {'other' if starts else 'some'} coordinates")
+    if ways:
+        message += f": {', or '.join(ways)}"
     return type(error)(message, **error.evidence)
 
 
