@@ -33,6 +33,11 @@ COUNTS = ("collisions", "turns", "repeats_after")
 
 
 @pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
+def test_words_are_those_of_any_machine(term: Term) -> None:
+    assert not re.search(r"\b(jaw|lips?|steeve|nipper)\b", term.words)
+
+
+@pytest.mark.parametrize("term", TERMS.values(), ids=TERMS)
 def test_a_name_ends_with_its_unit(term: Term) -> None:
     if term.name in GAPS:
         assert term.unit == "{gap}"

@@ -162,7 +162,7 @@ def _parser(command: str | None = None) -> argparse.ArgumentParser:
     """Return the parser of one command or of all; only the modules of that command are imported."""
     parser = argparse.ArgumentParser(
         prog="nipper-pin",
-        description="Simulate impact mechanisms: the nipper of a comber and its bouncing jaw.",
+        description="Simulate mechanisms whose stops are struck, and how they bounce to rest.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (place, text) in _COMMANDS.items():

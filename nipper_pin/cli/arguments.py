@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..mechanism import Mechanism, load
 
 MODEL = "e62"
+RESTITUTION = "restitution of the stop that the model's shortcut names"
 """Default model."""
 
 _SHORT = ("restitution", "stiffness")
@@ -33,7 +34,7 @@ def add_model(parser: argparse.ArgumentParser, *, json_output: bool = True) -> N
         help="change a number of the model by its path or shortcut, for example "
         "stops.steeve.restitution=0.1 or preload=9.25; may be repeated",
     )
-    parser.add_argument("--restitution", type=float, metavar="E", help="restitution of the jaw")
+    parser.add_argument("--restitution", type=float, metavar="E", help=RESTITUTION)
     parser.add_argument(
         "--stiffness", type=float, metavar="N_PER_M", help="spring rate; the preload length is kept"
     )

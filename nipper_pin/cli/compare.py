@@ -12,14 +12,14 @@ from ..extras import require
 from ..given import read_number
 from ..hybrid.case import Window
 from ..study.compare import Comparison, compare
-from .arguments import MODEL, check_outputs, refuse_beside, write_json
+from .arguments import MODEL, RESTITUTION, check_outputs, refuse_beside, write_json
 from .case_options import DRIVE_HELP, DRIVES, add_cycles, add_window
 from .compare_sides import simulated, sources, told_drive, told_machine, told_settings, told_window
 
 # Settings that take one value for both, or one for A and one for B.
 _PAIRED = {
     "speed": ("RPM", "cylinder speed (default: the model's rated speed)"),
-    "restitution": ("E", "restitution of the jaw"),
+    "restitution": ("E", RESTITUTION),
     "stiffness": ("N_PER_M", "spring rate; the preload length is kept"),
 }
 # What is proposed where nothing differs: the speed of B by that of A.

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=1.0,
         metavar="N",
-        help="draw the gap of the jaw N times as large, 1 to 50 (default 1)",
+        help="draw the gap of the transition stop N times as large, 1 to 50 (default 1)",
     )
     parser.add_argument(
         "--html", metavar="FILE", help="write one self-contained page instead of serving it"

@@ -61,8 +61,8 @@ def _behaviour(found: Sensitivities) -> Iterator[str]:
         found.clamping_force_N,
     )
     yield (
-        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens the jaw by "
-        f"{bounce:.4g} mdeg, it is at rest after {lasts:.3g} ms, and the lips then press with "
+        f"{found.model} at {found.speed_rpm:g} r/min: the first bounce opens {found.stop} by "
+        f"{bounce:.4g} mdeg, it is at rest after {lasts:.3g} ms, and then presses with "
         f"{clamp:.3g} N."
     )
     if found.premise_holds is False:

@@ -96,6 +96,7 @@ class Sensitivities:
 
     Attributes:
         model: Name of the model.
+        stop: Name of its transition stop.
         speed_rpm: Cylinder speed [r/min].
         premise_holds: Whether the machine arrives as a transition assumes; where it does not,
             amplitude and time are those of the turn.
@@ -106,6 +107,7 @@ class Sensitivities:
     """
 
     model: str
+    stop: str
     speed_rpm: float
     premise_holds: bool | None
     amplitude_rad: float
@@ -219,6 +221,7 @@ def sensitivities(
             progress(len(rows), len(chosen))
     return Sensitivities(
         model=mechanism.name,
+        stop=mechanism.transition_stop,
         speed_rpm=speed_rpm,
         premise_holds=premise,
         amplitude_rad=float(here[0]),

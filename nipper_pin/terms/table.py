@@ -112,9 +112,14 @@ _TURN = (
 )
 _DESIGN = (
     Term(name="clamping_force_N", words="clamping force", symbol="la_N", unit="N"),
-    Term(name="stop_force_N", words="least stop force with the jaw open", unit="N"),
-    Term(name="jaw_opening_deg", words="widest opening of the jaw", unit="deg"),
-    Term(name="stroke_mm", words="largest stroke with the jaw closed", symbol="s", unit="mm"),
+    Term(name="stop_force_N", words="least force of the stop of the initial phase", unit="N"),
+    Term(name="jaw_opening_deg", words="widest opening of the transition stop", unit="deg"),
+    Term(
+        name="stroke_mm",
+        words="largest stroke with the transition stop closed",
+        symbol="s",
+        unit="mm",
+    ),
     Term(name="rest_margin", words="indices from rest to opening", decimals=3),
     Term(name="speed_rpm", words="cylinder speed", unit="r/min"),
 )

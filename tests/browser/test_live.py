@@ -263,7 +263,7 @@ def test_what_the_picture_tells_is_the_motion_of_the_setting(page: Page) -> None
     found = 1e3 * np.degrees(wanted.trajectory.evaluate(at).q[0, jaw])
     assert float(angle.split()[1]) == pytest.approx(found, abs=slack)
     # The lever from the hinge to the lips, from the file of the model.
-    assert lips.startswith("gap at the lips ")
+    assert lips.startswith("gap at the contact ")
     lever = wanted.mechanism.stop("jaw").contact.lever_m
     read = float(lips.split()[4])
     assert read == pytest.approx(lever * np.radians(float(angle.split()[1])), rel=2e-3)
@@ -457,7 +457,8 @@ ABOVE = """() => {
     const x = box.left + box.width / 2, y = box.top + box.height / 2;
     const at = [[-6, -12], [-60, 8]];
     const found = at.map(([right, down]) => document.elementFromPoint(x + right, y + down).tagName);
-    const gap = document.querySelector('#now').textContent.match(/gap at the lips ([0-9.e-]+) mm/);
+    const now = document.querySelector('#now').textContent;
+    const gap = now.match(/gap at the contact ([0-9.e-]+) mm/);
     return { found, gap: gap ? parseFloat(gap[1]) : NaN };
 }"""
 

@@ -23,14 +23,14 @@ def row(path: str, unit: str, *per: float, off: float = 0.0) -> Sensitivity:
 
 def made_up(*rows: Sensitivity, holds: bool | None = True) -> Sensitivities:
     return Sensitivities(
-        model="mine", speed_rpm=612.5, premise_holds=holds, amplitude_rad=2.346e-3,
+        model="mine", stop="peg", speed_rpm=612.5, premise_holds=holds, amplitude_rad=2.346e-3,
         transition_time_s=6.789e-3, clamping_force_N=147.26, rows=rows,
     )  # fmt: skip
 
 
 FIRST = (
-    "mine at 612.5 r/min: the first bounce opens the jaw by 134.4 mdeg, it is at rest after "
-    "6.79 ms, and the lips then press with 147 N."
+    "mine at 612.5 r/min: the first bounce opens peg by 134.4 mdeg, it is at rest after "
+    "6.79 ms, and then presses with 147 N."
 )
 
 

@@ -345,7 +345,7 @@ def test_sensitivities_as_plain_data() -> None:
     rows = (row((1.0, -5.0, 2.0), path="a"), row((-4.0, 3.0, 0.5), 1.0, "b"),
             row((2.0, 0.25, -3.0), path="c"))  # fmt: skip
     found = Sensitivities(
-        model="e62", speed_rpm=450.0, premise_holds=False, amplitude_rad=0.125,
+        model="e62", stop="jaw", speed_rpm=450.0, premise_holds=False, amplitude_rad=0.125,
         transition_time_s=0.25, clamping_force_N=75.0, rows=rows,
     )  # fmt: skip
     order = {

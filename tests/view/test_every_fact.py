@@ -321,7 +321,7 @@ def test_sections_of_other_studies(study: PaperStudy) -> None:
         )
     )
     found = Sensitivities(
-        model="e62", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
+        model="e62", stop="jaw", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
         clamping_force_N=80.0, premise_holds=True, rows=rows,
     )  # fmt: skip
     document = {

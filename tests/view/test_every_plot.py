@@ -520,7 +520,7 @@ def test_live_moments(judge: Judge, run: Solution) -> None:
             unit, scale = unit_of[name]
             expected.append((name, scale * judge.gap(name, q), unit))
             if name == main and item.lever is not None:
-                expected.append(("gap at the lips", 1e3 * item.lever * judge.gap(name, q), "mm"))
+                expected.append(("gap at the contact", 1e3 * item.lever * judge.gap(name, q), "mm"))
             if name == main:
                 force = judge.forces(t, closed, left=True).get(name, 0.0)
                 expected.append(("clamping force", force, "N m" if moment(judge, name) else "N"))

@@ -589,7 +589,7 @@ def test_bars_and_table_of_sensitivities() -> None:
         sensitivity("points.pin.x_mm", "mm", 3.0, 6.0, -1.0),
     )
     found = Sensitivities(
-        model="e62", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
+        model="e62", stop="jaw", speed_rpm=650.0, amplitude_rad=5e-3, transition_time_s=6e-3,
         clamping_force_N=80.0, premise_holds=True, rows=rows,
     )  # fmt: skip
     figure = sensitivity_plate(found, "").figure

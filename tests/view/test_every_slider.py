@@ -234,7 +234,7 @@ def test_what_the_page_is_built_of(
     gap, force, impulse = plots.gap, plots.force, plots.impulse
     time = "time from the first collision [ms]"
     assert [axis.get("label") for axis in gap.axes] == [
-        None, "jaw angle [mdeg]", "gap at the lips [mm]"
+        None, "jaw angle [mdeg]", "gap at the contact [mm]"
     ]  # fmt: skip
     assert [axis.get("label") for axis in force.axes] == [None, "clamping force [N]"]
     assert [axis.get("label") for axis in impulse.axes] == [time, "impulse [N s]"]

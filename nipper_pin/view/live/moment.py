@@ -64,7 +64,7 @@ def moment_text(solution: Solution, t: float, q: FloatArray) -> str:
         if not main:
             continue
         if stop.contact is not None:
-            parts.append(f"gap at the lips {digits(MM_PER_M * stop.lever * gap)} mm")
+            parts.append(f"gap at the contact {digits(MM_PER_M * stop.lever * gap)} mm")
         force = solution.trajectory.reactions(t).contacts[stop.name][0]
         parts.append(f"clamping force {digits(float(force))} {force_unit(mechanism, stop)}")
     return ", ".join(parts)

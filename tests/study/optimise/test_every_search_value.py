@@ -138,6 +138,6 @@ def test_names_units_and_what_fits(e62: Mechanism) -> None:
     assert [sources[name] for name in names] == (
         ["transition"] * 3 + ["cycle"] * 6 + ["setting"] + ["turn"] * 8
     )
-    assert named("stroke_mm", "mm").label == "largest stroke with the jaw closed [mm]"
+    assert named("stroke_mm", "mm").label == "largest stroke with the transition stop closed [mm]"
     assert named("closing_index", "").label == "index of closing"
     quantities.check_fit(names, e62, "here")

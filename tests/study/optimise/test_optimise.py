@@ -466,7 +466,7 @@ def test_command_writes_what_simulate_and_load_take(
     assert main(["optimise", str(example), *arguments]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "What holds it back" in text
-    assert "the model itself breaks: least stop force with the jaw open at least 0 N" in text
+    assert "itself breaks: least force of the stop of the initial phase at least 0 N" in text
 
 
 def test_an_interrupt_says_what_is_kept(

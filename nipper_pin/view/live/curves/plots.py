@@ -31,7 +31,7 @@ _Line = tuple[FloatArray, FloatArray]
 
 
 class Plots:
-    """Jaw angle with the gap at the lips, clamping force and impulses over one time.
+    """Jaw angle with the gap at the contact, clamping force and impulses over one time.
 
     Args:
         gui: Where they are put.
@@ -40,7 +40,7 @@ class Plots:
     Attributes:
         legend: Which curve is which.
         gap, force, impulse: The plots. Their rows: time, pinned, before, now; of the first also
-            the gap at the lips of the present setting, where the stop has lips.
+            the gap at the contact of the present setting, where the stop has lips.
     """
 
     def __init__(self, gui: viser.GuiApi, mechanism: Mechanism) -> None:
@@ -131,7 +131,7 @@ def _plot(
     time = uplot.Axis(label=_TIME, size=_AXIS, labelSize=_LABEL) if last else uplot.Axis(size=_AXIS)
     axes, series = [time, _axis(label)], [uplot.Series(label=_TIME), *_series(dots=dots)]
     if with_lips:
-        axes.append({**_axis("gap at the lips [mm]"), "side": 1, "scale": "lips"})
+        axes.append({**_axis("gap at the contact [mm]"), "side": 1, "scale": "lips"})
         series.append(uplot.Series(stroke="transparent", scale="lips"))
     drag = uplot.Cursor_Drag(x=False, y=False, setScale=False)
     return gui.add_uplot(
