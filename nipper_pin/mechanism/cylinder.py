@@ -5,9 +5,38 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from ..arrays import FloatArray
 from ..units import S_PER_MIN
 
 INDEX_PER_TURN = 40.0
+
+
+def within_turn(index: float | FloatArray) -> FloatArray:
+    """Indices in [0, 40), the one scale that is shown, of indices on any turn; NaN stays NaN.
+
+    Args:
+        index: Indices, of any shape.
+    """
+    found = np.mod(index, INDEX_PER_TURN)
+    # The remainder of next to nothing below zero is rounded to a whole turn.
+    return np.where(found >= INDEX_PER_TURN, 0.0, found)
+
+
+def counted_from(start: float, index: FloatArray) -> FloatArray:
+    """The same places as indices that count on from a start to 40 more, as means need them.
+
+    Args:
+        start: Index of the start.
+        index: Indices, of any shape.
+    """
+    return start + within_turn(index - start)
+
+
+def index_difference(index: float, other: float) -> float:
+    """From another index to this one, the short way around the turn: from -20 to 20."""
+    return math.remainder(index - other, INDEX_PER_TURN)
 
 
 def rad_s_from_rpm(speed_rpm: float) -> float:
@@ -35,10 +64,12 @@ class Cylinder:
 
     def index_from_angle(self, psi: float) -> float:
         """Index in [0, 40) of the cylinder angle psi [rad]."""
+        return float(self.indices_from_angles(psi))
+
+    def indices_from_angles(self, psi: float | FloatArray) -> FloatArray:
+        """Indices in [0, 40) of cylinder angles psi [rad], of any shape."""
         turns = self.sense * (psi - self.reference_angle_rad) / math.tau
-        index = (self.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN
-        # The remainder of next to nothing below zero is rounded to a whole turn.
-        return 0.0 if index >= INDEX_PER_TURN else index
+        return within_turn(self.reference_index + INDEX_PER_TURN * turns)
 
     def angle_from_index(self, index: float) -> float:
         """Cylinder angle psi [rad] of an index, on the turn that starts at the reference."""

@@ -16,7 +16,7 @@ from ..arrays import FloatArray
 from ..errors import InputError, SimulationError
 from ..given import number, whole
 from ..mechanism import Mechanism
-from ..mechanism.cylinder import INDEX_PER_TURN
+from ..mechanism.cylinder import INDEX_PER_TURN, within_turn
 from ..reduced.turns import (
     START_INDEX,
     TURN_REASONS,
@@ -66,8 +66,7 @@ class SpeedRange:
 class SpeedLimit:
     """Turns of a machine by cylinder speed; arrays over speeds have shape (n,).
 
-    Indices count from the start of a turn, index 24, to its end, index 64; they are those of the
-    last turn that was followed, NaN where it has no such event.
+    Indices are those of the last turn that was followed, NaN where it has no such event.
 
     Attributes:
         model: Name of the model.
@@ -210,13 +209,13 @@ def speed_limit(
         status=tuple(_NAMES[int(status)] for status in found.status),
         turns=found.turns,
         repeats_after=found.repeats_after,
-        closing=closing[:, 0],
-        rest=rest[:, 0],
-        opening=opening[:, 0],
+        closing=within_turn(closing[:, 0]),
+        rest=within_turn(rest[:, 0]),
+        opening=within_turn(opening[:, 0]),
         clamped_share=found.clamped_share[:, 0],
         margin=(opening - rest)[:, 0],
-        rests=np.where(goes_on, rest, np.nan),
-        touches=np.where(goes_on, closing, np.nan),
+        rests=within_turn(np.where(goes_on, rest, np.nan)),
+        touches=within_turn(np.where(goes_on, closing, np.nan)),
         settled=_ranges(speed, _settled(found), lambda rpm: _settled(followed(rpm))),
         single=_ranges(speed, _single(found), lambda rpm: _single(followed(rpm))),
     )

@@ -35,7 +35,7 @@ def judged(run: Solution, number: int, level: float) -> dict[str, float | None]:
     struck = [item for item in events if hits.get(item.number, ({}, 0))[0].get(clamp, 0.0) > 0.0]
 
     def index(chosen: list[Any]) -> float | None:
-        return 24.0 + (judge.index(chosen[0].t) - 24.0) % 40.0 if chosen else None
+        return judge.index(chosen[0].t) % 40.0 if chosen else None
 
     def of_clamp(kind: str) -> list[Any]:
         return [item for item in events if item.kind.value == kind and clamp in item.stops]

@@ -13,7 +13,12 @@ import pytest
 from nipper_pin.errors import InputError, ModelError, UnknownNameError
 from nipper_pin.mechanism import Mechanism, drives
 from nipper_pin.mechanism.build.laws import extreme_angle
-from nipper_pin.mechanism.cylinder import Cylinder
+from nipper_pin.mechanism.cylinder import (
+    Cylinder,
+    counted_from,
+    index_difference,
+    within_turn,
+)
 from nipper_pin.mechanism.drives import ConstantSpeed, Fourier, Geared, Table, check_table
 from nipper_pin.mechanism.drives.cam import Cam
 from nipper_pin.mechanism.elements import Characteristic
@@ -269,3 +274,15 @@ def test_the_index_goes_round_in_forty() -> None:
         assert cylinder.angle_from_index(34.0) == pytest.approx(0.7 + sense * 0.5 * math.pi)
         at_zero = replace(cylinder, reference_angle_rad=0.0, reference_index=0.0)
         assert at_zero.index_from_angle(-sense * 1e-17) == 0.0
+        angles = np.array([-sense * 1e-17, 0.0, sense * math.pi])
+        assert at_zero.indices_from_angles(angles) == pytest.approx([0.0, 0.0, 20.0])
+
+
+def test_indices_on_one_scale() -> None:
+    """Places, where they count on from, and differences the short way around."""
+    for index, place in ((47.5, 7.5), (-0.5, 39.5), (40.0, 0.0), (-1e-17, 0.0), (80.0, 0.0)):
+        assert within_turn(index) == place
+    assert np.isnan(within_turn(np.array([math.nan])))
+    assert counted_from(24.0, np.array([7.5, 24.0, 23.5])) == pytest.approx([47.5, 24.0, 63.5])
+    for index, other, apart in ((0.5, 39.5, 1.0), (39.5, 0.5, -1.0), (12.0, 9.0, 3.0)):
+        assert index_difference(index, other) == apart

@@ -426,6 +426,16 @@ def test_quantities_in_units_for_people() -> None:
         np.testing.assert_allclose(found.values, factor * values, rtol=1e-12)
 
 
+def test_indices_of_figures_count_on_and_are_written_on_one_scale() -> None:
+    """The mean of 39.5 and 0.5 is 40, which is written 0."""
+    table = pa.table({"rest_index": [39.5, 0.5, 30.0]})
+    sweep = SweepTable(title="", model="", axes=(), quantities=("rest_index",), scenarios=3,
+                       stored=3, table=table)  # fmt: skip
+    found = Quantity.of(sweep, "rest_index")
+    assert found.values.tolist() == [39.5, 40.5, 30.0]
+    assert [found.short(value) for value in (39.5, 40.5, 40.0)] == ["39.5", "0.5", "0"]
+
+
 def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """For each quantity three files in their format and folder; the first one without a choice."""
     read: list[tuple[Any, ...]] = []

@@ -12,7 +12,7 @@ import pytest
 from nipper_pin.terms import Shown, digits, fixed
 from nipper_pin.view.compare.words import percent_text
 from nipper_pin.view.paper.tables import percent
-from nipper_pin.view.studies.sweep_figures.frame import short
+from nipper_pin.view.studies.sweep_figures.columns import short
 
 MM = Shown(words="gap", unit="mm", factor=1e3)
 TENTHS = Shown(words="gap", unit="mm", factor=1e3, decimals=1)

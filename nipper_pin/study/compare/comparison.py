@@ -10,7 +10,9 @@ from ...errors import InputError
 from ...hybrid.case import Window
 from ...hybrid.result.self_check import need_sound
 from ...hybrid.result.solution import Solution
+from ...hybrid.result.turns import INDICES
 from ...mechanism import Mechanism
+from ...mechanism.cylinder import index_difference
 from .changes import Change, changes
 from .readings import Reading, reading
 
@@ -35,13 +37,15 @@ class Row:
 
     @property
     def difference(self) -> float | None:
-        """B less A; None if one of them does not have it."""
-        return None if self.a is None or self.b is None else self.b - self.a
+        """B less A, of indices the short way around; None if one of them does not have it."""
+        if self.a is None or self.b is None:
+            return None
+        return index_difference(self.b, self.a) if self.name in INDICES else self.b - self.a
 
     @property
     def percent(self) -> float | None:
-        """Difference by the size of A [%]; None if A is zero and B is not."""
-        if self.a is None or self.difference is None:
+        """Difference by the size of A [%]; None if A is zero and B is not, and of indices."""
+        if self.a is None or self.difference is None or self.name in INDICES:
             return None
         if self.difference == 0.0:
             return 0.0

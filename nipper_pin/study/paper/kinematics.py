@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...dynamics.shaft import ShaftMotion
 from ...mechanism import INDEX_PER_TURN, Mechanism, rad_s_from_rpm
+from ...mechanism.cylinder import within_turn
 from .branches import Branch, branch, touch_index
 
 PLACES = 1440
@@ -142,7 +143,7 @@ def kinematics(mechanism: Mechanism, speeds_rpm: tuple[float, ...]) -> Kinematic
         stop_jaw=jaw.index,
         stop_steeve=steeve.index,
         closing_index=touch_index(mechanism),
-        opening_index=float(opening % INDEX_PER_TURN),
+        opening_index=float(within_turn(opening)),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...hybrid.case import START_INDEX
-from ...mechanism.cylinder import INDEX_PER_TURN
+from ...mechanism.cylinder import INDEX_PER_TURN, within_turn
 from ...reduced.turns import TurnQuantities, TurnTorques
 
 _SAME = {
@@ -53,7 +53,7 @@ def reduced_columns(found: TurnQuantities) -> dict[tuple[str, str], FloatArray]:
     for name, place in _INDEX_ERRORS.items():
         columns[name, ""] = _PER_RAD * getattr(found, place)
     for name, place in _INDICES.items():
-        columns[name, ""] = START_INDEX + _PER_RAD * getattr(found, place)
+        columns[name, ""] = within_turn(START_INDEX + _PER_RAD * getattr(found, place))
     for name in _EACH:
         for number, stop in enumerate(found.stops):
             columns[name, stop] = np.array(getattr(found, name)[:, number])

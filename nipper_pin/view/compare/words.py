@@ -7,13 +7,14 @@ from collections.abc import Mapping
 from ...dynamics.system import DriveMode
 from ...hybrid.case import Window
 from ...hybrid.result.solution import Solution
+from ...hybrid.result.turns import INDICES
 from ...study.compare import Change, Comparison, Row
 from ...terms import Shown, digits, fixed, named
 from ..naming import shown
 
 # Counts and places on a scale: their difference is told, not its share.
 _COUNTED = ("collisions", "repeats_after")
-_INDEX, _LEAST_INDEX = "_index", 0.001
+_LEAST_INDEX = 0.001
 _MOST_CHANGES = 12
 _LEAST_PERCENT, _ROUND_PERCENT, _WHOLE_PERCENT = 0.005, 10.0, 1000.0
 # What a designer asks first, and what is said if B has more or less of it.
@@ -60,7 +61,7 @@ def difference_text(row: Row) -> str:
         return "-"
     if row.difference == 0.0:
         return "0"
-    if row.name.endswith(_INDEX) or row.name.startswith(_COUNTED):
+    if row.name in INDICES or row.name.startswith(_COUNTED):
         text = row_shown(row).text(row.difference)
         return _signed(text) if float(text) else f"< {_LEAST_INDEX}"
     if row.percent is None:

@@ -16,6 +16,7 @@ import numpy as np
 from ...errors import NipperError
 from ...extras import installed
 from ...mechanism import INDEX_PER_TURN, Mechanism
+from ...mechanism.cylinder import within_turn
 from ...reduced.turns import TurnModel, TurnQuantities, TurnStatus, turn_model, turn_quantities
 from ...reduced.turns.results import TURN_REASONS
 from ...reduced.turns.turn import ROOMS
@@ -154,5 +155,5 @@ def _index(model: TurnModel, key: str, label: str, travel: float, otherwise: str
     """Index at a travel from the start of the turn [rad]."""
     if not np.isfinite(travel):
         return Number(key, label, otherwise)
-    index = (model.start_index + INDEX_PER_TURN * travel / math.tau) % INDEX_PER_TURN
-    return Number(key, label, f"{index:.3f}", float(index), on_scale=True)
+    index = float(within_turn(model.start_index + INDEX_PER_TURN * travel / math.tau))
+    return Number(key, label, f"{index:.3f}", index, on_scale=True)

@@ -13,7 +13,7 @@ from ...dynamics.assembly import close_positions, partition
 from ...errors import ConvergenceError, InputError, SingularConfigurationError
 from ...given import number
 from ...hybrid.result.solution import Solution
-from ...mechanism import INDEX_PER_TURN, Mechanism, Stop
+from ...mechanism import Mechanism, Stop
 from ..reading import shown_until
 from .pace import Pace, pace
 from .rebounds import factors
@@ -110,7 +110,6 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     position, angle = _poses(solution, drawn)
     cylinder = mechanism.cylinder
     starts = [item.t_start for item in solution.phases]
-    turns = cylinder.sense * (motion.cylinder_angle - cylinder.reference_angle_rad) / math.tau
     return Film(
         solution=solution,
         look=look,
@@ -121,7 +120,7 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
         angle=angle,
         turned=motion.cylinder_angle - cylinder.angle_at_touch_rad,
         phase=np.maximum(np.searchsorted(starts, t, side="right") - 1, 0),
-        index=(cylinder.reference_index + INDEX_PER_TURN * turns) % INDEX_PER_TURN,
+        index=cylinder.indices_from_angles(motion.cylinder_angle),
         force=solution.trajectory.reactions(t).contacts,
     )
 

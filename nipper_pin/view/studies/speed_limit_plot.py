@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import InputError
+from ...hybrid.case import START_INDEX
 from ...mechanism import INDEX_PER_TURN
+from ...mechanism.cylinder import counted_from
 from ...outputs import check_file, complete_file
 from ...study.speed_limit import SpeedLimit, Verdict, where
 from ...terms import TERMS
@@ -107,14 +109,18 @@ def _indices(result: SpeedLimit, axes: Axes) -> None:
     from ..style import LINES, SMALL
 
     speed = np.repeat(result.speed_rpm, result.rests.shape[1])
+    rest, opening, rests, touches = (
+        counted_from(START_INDEX, index)
+        for index in (result.rest, result.opening, result.rests, result.touches)
+    )
     axes.fill_between(
-        result.speed_rpm, result.rest, result.opening, color=LINES[0], alpha=0.12, linewidth=0,
+        result.speed_rpm, rest, opening, color=LINES[0], alpha=0.12, linewidth=0,
         label=f"{result.stop} closed and at rest",
     )  # fmt: skip
-    axes.plot(result.speed_rpm, result.opening, color=LINES[2], linewidth=1.4,
+    axes.plot(result.speed_rpm, opening, color=LINES[2], linewidth=1.4,
               label=f"{result.stop} opens")  # fmt: skip
     for values, colour, text in (
-        (result.rests, LINES[0], "comes to rest"), (result.touches, LINES[1], "touches first"),
+        (rests, LINES[0], "comes to rest"), (touches, LINES[1], "touches first"),
     ):  # fmt: skip
         axes.plot(speed, values.ravel(), ".", color=colour, markersize=1.5,
                   label=f"{result.stop} {text}")  # fmt: skip

@@ -25,7 +25,7 @@ def print_speed_limit(result: SpeedLimit, console: Console) -> None:
     show_table(console, _HEADINGS, [_row(result, int(place)) for place in chosen], text=())
     say(
         console,
-        "touches, rests, opens: index of the last turn, counted from 24; margin: indices from rest "
+        "touches, rests, opens: index in the last turn; margin: indices from rest "
         "to opening; clamped: share of the turn; repeats after: turns, > if not within those "
         "followed",
     )

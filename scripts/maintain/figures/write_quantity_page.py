@@ -20,6 +20,10 @@ read those of the last: angles of rebounds are small and read in mdeg, lengths o
 Times `t` count from the start of the run, which for people is zero everywhere; `time_s` of a
 document counts from the first collision. Symbols: [notation](notation.md).
 
+A place in the turn is an index from 0 to below 40 everywhere. Differences of two, and means of
+many, go around the turn: a comparison tells the short way, figures of sweeps count on from index
+24. Tables of turns that an earlier version wrote have 24 to 64: 40 less is the same place.
+
 Of collision K of a transition the name is `NAME_K`, as in `rebound_amplitude_1`; of a stop or a
 drive in a turn `NAME_STOP`, as in `collisions_jaw`. Numbers of a model are named by their paths
 ([numbers](model_numbers.md)), which end with the unit of the file."""

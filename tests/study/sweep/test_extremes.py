@@ -57,6 +57,16 @@ def test_the_rows_are_those_of_a_search(seed: int) -> None:
     }  # fmt: skip
 
 
+def test_indices_are_ordered_along_the_turn() -> None:
+    """From the start of turns, at 24: a rest at 0.5 is later than one at 39.5."""
+    found = extremes("rest_index")
+    found.add(table((1, 2, 3), [39.5, 0.5, 36.25], "rest_index"))
+    found.add(table((4, 5), [0.25, 38.0], "rest_index"))
+    assert found.smallest is not None
+    assert found.largest is not None
+    assert (found.smallest.value, found.largest.value) == (36.25, 0.5)
+
+
 def test_rows_without_any_value() -> None:
     """Nothing is said where no row has a value."""
     found = extremes("duration_s")

@@ -1,10 +1,20 @@
 """Quantities of one turn, read off a run of whole turns."""
 
 from .parts import DriveTurn, StopTurn
-from .quantities import TURN, TURN_DRIVE, TURN_STOP, is_of_drive, of_turn, read_of, turn_names
+from .quantities import (
+    INDICES,
+    TURN,
+    TURN_DRIVE,
+    TURN_STOP,
+    is_of_drive,
+    of_turn,
+    read_of,
+    turn_names,
+)
 from .turn import Turn, reported_turn
 
 __all__ = [
+    "INDICES",
     "TURN",
     "TURN_DRIVE",
     "TURN_STOP",

@@ -42,6 +42,8 @@ def _force_errors(column: str) -> list[Any]:
 
 _IMPULSE = ("N s", "N m s")
 _EVENTS = ("closing", "rest", "loss", "opening")
+INDICES = tuple(f"{event}_index" for event in _EVENTS)
+"""Names of the quantities that are places in the turn: differences go the short way around."""
 TURN: tuple[Quantity[Turn], ...] = (
     _of("repeats_after", "repeats_after"),
     _of("clamped_time_s", "clamped_time"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ....errors import InputError
-from ....mechanism.cylinder import INDEX_PER_TURN
+from ....mechanism.cylinder import INDEX_PER_TURN, within_turn
 from ...case import Window
 from ...event import Event, EventKind
 from ...run.outcome import Outcome
@@ -23,7 +23,7 @@ _ENDED = (Outcome.COMPLETED, Outcome.STILL_BOUNCING)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Turn:
-    """One turn of a run; indices count on from the one at which turns start, to 40 more.
+    """One turn of a run; indices are from 0 to below 40.
 
     What a turn does not have is None. Everything is computed when it is first asked for.
 
@@ -246,7 +246,7 @@ class Turn:
         if event is None:
             return None
         travel = event.t / self._period - (self.number - 1)
-        return self.solution.case.start_index + INDEX_PER_TURN * travel
+        return float(within_turn(self.solution.case.start_index + INDEX_PER_TURN * travel))
 
     def _index_error(self, event: Event | None) -> float | None:
         if event is None:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ....arrays import FloatArray
+from ....mechanism.cylinder import index_difference
 from ..problem.problem import Limits
 from ..problem.working_cycle import SAMPLES, WorkingCycle
 
@@ -88,7 +89,6 @@ def limit_rows(limits: Limits, cycle: WorkingCycle) -> FloatArray:
 
 def _outside(index: float, low: float, high: float) -> float:
     """Distance of an index from a range, the short way around the turn, with its sign."""
-    middle = 0.5 * (low + high)
-    away = (index - middle + 20.0) % 40.0 - 20.0
+    away = index_difference(index, 0.5 * (low + high))
     half = 0.5 * (high - low)
     return float(np.sign(away) * max(0.0, abs(away) - half))

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from ....errors import NipperError
-from ....mechanism import INDEX_PER_TURN, load
+from ....hybrid.result.turns import INDICES
+from ....mechanism import load
+from ....mechanism.cylinder import index_difference
 from ..design import Design
 from ..problem.problem import Limit, Problem, read_text
 from .reading import READ
@@ -156,8 +158,4 @@ def _outside(limit: Limit, value: float) -> float:
 
 def _apart(quantity: str, one: float, other: float) -> float:
     """Difference of two values; of two indices the short way around the turn."""
-    if not quantity.endswith("_index"):
-        return one - other
-    return float(np.remainder(one - other + 0.5 * INDEX_PER_TURN, INDEX_PER_TURN)) - (
-        0.5 * INDEX_PER_TURN
-    )
+    return index_difference(one, other) if quantity in INDICES else one - other

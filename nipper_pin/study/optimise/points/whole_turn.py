@@ -15,7 +15,9 @@ import numpy as np
 
 from ....dynamics.system import DriveMode
 from ....errors import SimulationError
+from ....hybrid.case import START_INDEX
 from ....mechanism import Mechanism
+from ....mechanism.cylinder import counted_from
 from ....tolerances.study import COARSEST_TURN, QUANTITY_ROUND_OFF
 from ...cases import cases_of
 from ...turns.engine_choice import turns_of
@@ -139,7 +141,11 @@ class WholeTurns:
         values, bounds = {}, {}
         for name in self._names:
             if name == MARGIN:
-                values[name] = float(table.opening_index[0] - table.rest_index[0])
+                opening, rest = (
+                    counted_from(START_INDEX, index)
+                    for index in (table.opening_index, table.rest_index)
+                )
+                values[name] = float(opening[0] - rest[0])
             else:
                 values[name] = float(table.quantity(name)[0])
             if name in _FORCES:

@@ -17,7 +17,8 @@ import numpy as np
 from ....arrays import FloatArray
 from ....errors import InputError
 from ....hybrid.result.quantities import coordinate_unit, force_unit
-from ....mechanism import INDEX_PER_TURN, Mechanism
+from ....mechanism import Mechanism
+from ....mechanism.cylinder import index_difference
 from ....terms import term_of
 from ....units import MM_PER_M
 from ...identify.problem.working_cycle import Phase, WorkingCycle, unfit
@@ -173,5 +174,4 @@ def lowest(places: FloatArray, values: FloatArray) -> FloatArray:
 
 def nearest_turn(index: float, bound: float) -> float:
     """An index on the turn on which it is nearest to a bound: 39 is one below 0."""
-    half = 0.5 * INDEX_PER_TURN
-    return bound + (index - bound + half) % INDEX_PER_TURN - half
+    return bound + index_difference(index, bound)

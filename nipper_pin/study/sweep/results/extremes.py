@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....hybrid.case import START_INDEX
+from ....hybrid.result.turns import INDICES
+from ....mechanism.cylinder import counted_from
 from ....terms import named
 from ..job import Job
 from .tally import SUMMARY
@@ -65,15 +68,22 @@ class Extremes:
         known = np.flatnonzero(np.isfinite(values))
         if not len(known):
             return
-        low = self._row(table, int(known[np.argmin(values[known])]))
-        high = self._row(table, int(known[np.argmax(values[known])]))
+        order = self._order(values[known])
+        low = self._row(table, int(known[np.argmin(order)]))
+        high = self._row(table, int(known[np.argmax(order)]))
         # Chunks come in any order: of equal values the first scenario is told.
         self.smallest = min(
-            (item for item in (self.smallest, low) if item), key=lambda x: (x.value, x.scenario)
+            (item for item in (self.smallest, low) if item),
+            key=lambda x: (self._order(x.value), x.scenario),
         )
         self.largest = min(
-            (item for item in (self.largest, high) if item), key=lambda x: (-x.value, x.scenario)
+            (item for item in (self.largest, high) if item),
+            key=lambda x: (-self._order(x.value), x.scenario),
         )
+
+    def _order(self, value: Any) -> Any:
+        """By what values are compared: of indices how far from the start of the turn they are."""
+        return counted_from(START_INDEX, value) if self._name in INDICES else value
 
     def record(self) -> dict[str, Any]:
         """Both rows as plain data for JSON."""

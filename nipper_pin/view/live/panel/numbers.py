@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import NamedTuple
 
-from ....mechanism import INDEX_PER_TURN
+from ....mechanism.cylinder import index_difference
 
 
 class Number(NamedTuple):
@@ -47,8 +47,7 @@ def difference(now: Number, other: Number | None) -> str:
     if not (math.isfinite(now.value) and math.isfinite(other.value)):
         return ""
     if now.on_scale:
-        half = 0.5 * INDEX_PER_TURN
-        return _signed((now.value - other.value + half) % INDEX_PER_TURN - half, 3)
+        return _signed(index_difference(now.value, other.value), 3)
     if now.value == other.value:
         return "0.0 %"
     if other.value == 0.0:

@@ -5,7 +5,7 @@ Heights are places between the ends of an axis, 0 to 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ....arrays import FloatArray
 from ...style import LINES, SMALL
-from .columns import Parameter, share
-from .frame import few_ticks, short
+from .columns import Parameter, share, short
+from .frame import few_ticks
 from .tenths import Tenth
 
 _WIDEST = 0.3
@@ -80,7 +80,13 @@ def distribution_beside(
         left = left + width
 
 
-def scale_beside(axes: Axes, place: int, ends: tuple[float, float], log: bool) -> None:
+def scale_beside(
+    axes: Axes,
+    place: int,
+    ends: tuple[float, float],
+    log: bool,
+    text: Callable[[float], str] = short,
+) -> None:
     """Draw one axis with its ends and a few ticks between them.
 
     Args:
@@ -88,11 +94,12 @@ def scale_beside(axes: Axes, place: int, ends: tuple[float, float], log: bool) -
         place: Its place.
         ends: Its least and its largest value.
         log: Whether its scale is logarithmic.
+        text: A value as it is written.
     """
     axes.plot([place, place], [0.0, 1.0], color="0.2", linewidth=1.0, zorder=_AXES)
     halo = [withStroke(linewidth=2.0, foreground="white")]
     for value, height, side in ((ends[0], -0.02, "top"), (ends[1], 1.02, "bottom")):
-        axes.text(place, height, short(value), ha="center", va=side, fontsize=SMALL)
+        axes.text(place, height, text(value), ha="center", va=side, fontsize=SMALL)
     locator = LogLocator(subs=(1.0, 2.0, 5.0)) if log else few_ticks()
     values = np.asarray(locator.tick_values(*ends), dtype=float)
     heights = share(values, *ends, log=log)
@@ -100,5 +107,5 @@ def scale_beside(axes: Axes, place: int, ends: tuple[float, float], log: bool) -
     for value, height in zip(values[inner], heights[inner], strict=True):
         axes.plot([place - 0.02, place], [height, height], color="0.2", linewidth=1.0,
                   zorder=_AXES)  # fmt: skip
-        axes.text(place - 0.035, height, short(float(value)), ha="right", va="center",
+        axes.text(place - 0.035, height, text(float(value)), ha="right", va="center",
                   fontsize=SMALL, path_effects=halo, zorder=_TEXTS)  # fmt: skip

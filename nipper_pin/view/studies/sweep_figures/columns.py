@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....arrays import FloatArray
+from ....hybrid.case import START_INDEX
+from ....hybrid.result.turns import INDICES
+from ....mechanism.cylinder import counted_from, within_turn
 from ....study.sweep import SweepTable
 from ....terms import NONE, Shown, named
 
@@ -25,7 +28,8 @@ class Quantity:
     Attributes:
         name: Its name in the table.
         shown: Its words and its unit for people.
-        values: Its values in that unit, NaN where a scenario has none, shape (rows,).
+        values: Its values in that unit, NaN where a scenario has none, shape (rows,); indices count
+            on from the start of the turn, so that they have means.
     """
 
     name: str
@@ -43,7 +47,17 @@ class Quantity:
         unit = (sweep.table.schema.field(name).metadata or {}).get(b"unit", NONE.encode()).decode()
         shown = named(name, unit)
         values = shown.value(np.asarray(sweep.table[name].to_numpy(), dtype=float))
+        if name in INDICES:
+            values = counted_from(START_INDEX, values)
         return cls(name=name, shown=shown, values=values)
+
+    def short(self, value: float, _: object = None) -> str:
+        """A value beside an axis; an index on the one scale from 0 to 40.
+
+        Args:
+            value: It.
+        """
+        return short(float(within_turn(value)) if self.name in INDICES else value)
 
     @property
     def title(self) -> str:
@@ -126,6 +140,15 @@ class Parameter:
             return np.linspace(0.0, 1.0, len(self.centres) + 1)
         middle = self.places(self.centres)
         return np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [1.0]])
+
+
+def short(value: float) -> str:
+    """A value beside an axis: three digits, and no powers of ten for what a designer reads.
+
+    Args:
+        value: It.
+    """
+    return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.3g}"
 
 
 def share(x: FloatArray, low: float, high: float, *, log: bool) -> FloatArray:

@@ -48,15 +48,6 @@ def few_ticks() -> MaxNLocator:
     return MaxNLocator(6, steps=ROUND)
 
 
-def short(value: float) -> str:
-    """A value beside an axis: three digits, and no powers of ten for what a designer reads.
-
-    Args:
-        value: It.
-    """
-    return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.3g}"
-
-
 def _counts(sweep: SweepTable, quantity: Quantity) -> str:
     """How many scenarios there are, are taken and have no value."""
     taken = len(quantity.values)

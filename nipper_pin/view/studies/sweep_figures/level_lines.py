@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from ....arrays import FloatArray
+from ....hybrid.result.turns import INDICES
 from ....study.sweep import SweepTable
 from ...style import SMALL, TEXT, tidy
 from .columns import Parameter, Quantity
-from .frame import COLOURS, ROUND, few_ticks, framed, short
+from .frame import COLOURS, ROUND, few_ticks, framed
 
 _LEVELS = 8
 _MEANS = "Every value is the mean of the scenarios near it, whatever their other parameters."
@@ -36,7 +39,8 @@ def level_lines(
     axes = figure.subplots()
     shape = (len(across.centres), len(upwards.centres))
     mean = cell_means(across.cell, upwards.cell, shape, quantity.values)
-    drawn = _field(axes, across.centres, upwards.centres, np.ma.masked_invalid(mean.T))
+    field = np.ma.masked_invalid(mean.T)
+    drawn = _field(axes, across.centres, upwards.centres, field, quantity.short)
     for scale, locator, item in (
         (axes.set_xscale, axes.xaxis.set_major_locator, across),
         (axes.set_yscale, axes.yaxis.set_major_locator, upwards),
@@ -46,14 +50,19 @@ def level_lines(
         else:
             locator(few_ticks())
     tidy(axes, across.shown.label, upwards.shown.label)
-    bar = figure.colorbar(drawn, ax=axes)
+    ticks = FuncFormatter(quantity.short) if quantity.name in INDICES else None
+    bar = figure.colorbar(drawn, ax=axes, format=ticks)
     bar.set_label(quantity.shown.label, fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
     return figure
 
 
 def _field(
-    axes: Axes, x: FloatArray, y: FloatArray, field: np.ma.MaskedArray[tuple[int, int], np.dtype]
+    axes: Axes,
+    x: FloatArray,
+    y: FloatArray,
+    field: np.ma.MaskedArray[tuple[int, int], np.dtype],
+    short: Callable[[float], str],
 ) -> ScalarMappable:
     """Levels, filled and with their values; cells where there are too few values for levels."""
     if field.count() > 2 and min(field.shape) > 1 and np.ptp(field.compressed()) > 0.0:

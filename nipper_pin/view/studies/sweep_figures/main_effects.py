@@ -8,7 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
+from ....hybrid.result.turns import INDICES
 from ....study.sweep import SweepTable
 from ...style import LINES, SMALL, tidy
 from .columns import Parameter, Quantity
@@ -59,5 +61,7 @@ def _panel(axes: Axes, item: Parameter, quantity: Quantity) -> None:
     else:
         axes.xaxis.set_major_locator(few_ticks())
     axes.yaxis.set_major_locator(few_ticks())
+    if quantity.name in INDICES:
+        axes.yaxis.set_major_formatter(FuncFormatter(quantity.short))
     axes.grid(axis="y", color="0.88", linewidth=0.6)
     axes.set_axisbelow(True)

@@ -61,7 +61,7 @@ def parallel_coordinates(
     distribution_beside(axes, len(parameters), columns[-1], (low, high))
     for place, item in enumerate(parameters):
         scale_beside(axes, place, item.ends, item.log)
-    scale_beside(axes, len(parameters), ends, False)
+    scale_beside(axes, len(parameters), ends, False, quantity.short)
     _names(axes, [*(item.shown.label for item in parameters), quantity.shown.label])
     _legend(axes, low, high)
     return figure

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ....arrays import FloatArray
 from .columns import Quantity
-from .frame import short
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,7 +35,7 @@ def tenths(y: FloatArray, quantity: Quantity) -> tuple[Tenth, Tenth]:
     # A value that most scenarios have belongs to neither.
     parts = (y <= low) & (y < high), (y >= high) & (y > low)
     ends = y[parts[0]].max(initial=y.min()), y[parts[1]].min(initial=y.max())
-    words = (f"up to {short(ends[0])}", f"from {short(ends[1])}")
+    words = (f"up to {quantity.short(ends[0])}", f"from {quantity.short(ends[1])}")
     return tuple(
         Tenth(
             inside=inside,
