@@ -5,6 +5,7 @@
 # make docs    the site of docs/ in out/site; any warning is an error
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
+# make stress    a thousand random and extreme cases, each judged (minutes)
 # make pictures    the pictures of the documents and the pages of tolerances and quantities, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
@@ -27,7 +28,7 @@ FIGURES := $(BIN)/python scripts/maintain/figures
 PLOTS := $(addprefix $(IMAGES)/,$(addsuffix .png,cycle_650 transition impulses phases speed_limit \
   front_e62 main_effects_duration_s level_lines_duration_s work_precision))
 
-.PHONY: demo test test-slow test-all lint types docs check pictures benchmark clean
+.PHONY: demo test test-slow test-all lint types docs check pictures benchmark stress clean
 # Every target shares one environment, which only one pip may change at a time.
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
@@ -58,10 +59,13 @@ docs: $(SITE)
 check: lint types docs test-all
 
 benchmark: $(DEV)
-	$(BIN)/nipper-pin benchmark --out out/benchmark
+	$(BIN)/python -m benchmarks run --out out/benchmark
 	$(FIGURES)/write_benchmark_pages.py out/benchmark
 	$(FIGURES)/draw_recorded_benchmark.py docs
 	$(FIGURES)/shrink_pictures.py $(IMAGES)/work_precision.png
+
+stress: $(DEV)
+	$(BIN)/python -m benchmarks stress
 
 # All pictures of docs/images but those in before/, which an earlier version drew.
 pictures: $(DEV)

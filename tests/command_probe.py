@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from programs import PARSERS, main
 
+from benchmarks.stress import Campaign
 from nipper_pin import Mechanism, Solution, load_solution
-from nipper_pin.bench.stress import Campaign
-from nipper_pin.cli import _parser, main
 from nipper_pin.study.next_steps import NextSteps
 from nipper_pin.study.verify import Verified
 
@@ -35,7 +35,8 @@ _PLAIN = (str, int, float, Path, type(None))
 
 def options() -> Iterator[tuple[str, argparse.Action]]:
     """Every option and argument of every command, as the parsers themselves know them."""
-    yield from _options(_parser(), "")
+    for parser in PARSERS:
+        yield from _options(parser, "")
 
 
 def _options(parser: argparse.ArgumentParser, name: str) -> Iterator[tuple[str, argparse.Action]]:
@@ -218,16 +219,16 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
          lambda _result, path: _write(Path(path), done))  # fmt: skip
     note("nipper_pin.view.studies.speed_limit_plot.check_figure", lambda _: "json")
     note("nipper_pin.view.studies.speed_limit_report.print_speed_limit", lambda *_: None)
-    note("nipper_pin.bench.run_time.benchmark.benchmark", lambda **_: report)
-    note("nipper_pin.bench.views.benchmark_files.write_benchmark",
+    note("benchmarks.run_time.benchmark.benchmark", lambda **_: report)
+    note("benchmarks.views.benchmark_files.write_benchmark",
          lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip
-    note("nipper_pin.bench.views.benchmark_report.print_benchmark", lambda *_: None)
-    note("nipper_pin.bench.stress.run_campaign", _campaign)
-    note("nipper_pin.bench.stress.judge", lambda trial, _limit: SimpleNamespace(
+    note("benchmarks.views.benchmark_report.print_benchmark", lambda *_: None)
+    note("benchmarks.stress.run_campaign", _campaign)
+    note("benchmarks.stress.judge", lambda trial, _limit: SimpleNamespace(
         number=trial.number, family="", word="right", kind="", detail="", fingerprint="f",
         wall_s=0.0))  # fmt: skip
     for name in ("print_campaign", "print_verdict"):
-        note(f"nipper_pin.bench.views.stress_report.{name}", lambda *_: None)
+        note(f"benchmarks.views.stress_report.{name}", lambda *_: None)
     swept = SimpleNamespace(scenarios=3, folder="folder", found=0, computed=3, wall_s=0.0,
                             record=lambda: done, sentences=list, check=lambda: None,
                             extremes=SimpleNamespace(sentences=list))  # fmt: skip

@@ -353,7 +353,7 @@ TABLE = {
         "new": NEW, "check": CHECK,
         "study paper": PAPER, "study speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
         "optimise": OPTIMISE, "sweep": SWEEP,
-        "plot": PLOT, "verify": VERIFY, "stress": STRESS, "benchmark": BENCHMARK,
+        "plot": PLOT, "verify": VERIFY, "stress": STRESS, "run": BENCHMARK,
     }.items()
     for option, entry in entries.items()
 }  # fmt: skip

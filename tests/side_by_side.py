@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from benchmarks.stress.machines.mirror import mirrored
+from benchmarks.stress.machines.parts import Source
 from nipper_pin import EventKind, Solution
 from nipper_pin.arrays import FloatArray
-from nipper_pin.bench.stress.machines.mirror import mirrored
-from nipper_pin.bench.stress.machines.parts import Source
 from nipper_pin.mechanism import Mechanism, from_sources
 
 _TABLES = ("drives", "springs", "dampers", "forces", "stops", "closures", "initial")

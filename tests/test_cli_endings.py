@@ -13,11 +13,11 @@ from typing import Any
 
 import pytest
 from command_probe import Facts, Probe, stand_ins
+from programs import main
 from test_cli_options import DESIGN, FIT, STUDY
 
+from benchmarks.stress import Campaign, Verdict
 from nipper_pin import Mechanism, SimulationError, cli
-from nipper_pin.bench.stress import Campaign, Verdict
-from nipper_pin.cli import main
 from nipper_pin.study.next_steps import NextSteps
 
 CASE = {
@@ -69,7 +69,7 @@ ASKED: dict[str, dict[str, object]] = {
         "run_campaign.time_limit_s": 600.0, "run_campaign.folder": None,
         "run_campaign.families.0": None,
     },
-    "benchmark": {"benchmark.quick": False, "benchmark.repeats": None},
+    "run": {"benchmark.quick": False, "benchmark.repeats": None},
 }  # fmt: skip
 
 
@@ -118,7 +118,7 @@ def test_what_is_asked_without_options(words: str, files: dict[str, str], probe:
         ("optimise {design}", "print_optimum"),
         ("check", "print_report"),
         ("stress", "print_campaign"),
-        ("benchmark", "print_benchmark"),
+        ("run", "print_benchmark"),
     ],
 )
 def test_a_document_in_a_file_leaves_the_terminal_its_tables(
@@ -200,7 +200,7 @@ def test_a_campaign_ends_as_its_verdicts_say(
 ) -> None:
     """The table is printed in any case; then what is wrong, or refused more often than may be."""
     campaign = Campaign(5, tuple(verdicts), 1.0)
-    monkeypatch.setattr("nipper_pin.bench.stress.run_campaign", lambda *_, **__: campaign)
+    monkeypatch.setattr("benchmarks.stress.run_campaign", lambda *_, **__: campaign)
     assert main(["stress"]) == status
     out, err = capsys.readouterr()
     assert f"{len(verdicts)} cases, seed 5" in out
@@ -213,10 +213,10 @@ def test_one_case_again(
 ) -> None:
     """Its verdict alone is printed; refused it is no failure, wrong it is one."""
     trial = SimpleNamespace(seed=8, number=4)
-    monkeypatch.setattr("nipper_pin.bench.stress.load_trial", lambda _file: trial)
+    monkeypatch.setattr("benchmarks.stress.load_trial", lambda _file: trial)
     for word, status in (("refused", 0), ("wrong", 1)):
         monkeypatch.setattr(
-            "nipper_pin.bench.stress.judge",
+            "benchmarks.stress.judge",
             lambda _trial, _limit, word=word: failed(4, "chain", word, "why"),
         )
         assert main(["stress", "--rerun", "case.json"]) == status
@@ -296,7 +296,7 @@ def test_what_check_ends_with(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("benchmark --repeats 0", "--repeats 0: at least 1"),
+        ("run --repeats 0", "--repeats 0: at least 1"),
         ("identify {fit} --profiles -1", "--profiles -1: at least 0"),
         ("identify {fit} --starts 1 --seed 3", "--seed changes nothing beside --starts 1"),
         ("sweep {sweep} --chunks a-2", "--chunks a-2: write A-B"),

@@ -15,11 +15,11 @@ from pathlib import Path
 import pytest
 from command_probe import Facts, Probe, options, stand_ins
 from option_table import GONE, TABLE, Entry
+from programs import main
 
+from benchmarks.stress import judge
+from benchmarks.stress.space import trial
 from nipper_pin import Case, load, save, save_case, simulate
-from nipper_pin.bench.stress import judge
-from nipper_pin.bench.stress.space import trial
-from nipper_pin.cli import main
 
 # What a run computes: it follows from the settings, and moves with them.
 COMPUTED = tuple(

@@ -16,10 +16,10 @@ from typing import Any
 
 import pytest
 from command_probe import Probe, stand_ins
+from programs import main
 from test_cli_options import DESIGN, FIT, STUDY
 
 from nipper_pin import Case, Window, load, simulate
-from nipper_pin.cli import main
 from nipper_pin.cli.study_progress import REPORT, SENSITIVITIES, STAGES, Work, shown
 
 Told = Callable[..., None]
@@ -129,7 +129,7 @@ def test_turns_of_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     ("words", "place", "shown"),
     [
         ("simulate --window cycle --cycles 8", "nipper_pin.cli.simulate.simulate", "turns"),
-        ("stress --cases 9", "nipper_pin.bench.stress.run_campaign", "cases"),
+        ("stress --cases 9", "benchmarks.stress.run_campaign", "cases"),
     ],
 )
 def test_how_much_there_is_to_do_is_known_at_once(
@@ -210,7 +210,7 @@ def test_cases_of_a_campaign(
         for item in (verdict(3), verdict(1), verdict(3, "wrong"), verdict(7, "wrong")):
             advance(item)
 
-    place = "nipper_pin.bench.stress.run_campaign"
+    place = "benchmarks.stress.run_campaign"
     with monkeypatch.context() as patch:
         replaced(patch, place, tell)
         shown = run("stress --cases 12 --out kept", monkeypatch)
@@ -300,7 +300,7 @@ def test_steps_of_a_benchmark(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What is being done, on a terminal alone."""
-    words, place = "benchmark --json -", "nipper_pin.bench.run_time.benchmark.benchmark"
+    words, place = "run --json -", "benchmarks.run_time.benchmark.benchmark"
 
     def tell(_mechanism: Any = None, say: Any = None, **_: Any) -> None:
         say("tables 3 to 5")

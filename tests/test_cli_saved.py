@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from programs import main
 
 from nipper_pin import Case, load, save, save_case, simulate
-from nipper_pin.cli import main
 
 BASE = {"--speed": "650", "--set": "preload=10.5", "--restitution": "0.2"}
 # The last 3 are about whole turns; the cases of all others are transitions.

@@ -79,8 +79,8 @@ def test_links_lead_to_files():
 
 
 def test_files_and_tests_that_pages_name_exist():
-    """A path begins at the root, in the package, in the bench or in a folder of tests."""
-    places = (ROOT, ROOT / "nipper_pin", ROOT / "nipper_pin/bench")
+    """A path begins at the root, in the package, beside it or in a folder of tests."""
+    places = (ROOT, ROOT / "nipper_pin", ROOT / "benchmarks")
     missing, seen = [], 0
     for page in [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]:
         text = page.read_text(encoding="utf-8")

@@ -127,9 +127,6 @@ MISSING = [
     ("cluster", "distributed", ["sweep", SWEEP, "--scheduler", "tcp://127.0.0.1:1"]),
     ("study", "matplotlib", ["plot", "sweep"]),
     ("study", "pyarrow", ["plot", "sweep"]),
-    ("study", "numba", ["stress", "--cases", "1"]),
-    ("study", "numba", ["benchmark", "--quick"]),
-    ("study", "matplotlib", ["benchmark", "--quick", "--out", "table"]),
 ]
 
 

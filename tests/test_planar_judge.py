@@ -19,8 +19,8 @@ from lid_box import lid_box
 from random_chains import chain
 from small_machines import SLED, hinge, link, machine, slide
 
+from benchmarks.stress.linkages import write_linkage
 from nipper_pin import Case, Event, EventKind, Mechanism, Solution
-from nipper_pin.bench.stress.linkages import write_linkage
 from nipper_pin.cli import main
 from nipper_pin.mechanism.gallery import GALLERY
 

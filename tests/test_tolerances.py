@@ -17,24 +17,24 @@ from write_tolerance_pages import pages, tolerances  # noqa: E402
 
 PACKAGE, DOCS = ROOT / "nipper_pin", ROOT / "docs"
 MODULES = sorted((PACKAGE / "tolerances").glob("[a-z]*.py"))
-ROOMS = ("mechanism", "dynamics", "hybrid", "reduced", "study", "bench")
+ROOMS = [PACKAGE / room for room in ("mechanism", "dynamics", "hybrid", "reduced", "study")]
 SETTINGS = {
     "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
     "study/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "study/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
     "study/paper/scheme/fixed_steps.py": "SETTINGS",
-    "bench/peers/drake_witness.py": "SETTINGS",  # steps and tolerances that are compared
-    "bench/peers/exudyn_shell.py": "SETTINGS",
-    "bench/peers/mujoco_native.py": "SETTINGS",
-    "bench/peers/mujoco_shell.py": "SETTINGS",
-    "bench/peers/pybullet_shell.py": "SETTINGS",
-    "bench/peers/rk4.py": "SETTINGS",
-    "bench/peers/scipy_flight.py": "SETTINGS",
-    "bench/peers/sundae.py": "SETTINGS",
-    "bench/run_time/reduced_work.py": "_TOLERANCES",
-    "bench/run_time/stated.py": "STATED_TOLERANCES",
-    "bench/run_time/turns.py": "_TOLERANCES",
-    "bench/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
+    "benchmarks/peers/drake_witness.py": "SETTINGS",  # steps and tolerances that are compared
+    "benchmarks/peers/exudyn_shell.py": "SETTINGS",
+    "benchmarks/peers/mujoco_native.py": "SETTINGS",
+    "benchmarks/peers/mujoco_shell.py": "SETTINGS",
+    "benchmarks/peers/pybullet_shell.py": "SETTINGS",
+    "benchmarks/peers/rk4.py": "SETTINGS",
+    "benchmarks/peers/scipy_flight.py": "SETTINGS",
+    "benchmarks/peers/sundae.py": "SETTINGS",
+    "benchmarks/run_time/reduced_work.py": "_TOLERANCES",
+    "benchmarks/run_time/stated.py": "STATED_TOLERANCES",
+    "benchmarks/run_time/turns.py": "_TOLERANCES",
+    "benchmarks/run_time/work_precision.py": "TOLERANCES, QUICK_TOLERANCES",
     "study/sweep/plan.py": "_TRANSITIONS, _TURNS",  # run times
 }
 """Small numbers that are no tolerances, by module."""
@@ -68,10 +68,12 @@ def test_a_tolerance_is_recognised(line: str) -> None:
 
 
 def test_no_other_module_of_these_rooms_defines_a_tolerance() -> None:
-    modules = [each for room in ROOMS for each in (PACKAGE / room).rglob("*.py")]
+    modules = [each for room in (*ROOMS, ROOT / "benchmarks") for each in room.rglob("*.py")]
     assert len(modules) > 50
     found = {
-        each.relative_to(PACKAGE).as_posix(): constants(each.read_text(encoding="utf-8"))
+        each.relative_to(ROOT).as_posix().removeprefix("nipper_pin/"): constants(
+            each.read_text(encoding="utf-8")
+        )
         for each in modules
     }
     names = {name: ", ".join(line.partition(" = ")[0] for line in found[name]) for name in found}
@@ -80,7 +82,7 @@ def test_no_other_module_of_these_rooms_defines_a_tolerance() -> None:
 
 def test_no_comparison_of_a_solver_or_study_holds_a_small_number() -> None:
     found = []
-    for module in [each for room in ROOMS[:-1] for each in (PACKAGE / room).rglob("*.py")]:
+    for module in [each for room in ROOMS for each in room.rglob("*.py")]:
         for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Compare) and any(
                 type(getattr(part, "value", None)) is float and 0 < part.value < 1e-3  # type: ignore[attr-defined]
@@ -122,12 +124,12 @@ def test_the_pages_hold_every_tolerance_once() -> None:
 def test_judges_share_no_tolerance_with_what_they_judge() -> None:
     """Neither by their module of tolerances nor by reading another one."""
     shared = {}
-    for file in [PACKAGE / "tolerances/bench.py", *(PACKAGE / "bench").rglob("*.py")]:
+    for file in [PACKAGE / "tolerances/bench.py", *(ROOT / "benchmarks").rglob("*.py")]:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
                 module, names = node.module or "", {item.name for item in node.names}
                 inner = "tolerances" in f"{module}.{'.'.join(names)}".split(".")
-                if (inner and module != "tolerances.bench") or (
+                if (inner and module != "nipper_pin.tolerances.bench") or (
                     file.parent.name == "tolerances" and node.level
                 ):
                     shared[file.name] = module

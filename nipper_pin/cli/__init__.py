@@ -11,8 +11,9 @@ import shutil
 import sys
 import textwrap
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
+from typing import NamedTuple
 
 # In several threads BLAS adds up in another order, so the last bits of a result would depend on the
 # environment. BLAS reads this once, when numpy is imported.
@@ -29,8 +30,23 @@ _RIGHT = 0
 _NOT_SIMULATED = 1
 _UNUSABLE = 2
 _INTERRUPTED = 130
-# By name, not imported: the bench imports this package.
-_COMMANDS = {
+
+
+class Commands(NamedTuple):
+    """The commands of a program.
+
+    Attributes:
+        program: What is written before a command.
+        description: What it does.
+        places: Module and short help of each command; modules by name, as one alone is imported.
+    """
+
+    program: str
+    description: str
+    places: Mapping[str, tuple[str, str]]
+
+
+_PLACES = {
     "simulate": (".simulate", "simulate a transition or whole cycles"),
     "view": (".view", "show a run in the browser, or write it as one page"),
     "compare": (".compare", "two machines, settings or saved runs side by side"),
@@ -43,19 +59,21 @@ _COMMANDS = {
     "sweep": (".sweep", "compute many scenarios, on all processors or on a cluster"),
     "plot": (".plot", "draw the results of a sweep"),
     "verify": (".verify", "tell whether a saved run, case or sweep is whole, and who made it"),
-    "stress": (
-        "..bench.commands.stress",
-        "run random and extreme cases, and check what must hold of each",
-    ),
-    "benchmark": ("..bench.commands.benchmark", "measure run time against error on this machine"),
 }
+NIPPER_PIN = Commands(
+    "nipper-pin",
+    "Simulate mechanisms whose stops are struck, and how they bounce to rest.",
+    _PLACES,
+)
+"""The commands of the package."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, commands: Commands = NIPPER_PIN) -> int:
     """Run the command.
 
     Args:
         arguments: Command-line arguments; those of the process by default.
+        commands: The commands that there are.
 
     Returns:
         Exit status: 0 right, 1 the simulation could not be done, 2 unusable arguments or files.
@@ -64,17 +82,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_streams()
     with interrupts() as came:
         try:
-            return _ended(words)
+            return _ended(words, commands)
         except Exception:
             if came:
                 return _INTERRUPTED
             raise
 
 
-def _ended(words: list[str]) -> int:
+def _ended(words: list[str], commands: Commands) -> int:
     """Run the command, and tell of whatever it runs into."""
     try:
-        _run(words)
+        _run(words, commands)
         # While it can still be told that there is no space.
         sys.stdout.flush()
     except InputError as error:
@@ -90,10 +108,10 @@ def _ended(words: list[str]) -> int:
     return _RIGHT
 
 
-def _run(words: list[str]) -> None:
-    named = next((word for word in words[:1] if word in _COMMANDS), None)
+def _run(words: list[str], commands: Commands) -> None:
+    named = next((word for word in words[:1] if word in commands.places), None)
     try:
-        options = _parser(named).parse_args(words)
+        options = _parser(named, commands).parse_args(words)
     except SystemExit:
         sys.stdout.flush()
         raise
@@ -158,15 +176,14 @@ def _say(text: str) -> None:
     sys.stderr.write(f"{line}\n")
 
 
-def _parser(command: str | None = None) -> argparse.ArgumentParser:
+def _parser(
+    command: str | None = None, commands: Commands = NIPPER_PIN
+) -> argparse.ArgumentParser:
     """Return the parser of one command or of all; only the modules of that command are imported."""
-    parser = argparse.ArgumentParser(
-        prog="nipper-pin",
-        description="Simulate mechanisms whose stops are struck, and how they bounce to rest.",
-    )
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, (place, text) in _COMMANDS.items():
-        of_command = commands.add_parser(name, help=text)
+    parser = argparse.ArgumentParser(prog=commands.program, description=commands.description)
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (place, text) in commands.places.items():
+        of_command = subparsers.add_parser(name, help=text)
         # Python's own take 1_0 and digits of other scripts for numbers.
         of_command.register("type", float, read_number)
         of_command.register("type", int, read_whole)

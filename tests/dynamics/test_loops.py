@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.stress.space import trial
 from nipper_pin import Mechanism
-from nipper_pin.bench.stress.space import trial
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn

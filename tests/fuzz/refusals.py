@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from programs import main
+
 from nipper_pin import InputError
-from nipper_pin.cli import main
 
 _T = TypeVar("_T")
 

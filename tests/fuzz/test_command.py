@@ -74,7 +74,7 @@ def test_any_arguments_of_simulate(arguments: list[str]) -> None:
 @given(st.lists(_words, max_size=4))
 def test_any_words(words: list[str]) -> None:
     """Words in place of commands and their arguments; none of them may start a server."""
-    if not words or words[0] not in ("view", "live", "benchmark"):
+    if not words or words[0] not in ("view", "live"):
         with tempfile.TemporaryDirectory() as folder:
             before = Path.cwd()
             os.chdir(folder)
@@ -186,7 +186,6 @@ def test_any_problem_of_an_identification(data: st.DataObject) -> None:
         ["simulate", "--case", "{folder}"],
         ["simulate", "--out", "{file}"],
         ["simulate", "--json", "{folder}"],
-        ["benchmark", "--repeats", "0"],
         ["check", "{folder}"],
     ],
 )

@@ -7,14 +7,14 @@ from math import inf
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.bench.stress.machines.parts import (
+from benchmarks.stress.machines.parts import (
     description,
     frame,
     link,
     robot,
     slide,
 )
+from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.dynamics import impact
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System

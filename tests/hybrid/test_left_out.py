@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from small_machines import link, machine, slide
 
+from benchmarks.stress.checks.agreement import within_errors
 from nipper_pin import Case, EventKind, Resolution, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.agreement import within_errors
 from nipper_pin.hybrid.error_estimate.linear_maps import LinearMaps
 from nipper_pin.hybrid.error_estimate.truncated_bounces import left_out
 

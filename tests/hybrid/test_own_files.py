@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.stress.files import load_trial
 from nipper_pin import (
     Case,
     NipperError,
@@ -24,7 +25,6 @@ from nipper_pin import (
     save_case,
     simulate,
 )
-from nipper_pin.bench.stress.files import load_trial
 from nipper_pin.cli import main
 from nipper_pin.mechanism import find_model
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.run_time.certified import certified_cycle
 from nipper_pin import (
     Case,
     EventKind,
@@ -23,7 +24,6 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.bench.run_time.certified import certified_cycle
 from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY

@@ -8,8 +8,8 @@ dynamics regularised closures with 1e-10 per kg, more than the smallest eigenval
 import numpy as np
 import pytest
 
+from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import Case, SingularConfigurationError, Solution, Window, load, simulate
-from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import from_sources
 
 

@@ -15,8 +15,8 @@ import pytest
 from rows_of_balls import row
 from small_machines import hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, EventKind, Mechanism, Solution, Window, record, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 
 FALL = Case(speed_rpm=20.0, window=Window.CYCLE, start_index=0.0, max_collisions=3)
 

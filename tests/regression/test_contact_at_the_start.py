@@ -8,10 +8,10 @@ watched from the moment it opens, so one that was zero at the start and closing 
 import numpy as np
 import pytest
 
-from nipper_pin import Case, DriveMode, EventKind, Window, simulate
-from nipper_pin.bench.stress.machines.small_machines import (
+from benchmarks.stress.machines.small_machines import (
     bouncing_mass,
 )
+from nipper_pin import Case, DriveMode, EventKind, Window, simulate
 from nipper_pin.mechanism import from_sources
 
 

@@ -10,8 +10,8 @@ import pytest
 from small_machines import link, slide
 from small_machines import machine as machine_of_parts
 
+from benchmarks.stress.machines.small_machines import flaps
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Window, simulate
-from nipper_pin.bench.stress.machines.small_machines import flaps
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.dynamics.impact import collide
 from nipper_pin.dynamics.shaft import ShaftMotion

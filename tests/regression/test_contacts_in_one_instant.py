@@ -20,8 +20,8 @@ import numpy as np
 import pytest
 from small_machines import SLED, frame, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, EventKind, ImpactError, Mechanism, Resolution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 from nipper_pin.dynamics.assembly import Partition
 from nipper_pin.hybrid.motion.panel import Panel
 

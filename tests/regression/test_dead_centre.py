@@ -10,6 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import (
     Case,
     ConvergenceError,
@@ -18,7 +19,6 @@ from nipper_pin import (
     Window,
     simulate,
 )
-from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import from_sources
 
 

@@ -23,8 +23,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, DriveMode, ElementError, Resolution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 
 TURN = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
 

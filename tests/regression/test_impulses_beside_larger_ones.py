@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks.stress import trial
+from benchmarks.stress.checks.agreement import within_errors
 from nipper_pin import Case, Resolution, Solution, simulate
-from nipper_pin.bench.stress import trial
-from nipper_pin.bench.stress.checks.agreement import within_errors
 
 COLLISION = 2
 

@@ -17,8 +17,8 @@ import pinocchio as pin
 import pytest
 from small_machines import hinge, link, machine, slide
 
+from benchmarks.stress.checks.agreement import bits
 from nipper_pin import Case, load, simulate
-from nipper_pin.bench.stress.checks.agreement import bits
 from nipper_pin.mechanism import find_model
 
 CASE = Case(speed_rpm=650.0)

@@ -11,10 +11,10 @@ bounces was extrapolated across a knot, and seemed to converge, to the wrong tim
 import numpy as np
 import pytest
 
-from nipper_pin import Case, Mechanism, Resolution, Window, simulate
-from nipper_pin.bench.stress.machines.small_machines import (
+from benchmarks.stress.machines.small_machines import (
     e62 as e62_source,
 )
+from nipper_pin import Case, Mechanism, Resolution, Window, simulate
 from nipper_pin.mechanism import from_sources
 
 

@@ -19,9 +19,9 @@ import numpy as np
 import pytest
 from small_machines import SLED, frame, hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
+from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import Case, Resolution, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
-from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.hybrid.motion.noise_floor import roughness
 from nipper_pin.hybrid.motion.panel import nearby
 from nipper_pin.mechanism import Mechanism, from_sources

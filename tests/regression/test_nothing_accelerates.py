@@ -7,10 +7,10 @@ import warnings
 
 import pytest
 
-from nipper_pin import InputError
-from nipper_pin.bench.stress.machines.small_machines import (
+from benchmarks.stress.machines.small_machines import (
     bouncing_mass,
 )
+from nipper_pin import InputError
 from nipper_pin.mechanism import from_sources
 from nipper_pin.reduced import build
 

@@ -9,9 +9,9 @@ import warnings
 
 import pytest
 
+from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import Case, DriveMode, SimulationError, SingularConfigurationError, Window
 from nipper_pin import simulate as run
-from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.mechanism import Mechanism, from_sources
 
 

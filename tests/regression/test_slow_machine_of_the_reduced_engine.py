@@ -8,7 +8,7 @@ the speed.
 import numpy as np
 import pytest
 
-from nipper_pin.bench.stress.machines.small_machines import (
+from benchmarks.stress.machines.small_machines import (
     bouncing_mass,
 )
 from nipper_pin.mechanism import from_sources

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks import premises
+from benchmarks.run_time import cost
 from nipper_pin import Case, Mechanism, simulate
-from nipper_pin.bench import premises
-from nipper_pin.bench.run_time import cost
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.rebound_errors import ReboundError
 from nipper_pin.reduced import inputs

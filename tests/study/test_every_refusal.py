@@ -21,8 +21,8 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from benchmarks.run_time import certified, cost
 from nipper_pin import Mechanism
-from nipper_pin.bench.run_time import certified, cost
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.solution import Outcome
 from nipper_pin.study import cases, processes
@@ -63,7 +63,7 @@ def test_columns_of_unequal_length() -> None:
 
 
 def test_a_reference_that_is_missing() -> None:
-    with pytest.raises(InputError, match=r"nothing\.json is missing: install") as caught:
+    with pytest.raises(InputError, match=r"nothing\.json is missing: get the checkout") as caught:
         certified._document("nothing.json")
     assert caught.value.evidence == {"file": "nothing.json"}
 

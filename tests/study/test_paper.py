@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nipper_pin.bench.run_time.certified import certified
-from nipper_pin.bench.run_time.scenes import bouncing_mass
+from benchmarks.run_time.certified import certified
+from benchmarks.run_time.scenes import bouncing_mass
 from nipper_pin.cli import main
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Case

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from small_machines import link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import (
     Case,
     DriveMode,
@@ -24,7 +25,6 @@ from nipper_pin import (
     load,
     simulate,
 )
-from nipper_pin.bench.stress.checks.invariants import violations
 
 BOTH = frozenset({"jaw", "steeve"})
 DRIVES = ("pendulum", "tension")

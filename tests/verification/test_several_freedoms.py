@@ -13,8 +13,8 @@ import pytest
 from random_chains import chain
 from small_machines import SHAFT, SLED, frame, hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, DriveMode, EventKind, Outcome, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 
 SEEDS = range(16)
 modes = pytest.mark.parametrize("drive", list(DriveMode))

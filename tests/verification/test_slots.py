@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from small_machines import NOTHING, SHAFT, frame, hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import AssemblyError, Case, Mechanism, ModelError, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 from nipper_pin.errors import UnknownNameError
 from nipper_pin.mechanism.drives import OscillatingGuide
 from nipper_pin.study.check import check_model

@@ -20,8 +20,8 @@ import pytest
 from scipy.optimize import brentq
 from small_machines import SHAFT, frame, hinge, link, machine, slide
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 
 RADIUS, NATURAL, MASS = 0.05, 9.0, 2.0
 LEFT, RIGHT, E_LEFT, E_RIGHT = 0.012, 0.02, 0.8, 0.7

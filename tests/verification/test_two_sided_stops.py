@@ -21,8 +21,8 @@ import numpy as np
 import pytest
 from boxed_mass import CEILING, FLOOR, GRAVITY, HEIGHT, MASS, SPEED, box
 
+from benchmarks.stress.checks.invariants import violations
 from nipper_pin import Case, EventKind, Solution, Window, simulate
-from nipper_pin.bench.stress.checks.invariants import violations
 
 EPS = float(np.finfo(float).eps)
 

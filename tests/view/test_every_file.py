@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 from rich.console import Console
 
+from benchmarks.commands import benchmark as benchmark_command
+from benchmarks.views import benchmark_files
 from nipper_pin import Case, Mechanism, Solution
-from nipper_pin.bench.commands import benchmark as benchmark_command
-from nipper_pin.bench.views import benchmark_files
 from nipper_pin.cli import simulate as simulate_command
 from nipper_pin.errors import InputError, SingularConfigurationError
 from nipper_pin.hybrid.case import Window
@@ -493,12 +493,12 @@ def test_what_a_benchmark_is_given(
         return result
 
     stderr = Terminal(terminal)
-    monkeypatch.setattr("nipper_pin.bench.run_time.benchmark.benchmark", benchmark)
+    monkeypatch.setattr("benchmarks.run_time.benchmark.benchmark", benchmark)
     monkeypatch.setattr("nipper_pin.view.run.plots.plot_solution", lambda *words: ("plots", *words))
     monkeypatch.setattr(benchmark_command.sys, "stderr", stderr)
     file = tmp_path / "out.json"
     monkeypatch.setattr(
-        "nipper_pin.bench.views.benchmark_report.print_benchmark",
+        "benchmarks.views.benchmark_report.print_benchmark",
         lambda *words: asked.append(words[0]),
     )
     options: Any = SimpleNamespace(quick=True, repeats=3, json=str(file), out=None)

@@ -18,9 +18,9 @@ from made_up_results import design, identified, optimum
 from rich.console import Console
 from small_machines import frame, hinge, link, machine
 
+from benchmarks.stress.judging import Verdict as Judged
+from benchmarks.views.stress_report import print_verdict
 from nipper_pin import Case, Mechanism, Solution, Window, simulate
-from nipper_pin.bench.stress.judging import Verdict as Judged
-from nipper_pin.bench.views.stress_report import print_verdict
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study.identify.fitting.goodness import Verdict
 from nipper_pin.study.optimise.result import CAUTION

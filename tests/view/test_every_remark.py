@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from small_machines import SHAFT, hinge, link, machine, slide
 
+from benchmarks.run_time.benchmark import Benchmark
+from benchmarks.run_time.work_precision import Row
+from benchmarks.views import benchmark_report
+from benchmarks.views.benchmark_files import work_precision_figure
 from nipper_pin import InputError, Mechanism, Solution, load, simulate
-from nipper_pin.bench.run_time.benchmark import Benchmark
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.bench.views import benchmark_report
-from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.cli import main
 from nipper_pin.hybrid.case import Case
 from nipper_pin.mechanism.gallery import GALLERY

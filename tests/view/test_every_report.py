@@ -21,11 +21,11 @@ import pytest
 from judge import Judge
 from matplotlib.collections import PolyCollection
 
+from benchmarks.run_time.benchmark import Benchmark
+from benchmarks.run_time.stated import Stated
+from benchmarks.run_time.work_precision import Row
+from benchmarks.views import benchmark_report
 from nipper_pin import Case, DriveMode, Mechanism, Window, load, simulate
-from nipper_pin.bench.run_time.benchmark import Benchmark
-from nipper_pin.bench.run_time.stated import Stated
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.bench.views import benchmark_report
 from nipper_pin.hybrid.event import Event
 from nipper_pin.study.paper import PaperStudy
 from nipper_pin.study.paper import shares as shares_of

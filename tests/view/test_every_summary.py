@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
+from programs import main
 from rich.console import Console
 
-import nipper_pin.bench.stress as stress
+import benchmarks.stress as stress
 import nipper_pin.study.sweep as sweep
-from nipper_pin.bench.stress import Campaign
-from nipper_pin.bench.stress.judging import Verdict
-from nipper_pin.bench.views.stress_report import print_campaign
-from nipper_pin.cli import main
+from benchmarks.stress import Campaign
+from benchmarks.stress.judging import Verdict
+from benchmarks.views.stress_report import print_campaign
 from nipper_pin.study.identify.fitting.fit import Fit
 from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
 from nipper_pin.study.identify.fitting.limits import FORCE_SIGMA_N, INDEX_SIGMA

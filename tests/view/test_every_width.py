@@ -21,12 +21,12 @@ from made_up_results import identified, optimum
 from printed_parts import WIDE, Parts, faults
 from rich.console import Console
 
+from benchmarks.run_time.work_precision import Row
+from benchmarks.stress import Campaign
+from benchmarks.stress.judging import Verdict
+from benchmarks.views.benchmark_report import print_benchmark
+from benchmarks.views.stress_report import print_campaign
 from nipper_pin import Case, Mechanism, Solution, Window, save, simulate
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.bench.stress import Campaign
-from nipper_pin.bench.stress.judging import Verdict
-from nipper_pin.bench.views.benchmark_report import print_benchmark
-from nipper_pin.bench.views.stress_report import print_campaign
 from nipper_pin.cli import main
 from nipper_pin.study import speed_limit
 from nipper_pin.study.check import ModelReport, check_model

@@ -11,7 +11,8 @@ energies, and of the forces of stops and drives; or why one of the two does not 
 status is 1 if a machine differs by more than 1e-10 s or 1e-8 (where the package states a larger
 error of an event: by more than that), if only one of the two refuses it, or if the two together
 need more than --time-limit.
-Random linkages are those of `nipper-pin stress --family linkage`, with their own speed and drive.
+Random linkages are those of `python -m benchmarks stress --family linkage`, with their own speed
+and drive.
 """
 
 from __future__ import annotations
@@ -123,7 +124,7 @@ def _runs(options: argparse.Namespace, home: Path) -> Iterator[Run]:
             for drive in options.drive:
                 yield Run(folder, speed, drive, options.turns, *more)
     if options.random:
-        from nipper_pin.bench.stress.linkages import write_linkage
+        from benchmarks.stress.linkages import write_linkage
 
         for number in range(options.first, options.first + options.random):
             folder = home / f"linkage_{number}"

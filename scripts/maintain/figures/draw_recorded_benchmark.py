@@ -9,8 +9,8 @@ import re
 import sys
 from pathlib import Path
 
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.bench.views.work_precision_plot import draw_rows
+from benchmarks.run_time.work_precision import Row
+from benchmarks.views.work_precision_plot import draw_rows
 from nipper_pin.view.figure_file import save_figure
 
 _TABLES = (

@@ -1,4 +1,4 @@
-"""Write the pages of benchmark tables from a folder of `nipper-pin benchmark --out FOLDER`.
+"""Write the pages of benchmark tables from a folder of `python -m benchmarks run --out FOLDER`.
 
 Run: python scripts/maintain/figures/write_benchmark_pages.py FOLDER [DOCS]
 """
@@ -9,7 +9,7 @@ import math
 import sys
 from pathlib import Path
 
-_READ = "Output of `nipper-pin benchmark`, by `make benchmark`; [how to read it](benchmark.md)."
+_READ = "Output of `python -m benchmarks run`, by `make benchmark`; [how to read it](benchmark.md)."
 _SAME = " The run is that of the [engines](benchmark_engines.md)."
 _TITLES = {
     "benchmark_engines": "Benchmark tables: engines",

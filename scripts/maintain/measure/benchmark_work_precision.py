@@ -2,18 +2,18 @@
 
 Run: python scripts/maintain/measure/benchmark_work_precision.py [REPEATS]
 
-Prints the two tables only; ``nipper-pin benchmark`` measures costs and skips as well.
+Prints the two tables only; ``python -m benchmarks run`` measures costs and skips as well.
 """
 
 from __future__ import annotations
 
 import sys
 
-from nipper_pin.bench.run_time.certified import certified
-from nipper_pin.bench.run_time.peer_work import peer_rows
-from nipper_pin.bench.run_time.reduced_work import reduced_work
-from nipper_pin.bench.run_time.timing import environment
-from nipper_pin.bench.run_time.work_precision import Row, direct_rows
+from benchmarks.run_time.certified import certified
+from benchmarks.run_time.peer_work import peer_rows
+from benchmarks.run_time.reduced_work import reduced_work
+from benchmarks.run_time.timing import environment
+from benchmarks.run_time.work_precision import Row, direct_rows
 
 
 def show(row: Row) -> None:

@@ -15,8 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.stress.space import FAMILIES, trial
 from nipper_pin import Case, EventKind, Mechanism, Resolution, Solution, simulate
-from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import NipperError
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11)

@@ -17,9 +17,9 @@ import matplotlib as mpl
 import mpmath as mp  # type: ignore[import-untyped]
 import numpy as np
 
+from benchmarks.stress.machines.parts import Source
+from benchmarks.stress.machines.small_machines import four_bar
 from nipper_pin import Case, SimulationError, Window, simulate
-from nipper_pin.bench.stress.machines.parts import Source
-from nipper_pin.bench.stress.machines.small_machines import four_bar
 from nipper_pin.dynamics.assembly import weakest
 from nipper_pin.mechanism import from_sources
 

@@ -13,7 +13,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from nipper_pin.bench.premises import Judged, draw, judged
+from benchmarks.premises import Judged, draw, judged
 
 _NAMES = {True: "true", False: "false", None: "null"}
 

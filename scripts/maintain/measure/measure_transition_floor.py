@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 import nipper_pin as nip
-from nipper_pin.bench.peers import scipy_ivp
+from benchmarks.peers import scipy_ivp
 from nipper_pin.dynamics import impact
 from nipper_pin.dynamics import system as systems
 from nipper_pin.dynamics.multibody import Multibody

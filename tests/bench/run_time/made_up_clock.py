@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from nipper_pin.bench.run_time.timing import Timing
+from benchmarks.run_time.timing import Timing
 
 
 @dataclass

@@ -17,36 +17,36 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
+from programs import main
 from rich.console import Console
 
-from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
-from nipper_pin.bench.run_time.benchmark import Benchmark
-from nipper_pin.bench.run_time.certified import Certified, certified, certified_names
-from nipper_pin.bench.run_time.cost import run_python
-from nipper_pin.bench.run_time.imports import ImportCost, cumulative_ms, following_ms
-from nipper_pin.bench.run_time.peer_work import graded_peer
-from nipper_pin.bench.run_time.phase_cost import again, transition_parts
-from nipper_pin.bench.run_time.scenes import (
+from benchmarks.run_time.benchmark import Benchmark
+from benchmarks.run_time.certified import Certified, certified, certified_names
+from benchmarks.run_time.cost import run_python
+from benchmarks.run_time.imports import ImportCost, cumulative_ms, following_ms
+from benchmarks.run_time.peer_work import graded_peer
+from benchmarks.run_time.phase_cost import again, transition_parts
+from benchmarks.run_time.scenes import (
     bouncing_mass,
     bouncing_mass_rest,
     bouncing_mass_times,
     four_bar_chain,
 )
-from nipper_pin.bench.run_time.skips import Skip, integrate, node_forces
-from nipper_pin.bench.run_time.stated import Stated
-from nipper_pin.bench.run_time.timing import Timing, environment, timed
-from nipper_pin.bench.run_time.turns import TurnRow, turn_rows
-from nipper_pin.bench.run_time.work_precision import (
+from benchmarks.run_time.skips import Skip, integrate, node_forces
+from benchmarks.run_time.stated import Stated
+from benchmarks.run_time.timing import Timing, environment, timed
+from benchmarks.run_time.turns import TurnRow, turn_rows
+from benchmarks.run_time.work_precision import (
     Observed,
     Row,
     graded,
     observe,
     trajectory_error,
 )
-from nipper_pin.bench.views.benchmark_files import work_precision_figure, write_benchmark
-from nipper_pin.bench.views.benchmark_report import markdown, print_benchmark, sheets
-from nipper_pin.bench.views.work_precision_plot import draw_rows
-from nipper_pin.cli import main
+from benchmarks.views.benchmark_files import work_precision_figure, write_benchmark
+from benchmarks.views.benchmark_report import markdown, print_benchmark, sheets
+from benchmarks.views.work_precision_plot import draw_rows
+from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
 from nipper_pin.errors import SimulationError, UnknownNameError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts/maintain/figures"))
@@ -561,7 +561,7 @@ def test_quick_benchmark_prints_one_document(capsys: pytest.CaptureFixture[str])
 
     Errors are measured against the reference, so that order over eight decades is no accident.
     """
-    assert main(["benchmark", "--quick", "--repeats", "1", "--json", "-"]) == 0
+    assert main(["run", "--quick", "--repeats", "1", "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
     direct = [row for row in document["engines"] if row["engine"] == "direct"]
     errors = [row["error_worst"] for row in direct]

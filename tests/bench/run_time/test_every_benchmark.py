@@ -10,16 +10,16 @@ from typing import Any
 import pytest
 from made_up_clock import Clock
 
+from benchmarks.peers import Four, Setting
+from benchmarks.run_time import benchmark as module
+from benchmarks.run_time import cost, peer_work, phase_cost
+from benchmarks.run_time.certified import Certified, certified, certified_names
+from benchmarks.run_time.imports import ImportCost
+from benchmarks.run_time.skips import Skip
+from benchmarks.run_time.stated import Stated
+from benchmarks.run_time.turns import TurnRow
+from benchmarks.run_time.work_precision import Row
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.bench.peers import Four, Setting
-from nipper_pin.bench.run_time import benchmark as module
-from nipper_pin.bench.run_time import cost, peer_work, phase_cost
-from nipper_pin.bench.run_time.certified import Certified, certified, certified_names
-from nipper_pin.bench.run_time.imports import ImportCost
-from nipper_pin.bench.run_time.skips import Skip
-from nipper_pin.bench.run_time.stated import Stated
-from nipper_pin.bench.run_time.turns import TurnRow
-from nipper_pin.bench.run_time.work_precision import Row
 from nipper_pin.errors import SimulationError
 
 ROW = Row("direct", "1e-9", 1.0, 2.0, 0.5, 0.1, 3, 1e-9, math.nan)

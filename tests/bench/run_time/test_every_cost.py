@@ -16,17 +16,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.run_time import cost, imports
+from benchmarks.run_time.benchmark import Benchmark
+from benchmarks.run_time.certified import certified_cycle
+from benchmarks.run_time.imports import ImportCost
+from benchmarks.run_time.scenes import bouncing_mass
+from benchmarks.run_time.skips import Skip
+from benchmarks.run_time.timing import Timing
+from benchmarks.run_time.work_precision import Row
+from benchmarks.views import benchmark_report
+from benchmarks.views.benchmark_files import work_precision_figure
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.bench.run_time import cost, imports
-from nipper_pin.bench.run_time.benchmark import Benchmark
-from nipper_pin.bench.run_time.certified import certified_cycle
-from nipper_pin.bench.run_time.imports import ImportCost
-from nipper_pin.bench.run_time.scenes import bouncing_mass
-from nipper_pin.bench.run_time.skips import Skip
-from nipper_pin.bench.run_time.timing import Timing
-from nipper_pin.bench.run_time.work_precision import Row
-from nipper_pin.bench.views import benchmark_report
-from nipper_pin.bench.views.benchmark_files import work_precision_figure
 from nipper_pin.hybrid.case import Resolution
 
 MEDIAN, FASTEST = 12.0, 7.0

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin.bench import premises
-from nipper_pin.bench.premises import Drawn, Judged, draw, judged
+from benchmarks import premises
+from benchmarks.premises import Drawn, Judged, draw, judged
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.event import EventKind

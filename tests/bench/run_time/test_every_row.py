@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from made_up_clock import Clock
 
+from benchmarks.run_time import reduced_work, work_precision
+from benchmarks.run_time.certified import Certified, certified
+from benchmarks.run_time.timing import Timing
+from benchmarks.run_time.work_precision import Observed, Row, graded, observe
 from nipper_pin import Case, Mechanism, Resolution, simulate
-from nipper_pin.bench.run_time import reduced_work, work_precision
-from nipper_pin.bench.run_time.certified import Certified, certified
-from nipper_pin.bench.run_time.timing import Timing
-from nipper_pin.bench.run_time.work_precision import Observed, Row, graded, observe
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.result.tables import Collision
 

@@ -11,9 +11,9 @@ import pinocchio as pin
 import pytest
 from made_up_clock import Clock
 
+from benchmarks.run_time import skips
+from benchmarks.run_time.skips import Skip
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.bench.run_time import skips
-from nipper_pin.bench.run_time.skips import Skip
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.hybrid.result.trajectory import Trajectory
 

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.peers import Four, Setting, available
+from benchmarks.peers.protocol import MOST_COLLISIONS, Bounces
 from nipper_pin import Case, load, simulate
-from nipper_pin.bench.peers import Four, Setting, available
-from nipper_pin.bench.peers.protocol import MOST_COLLISIONS, Bounces
 from nipper_pin.dynamics.system import System
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.mechanism import Mechanism
@@ -26,7 +26,7 @@ SPEED_RPM = 650.0
 CASES = json.loads(
     (Path(__file__).parents[2] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
 )["cases"]
-ROOM = "nipper_pin.bench.peers"
+ROOM = "benchmarks.peers"
 SCHEME = "nipper_pin.study.paper.scheme"
 
 # Module, the package it needs beside numba, one quick setting, and the error (worst of four) that

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from nipper_pin.bench import premises
-from nipper_pin.bench.premises import draw, judged
+from benchmarks import premises
+from benchmarks.premises import draw, judged
 from nipper_pin.hybrid.result.premise import Premise
 
 

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from benchmarks.run_time import stated
+from benchmarks.run_time.certified import certified
 from nipper_pin import Solution
-from nipper_pin.bench.run_time import stated
-from nipper_pin.bench.run_time.certified import certified
 
 
 def test_ratios_are_true_errors_over_stated_ones(monkeypatch: pytest.MonkeyPatch) -> None:

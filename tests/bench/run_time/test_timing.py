@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from nipper_pin.bench.run_time import timing
+from benchmarks.run_time import timing
 
 
 def ticking(monkeypatch: pytest.MonkeyPatch, *seconds: float) -> Any:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks.stress.machines.chains import Chain
+from benchmarks.stress.machines.parts import Source
 from nipper_pin import Case, Window
-from nipper_pin.bench.stress.machines.chains import Chain
-from nipper_pin.bench.stress.machines.parts import Source
 
 CASE = Case(speed_rpm=90.0, window=Window.CYCLE, start_index=0.0, max_collisions=60)
 

@@ -16,11 +16,12 @@ import numpy as np
 import pytest
 from made_up_runs import EPS
 
+import nipper_pin
+from benchmarks.stress import campaign, store
+from benchmarks.stress.checks import agreement, engines
+from benchmarks.stress.judging import TIME_LIMIT_S, Verdict
+from benchmarks.stress.space import FAMILIES, trial
 from nipper_pin import reduced
-from nipper_pin.bench.stress import campaign, store
-from nipper_pin.bench.stress.checks import agreement, engines
-from nipper_pin.bench.stress.judging import TIME_LIMIT_S, Verdict
-from nipper_pin.bench.stress.space import FAMILIES, trial
 from nipper_pin.errors import InputError, SimulationError, UnknownNameError
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study import processes
@@ -226,13 +227,14 @@ def test_folders_of_campaigns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_code_of_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names and contents of all modules, in the order of their names."""
-    for name, text in (("b.py", "2"), ("a/c.py", "1"), ("a/c.txt", "3")):
+    """Names and contents of all modules of the package and of its judge."""
+    for name, text in (("p/b.py", "2"), ("p/a/c.py", "1"), ("p/a/c.txt", "3"), ("j/d/e.py", "4")):
         path = tmp_path / name
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    monkeypatch.setattr(store, "__file__", str(tmp_path / "study" / "stress" / "store.py"))
-    assert store._code() == hashlib.sha256(b"a/c.py" + b"1" + b"b.py" + b"2").hexdigest()
+    monkeypatch.setattr(nipper_pin, "__file__", str(tmp_path / "p" / "__init__.py"))
+    monkeypatch.setattr(store, "__file__", str(tmp_path / "j" / "stress" / "store.py"))
+    assert store._code() == hashlib.sha256(b"p/a/c.py1p/b.py2j/d/e.py4").hexdigest()
 
 
 def test_trials_of_families() -> None:

@@ -13,13 +13,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from nipper_pin.bench.stress import observations
-from nipper_pin.bench.stress.checks import model as model_invariants
-from nipper_pin.bench.stress.checks import rebounds as rebound_invariants
-from nipper_pin.bench.stress.machines.mirror import mirrored
-from nipper_pin.bench.stress.machines.parts import Source
-from nipper_pin.bench.stress.mechanics import interpolants
-from nipper_pin.bench.stress.mechanics.model_text import Text
+from benchmarks.stress import observations
+from benchmarks.stress.checks import model as model_invariants
+from benchmarks.stress.checks import rebounds as rebound_invariants
+from benchmarks.stress.machines.mirror import mirrored
+from benchmarks.stress.machines.parts import Source
+from benchmarks.stress.mechanics import interpolants
+from benchmarks.stress.mechanics.model_text import Text
 
 INERTIA = '<inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/>'
 # Two chains of hinges and slides about skew axes, and a link that is fixed to one of them.

@@ -13,14 +13,14 @@ from typing import Any
 import mpmath
 import pytest
 
-from nipper_pin.bench.stress import judging, refusals
-from nipper_pin.bench.stress.campaign import Campaign
-from nipper_pin.bench.stress.checks.invariants import Violation
-from nipper_pin.bench.stress.files import load_trial, save_trial
-from nipper_pin.bench.stress.judging import Verdict, judge
-from nipper_pin.bench.stress.machines.parts import Source
-from nipper_pin.bench.stress.refusals import Excess, allowed_share, excesses
-from nipper_pin.bench.stress.space import Trial
+from benchmarks.stress import judging, refusals
+from benchmarks.stress.campaign import Campaign
+from benchmarks.stress.checks.invariants import Violation
+from benchmarks.stress.files import load_trial, save_trial
+from benchmarks.stress.judging import Verdict, judge
+from benchmarks.stress.machines.parts import Source
+from benchmarks.stress.refusals import Excess, allowed_share, excesses
+from benchmarks.stress.space import Trial
 from nipper_pin.errors import InputError, SelfCheckError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.run.outcome import Outcome
@@ -226,7 +226,7 @@ def test_record_of_a_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
         verdict(5),
     )  # fmt: skip
     excess = Excess("speed", 2, 4, 0.25)
-    monkeypatch.setattr("nipper_pin.bench.stress.campaign.excesses", lambda _: [excess])
+    monkeypatch.setattr("benchmarks.stress.campaign.excesses", lambda _: [excess])
     found = Campaign(9, verdicts, 12.5).record()
     assert found == {
         "cases": 6, "right": 3, "refused": 2, "wrong": 1, "seed": 9, "wall_s": 12.5,

@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from nipper_pin.bench.stress.machines import chains, draws
-from nipper_pin.bench.stress.machines.chains import Chain
-from nipper_pin.bench.stress.machines.slotted import slotted_lever
+from benchmarks.stress.machines import chains, draws
+from benchmarks.stress.machines.chains import Chain
+from benchmarks.stress.machines.slotted import slotted_lever
 
 
 class Drawn:

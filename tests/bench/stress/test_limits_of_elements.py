@@ -11,7 +11,7 @@ import pytest
 from machine_of_all_elements import everything
 from made_up_runs import EPS, Said, compared, mechanism, watched
 
-from nipper_pin.bench.stress.checks import elements as element_invariants
+from benchmarks.stress.checks import elements as element_invariants
 from nipper_pin.dynamics.shaft import ShaftMotion
 from nipper_pin.dynamics.system import System
 from nipper_pin.mechanism import from_sources

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, compared, mechanism, watched
 
-from nipper_pin.bench.stress.checks import invariants
+from benchmarks.stress.checks import invariants
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Outcome
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Said, compared, mechanism, watched
 
-from nipper_pin.bench.stress.checks import flights as flight_invariants
-from nipper_pin.bench.stress.checks import model as model_invariants
-from nipper_pin.bench.stress.checks import rebounds as rebound_invariants
+from benchmarks.stress.checks import flights as flight_invariants
+from benchmarks.stress.checks import model as model_invariants
+from benchmarks.stress.checks import rebounds as rebound_invariants
 from nipper_pin.hybrid.event import EventKind
 
 CLOSED = frozenset({"low"})

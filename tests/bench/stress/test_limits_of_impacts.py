@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, Said, compared, mechanism, watched
 
-from nipper_pin.bench.stress.checks import impacts as impact_invariants
+from benchmarks.stress.checks import impacts as impact_invariants
 from nipper_pin.hybrid.event import EventKind
 
 # Of the momentum of machines of like links, of one heavy and one light one, and of extreme ones.

@@ -6,15 +6,15 @@ import pytest
 from machine_of_all_elements import CASE, everything
 from made_up_runs import Said, watched
 
+from benchmarks.stress.checks import elements as element_invariants
+from benchmarks.stress.checks import flights as flight_invariants
+from benchmarks.stress.checks import impacts as impact_invariants
+from benchmarks.stress.checks import invariants
+from benchmarks.stress.checks import model as model_invariants
+from benchmarks.stress.checks import rebounds as rebound_invariants
+from benchmarks.stress.machines.mirror import mirrored
+from benchmarks.stress.machines.parts import Source
 from nipper_pin import simulate
-from nipper_pin.bench.stress.checks import elements as element_invariants
-from nipper_pin.bench.stress.checks import flights as flight_invariants
-from nipper_pin.bench.stress.checks import impacts as impact_invariants
-from nipper_pin.bench.stress.checks import invariants
-from nipper_pin.bench.stress.checks import model as model_invariants
-from nipper_pin.bench.stress.checks import rebounds as rebound_invariants
-from nipper_pin.bench.stress.machines.mirror import mirrored
-from nipper_pin.bench.stress.machines.parts import Source
 from nipper_pin.mechanism import from_sources
 
 FILES = (element_invariants, flight_invariants, impact_invariants, invariants, model_invariants,

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from made_up_runs import EPS, STOPS, Body, Said, compared, mechanism, watched
 
-from nipper_pin.bench.stress.checks import invariants
-from nipper_pin.bench.stress.observations import Shown
+from benchmarks.stress.checks import invariants
+from benchmarks.stress.observations import Shown
 
 STRUTS = (SimpleNamespace(stiffness=4e9), SimpleNamespace(stiffness=3e8))
 # What follows moves in the same way, at other speeds and lengths of panels.

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from programs import main
 
-from nipper_pin import Case, InputError, SimulationError, UnknownNameError, load, simulate
-from nipper_pin.bench.stress import run_campaign, trial
-from nipper_pin.bench.stress.linkages import random_linkage, write_linkage
-from nipper_pin.bench.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
-from nipper_pin.bench.stress.linkages.freedoms import open_at, struck
-from nipper_pin.bench.stress.linkages.motion import (
+from benchmarks.stress import run_campaign, trial
+from benchmarks.stress.linkages import random_linkage, write_linkage
+from benchmarks.stress.linkages.dyads import KINDS, Growing, add_dyad, crank
+from benchmarks.stress.linkages.freedoms import open_at, struck
+from benchmarks.stress.linkages.motion import (
     ANGLES,
     NoAssemblyError,
     Output,
@@ -23,7 +23,7 @@ from nipper_pin.bench.stress.linkages.motion import (
     still,
     unit,
 )
-from nipper_pin.cli import main
+from nipper_pin import Case, InputError, SimulationError, UnknownNameError, load, simulate
 from nipper_pin.mechanism.drawing import Drawing, Drive, Spring, Stop, drawn_mechanism
 
 COUNT = 40

@@ -15,9 +15,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from nipper_pin.bench.stress.linkages.dyads import KINDS, add_dyad, crank
-from nipper_pin.bench.stress.linkages.motion import NoAssemblyError
-from nipper_pin.bench.stress.space import FAMILIES, trial
+from benchmarks.stress.linkages.dyads import KINDS, add_dyad, crank
+from benchmarks.stress.linkages.motion import NoAssemblyError
+from benchmarks.stress.space import FAMILIES, trial
 
 KEPT = Path(__file__).with_name("machines_of_a_seed.json")
 SEED, TRIALS = 421, 48

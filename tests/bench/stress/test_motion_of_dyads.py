@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin.bench.stress.linkages import freedoms
-from nipper_pin.bench.stress.linkages.dyads import Growing, crank
-from nipper_pin.bench.stress.linkages.motion import (
+from benchmarks.stress.linkages import freedoms
+from benchmarks.stress.linkages.dyads import Growing, crank
+from benchmarks.stress.linkages.motion import (
     ANGLES,
     NoAssemblyError,
     Output,

@@ -14,16 +14,16 @@ import pinocchio as pin
 import pytest
 from made_up_runs import EPS
 
-from nipper_pin.bench.stress.machines.chains import Chain
-from nipper_pin.bench.stress.machines.parts import (
+from benchmarks.stress.machines.chains import Chain
+from benchmarks.stress.machines.parts import (
     SHAFT,
     frame,
     hinge,
     link,
 )
-from nipper_pin.bench.stress.machines.small_machines import four_bar
-from nipper_pin.bench.stress.mechanics.chain_sizes import ChainSizes
-from nipper_pin.bench.stress.mechanics.equations import Equations
+from benchmarks.stress.machines.small_machines import four_bar
+from benchmarks.stress.mechanics.chain_sizes import ChainSizes
+from benchmarks.stress.mechanics.equations import Equations
 from nipper_pin.mechanism import Mechanism, from_sources
 
 AXES, BODY = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED, pin.FrameType.BODY

@@ -11,18 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lid_box import lid_box
+from programs import main
 
-from nipper_pin import (
-    Case,
-    EventKind,
-    Mechanism,
-    Outcome,
-    Resolution,
-    Solution,
-    Window,
-    simulate,
-)
-from nipper_pin.bench.stress import (
+from benchmarks.stress import (
     CHECKS,
     FAMILIES,
     RIGHT,
@@ -36,10 +27,19 @@ from nipper_pin.bench.stress import (
     trial,
     violations,
 )
-from nipper_pin.bench.stress.checks.agreement import same_bits, within_errors
-from nipper_pin.bench.stress.checks.engines import engines_agree
-from nipper_pin.bench.stress.store import Store
-from nipper_pin.cli import main
+from benchmarks.stress.checks.agreement import same_bits, within_errors
+from benchmarks.stress.checks.engines import engines_agree
+from benchmarks.stress.store import Store
+from nipper_pin import (
+    Case,
+    EventKind,
+    Mechanism,
+    Outcome,
+    Resolution,
+    Solution,
+    Window,
+    simulate,
+)
 
 SEED = 7
 
@@ -371,7 +371,7 @@ def test_the_command_reports_and_keeps_failures(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A campaign with one wrong case: status 1, its number in one sentence, its file on disk."""
-    import nipper_pin.bench.stress as stress
+    import benchmarks.stress as stress
 
     def found(
         cases: int,

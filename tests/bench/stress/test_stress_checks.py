@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 from machine_of_all_elements import CASE, everything
 
-import nipper_pin.bench.stress as stress
+import benchmarks.stress as stress
+from benchmarks.stress import CHECKS, violations
+from benchmarks.stress.checks import invariants
+from benchmarks.stress.observations import Shown, samples
 from nipper_pin import Case, EventKind, Mechanism, Outcome, Solution, Window, simulate
-from nipper_pin.bench.stress import CHECKS, violations
-from nipper_pin.bench.stress.checks import invariants
-from nipper_pin.bench.stress.observations import Shown, samples
 from nipper_pin.mechanism import from_sources
 
 _FILES = ("invariants", "impacts", "elements", "model", "rebounds", "flights")

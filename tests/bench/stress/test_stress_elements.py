@@ -14,14 +14,14 @@ import pytest
 import small_machines
 from machine_of_all_elements import CASE, everything
 
-from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
-from nipper_pin.bench.stress import FAMILIES, RIGHT, judge, trial, violations
-from nipper_pin.bench.stress.checks.agreement import bits, mirror_images
-from nipper_pin.bench.stress.machines.element_families import (
+from benchmarks.stress import FAMILIES, RIGHT, judge, trial, violations
+from benchmarks.stress.checks.agreement import bits, mirror_images
+from benchmarks.stress.machines.element_families import (
     ELEMENT_FAMILIES,
 )
-from nipper_pin.bench.stress.machines.mirror import mirrored
-from nipper_pin.bench.stress.machines.parts import Source
+from benchmarks.stress.machines.mirror import mirrored
+from benchmarks.stress.machines.parts import Source
+from nipper_pin import Case, EventKind, Mechanism, Solution, Window, simulate
 from nipper_pin.dynamics.elements import Elements
 from nipper_pin.mechanism import from_sources
 

@@ -14,10 +14,10 @@ import pytest
 from machine_of_all_elements import CASE, everything
 from numpy.polynomial import chebyshev
 
-import nipper_pin.bench.stress as stress
+import benchmarks.stress as stress
+from benchmarks.stress.mechanics.equations import Equations
+from benchmarks.stress.mechanics.interpolants import farthest, halfway, interpolated, slope
 from nipper_pin import Solution, simulate
-from nipper_pin.bench.stress.mechanics.equations import Equations
-from nipper_pin.bench.stress.mechanics.interpolants import farthest, halfway, interpolated, slope
 from nipper_pin.mechanism import from_sources
 
 FOLDER = Path(stress.__file__).resolve().parent

@@ -11,13 +11,13 @@ import time
 from pathlib import Path
 
 import pytest
+from programs import main
 
+from benchmarks.stress import Campaign, Verdict, run_campaign
+from benchmarks.stress.store import Store
 from nipper_pin import InputError
-from nipper_pin.bench.stress import Campaign, Verdict, run_campaign
-from nipper_pin.bench.stress.store import Store
-from nipper_pin.cli import main
 
-COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
+COMMAND = [sys.executable, "-m", "benchmarks"]
 SEED, CASES = 7, 12
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from machine_of_all_elements import CASE, everything
+from programs import main
 
-from nipper_pin import Case, Mechanism, Solution, simulate
-from nipper_pin.bench.stress import (
+from benchmarks.stress import (
     FAMILIES,
     REFUSED,
     RIGHT,
@@ -25,13 +25,13 @@ from nipper_pin.bench.stress import (
     judging,
     trial,
 )
-from nipper_pin.bench.stress.checks.agreement import mirror_images, within_errors
-from nipper_pin.bench.stress.checks.engines import engines_agree
-from nipper_pin.bench.stress.machines.small_machines import (
+from benchmarks.stress.checks.agreement import mirror_images, within_errors
+from benchmarks.stress.checks.engines import engines_agree
+from benchmarks.stress.machines.small_machines import (
     e62 as e62_source,
 )
-from nipper_pin.bench.stress.refusals import MEASURED, allowed_share
-from nipper_pin.cli import main
+from benchmarks.stress.refusals import MEASURED, allowed_share
+from nipper_pin import Case, Mechanism, Solution, simulate
 from nipper_pin.hybrid.event import Event, EventKind
 from nipper_pin.hybrid.result.rebounds import Rebounds
 from nipper_pin.hybrid.run.outcome import Outcome
@@ -243,7 +243,7 @@ def test_an_engine_that_refuses_everything_fails_a_short_campaign(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Status 1 after two cases of each family, with a family and both shares in the sentence."""
-    import nipper_pin.bench.stress as stress
+    import benchmarks.stress as stress
 
     refused = Campaign(1, tuple(verdicts(lambda *_: REFUSED, 2)), 1.0)
     monkeypatch.setattr(stress, "run_campaign", lambda *_, **__: refused)

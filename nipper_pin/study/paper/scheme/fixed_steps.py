@@ -34,7 +34,7 @@ _LONGEST = 0.1
 def transition(
     p: Planar, rate: float, step: float, forward: bool
 ) -> tuple[float, float, float, float, int]:
-    """Run one transition; arguments and results as in ``nipper_pin.bench.peers.rk4.transition``."""
+    """Run one transition; arguments and results as in ``benchmarks.peers.rk4.transition``."""
     th, w, th_max, steps = 0.0, rate, 0.0, 0
     first, second, amplitude, collisions = 0.0, 0.0, 0.0, 1
     while steps * step < _LONGEST:

@@ -38,7 +38,6 @@ _FRONT = ["optimise", "{in}/design.toml", "--no-check", "--starts", "1", "--work
 _FILM = ["view", "hanging_pendulum", "--window", "transition", "--slow"]
 _LIMIT = ["study", "speed-limit", "--speeds", "2", "--turns", "2", "--json", "limit.json",
           "--plot", "limit.svg"]  # fmt: skip
-_STRESS = ["stress", "--seed", "3", "--family", "speed", "--workers", "1", "--out", "out"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,10 +124,6 @@ COMMANDS = (
     Command(
         name="plot", words=["plot", "{in}/swept", "--out", "out"],
         before=(["plot", "{in}/swept_before", "--out", "out"],),
-    ),
-    Command(
-        name="stress --out", words=[*_STRESS, "--cases", "3"], before=([*_STRESS, "--cases", "1"],),
-        parts=r"campaign\.json|verdicts\.jsonl/.*",
     ),
 )  # fmt: skip
 

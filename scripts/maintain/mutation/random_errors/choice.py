@@ -23,7 +23,7 @@ _KINDS = {
 }  # fmt: skip
 # Bridges to simulators that may not be installed, colours, dimensions of the gallery's machines:
 # no test can tell a right value of these from a wrong one.
-_LEFT_OUT = ("bench/peers/", "view/style.py", "view/scene/colours.py", "mechanism/gallery/")
+_LEFT_OUT = ("view/style.py", "view/scene/colours.py", "mechanism/gallery/")
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ def load_libraries() -> None:
 def copied(root: Path, home: Path) -> None:
     """Copy what the tests need; times of change are kept, machine code is not."""
     leave = shutil.ignore_patterns("__pycache__", "*.nbi", "*.nbc")
-    for name in ("nipper_pin", "tests", "scripts", "docs", "models"):
+    for name in ("nipper_pin", "benchmarks", "tests", "scripts", "docs", "models"):
         shutil.copytree(root / name, home / name, ignore=leave, symlinks=True)
     for path in root.iterdir():
         if path.is_file() and not path.name.startswith(".git"):

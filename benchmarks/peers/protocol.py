@@ -1,0 +1,123 @@
+"""The interface of a peer, and the bookkeeping of those with an event loop in Python.
+
+The scene is one transition: from the first collision, in the touch configuration with the steeve
+on its stop, to rest of the jaw. Unless a peer says otherwise rest is the limit of the bounces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
+from typing import Protocol, cast
+
+from nipper_pin.errors import SimulationError
+from nipper_pin.hybrid.contact.bounce_series import BounceSeries
+from nipper_pin.mechanism import Mechanism
+from nipper_pin.study.paper.scheme.protocol import Four, Run, Setting
+
+__all__ = [
+    "MODULES",
+    "MOST_COLLISIONS",
+    "Bounces",
+    "Four",
+    "Peer",
+    "Run",
+    "Setting",
+    "available",
+]
+
+MODULES = (
+    ".rk4",
+    ".scipy_ivp",
+    ".scipy_pinocchio",
+    ".sundae",
+    "nipper_pin.study.paper.scheme.fixed_steps",
+    ".mujoco_shell",
+    ".mujoco_native",
+    ".drake_witness",
+    ".exudyn_shell",
+    ".pybullet_shell",
+)
+MOST_COLLISIONS = 60
+
+
+class Peer(Protocol):
+    """A module of this package that solves the transition with somebody else's solver."""
+
+    NAME: str
+    PACKAGE: str
+    SETTINGS: tuple[Setting, ...]
+
+    def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Run:
+        """Do everything that is done once (models, compilation); what is returned is timed."""
+        ...
+
+
+@dataclass
+class Bounces:
+    """Collisions of the jaw as an event loop finds them.
+
+    Attributes:
+        restitution: e_N of the jaw.
+        rate: Rebound rate of the first collision [rad/s].
+        deceleration: Of the jaw after the first collision [rad/s^2].
+        closing: Relative uncertainty of the limit at which the series is closed.
+        amplitude: Largest jaw angle so far in the first rebound [rad].
+        times: Times of the collisions [s]; the first is zero.
+    """
+
+    restitution: float
+    rate: float
+    deceleration: float
+    closing: float
+    amplitude: float = 0.0
+    times: list[float] = field(default_factory=list)
+    _series: BounceSeries = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Start with the first collision."""
+        self._series = BounceSeries("jaw", 0.0).bounced(0.0, self.rate, self.deceleration)
+        self.times.append(0.0)
+
+    def add(self, t: float, rate: float, deceleration: float) -> bool:
+        """Record a collision.
+
+        Args:
+            t: Its time [s].
+            rate: Rebound rate [rad/s].
+            deceleration: Of the jaw after it [rad/s^2].
+
+        Returns:
+            True when the limit of the series is known well enough: the transition is over.
+
+        Raises:
+            SimulationError: The bounces do not come to an end.
+        """
+        self.times.append(t)
+        self._series = self._series.bounced(t, rate, deceleration)
+        if len(self.times) > MOST_COLLISIONS:
+            message = "the bounces do not come to an end; take a smaller step or tolerance"
+            raise SimulationError(message, collisions=len(self.times))
+        limit, error = self._series.limit(self.restitution)
+        # Both are infinite while the rates do not fall.
+        return len(self.times) > 3 and isfinite(error) and error <= self.closing * limit
+
+    def four(self, evaluations: int) -> Four:
+        """Return the numbers of a finished series."""
+        limit, _ = self._series.limit(self.restitution)
+        t = self.times
+        return Four(t[1], t[2] - t[1], self.amplitude, limit, evaluations)
+
+
+def available() -> Iterator[tuple[Peer, str]]:
+    """Peers whose package is installed, each with the version of that package."""
+    for name in MODULES:
+        try:
+            module = import_module(name, __package__)
+            found = version(module.PACKAGE)
+        except (ImportError, PackageNotFoundError):
+            continue
+        yield cast("Peer", module), found

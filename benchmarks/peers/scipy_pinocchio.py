@@ -1,0 +1,95 @@
+"""SciPy's DOP853 on Pinocchio's constrained dynamics: nothing is derived by hand here either.
+
+Right-hand side, closing of the loops after a flight and impact law are those of the direct engine;
+integrator, step control and event location are SciPy's, in the same loop as in ``scipy_ivp``. What
+is compared is therefore how the direct engine follows a flight, with all else equal.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nipper_pin.arrays import FloatArray
+from nipper_pin.dynamics.assembly import close_positions
+from nipper_pin.dynamics.impact import collide
+from nipper_pin.dynamics.multibody import INFINITE_INERTIA
+from nipper_pin.dynamics.shaft import ShaftMotion
+from nipper_pin.dynamics.system import System
+from nipper_pin.hybrid.run.start import initial_state
+from nipper_pin.mechanism import Mechanism, rad_s_from_rpm
+from nipper_pin.study.paper.scheme.planar_model import planar_model
+from nipper_pin.study.paper.scheme.planar_motion import shaft_accelerations
+
+from .protocol import Bounces, Four, Run, Setting
+from .scipy_flight import SETTINGS, Flight, Start
+
+NAME = "SciPy DOP853, located events (Pinocchio's accelerations)"
+PACKAGE = "scipy"
+__all__ = ["NAME", "PACKAGE", "SETTINGS", "prepare"]
+
+
+def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
+    """Build the system, bring it to the first collision and compile the drive laws.
+
+    Args:
+        mechanism: The E62, or another set of numbers for it.
+        speed_rpm: Cylinder speed [r/min].
+    """
+    law = shaft_accelerations(planar_model(mechanism, speed_rpm))
+    angle = mechanism.cylinder.angle_at_touch_rad
+    shaft = ShaftMotion(mechanism, rad_s_from_rpm(speed_rpm), angle)
+    system = System(mechanism, shaft)
+    body, nv = system.body, system.body.nv
+    jaw = mechanism.stop(mechanism.transition_stop)
+    start = initial_state(system, 0.0)
+    contacts = [stop for stop in mechanism.stops if stop.name in {jaw.name, *start.closed}]
+    restitution = [stop.restitution for stop in contacts]
+    first_impact = collide(system, start.q, start.v, start.jacobian, contacts, restitution)
+    phase = system.constraint_set(frozenset())
+    split = system.split(start.jacobian, phase.given, (jaw.index,))
+    places = jaw.index, nv + jaw.index
+    first, second = shaft.indices
+    # Springs are linear: what they do at rest at touch, and a stiffness.
+    preload = system.applied_forces(np.zeros((1, nv)), np.zeros((1, nv)))[0]
+
+    def accelerations(t: float, y: FloatArray) -> FloatArray:
+        q, v = y[:nv], y[nv:]
+        tau = preload - phase.stiffness * q
+        a, b = law(t)
+        tau[first], tau[second] = INFINITE_INERTIA * a, INFINITE_INERTIA * b
+        return body.accelerations(q[None], v[None], tau[None], phase.armature).reshape(nv)
+
+    def equation(t: float, y: FloatArray) -> FloatArray:
+        return np.concatenate([y[nv:], accelerations(t, y)])
+
+    def jaw_acceleration(t: float, y: FloatArray) -> float:
+        return float(accelerations(t, y)[jaw.index])
+
+    def run(setting: Setting) -> Four:
+        before, t = body.evaluations, 0.0
+        y = np.concatenate([start.q, first_impact.v_after])
+        a = accelerations(t, y)
+        w = jaw.rate(first_impact.v_after)
+        bounces = Bounces(jaw.restitution, w, -jaw.rate(a), 0.1 * setting.value)
+        over = False
+        while not over:
+            fall = -jaw.rate(a)
+            length = 2.0 * w / fall
+            speeds = np.abs(y[nv:]) + length * np.abs(a)
+            scale = np.concatenate([length * speeds, speeds])
+            watched = len(bounces.times) == 1
+            begin = Start(t, y, w, fall, scale)
+            flight = Flight(equation, begin, places, setting.value, watched)
+            t, y, _ = flight.land()
+            if watched:
+                bounces.amplitude = flight.amplitude(jaw_acceleration)
+            y[jaw.index] = 0.0
+            q, jacobians = close_positions(body, y[None, :nv], split)
+            v = system.closed_velocity(y[nv:], jacobians[0], split)
+            impact = collide(system, q[0], v, jacobians[0], [jaw], [jaw.restitution])
+            y = np.concatenate([q[0], impact.v_after])
+            a, w = accelerations(t, y), jaw.rate(impact.v_after)
+            over = bounces.add(t, w, -jaw.rate(a))
+        return bounces.four(body.evaluations - before)
+
+    return run

@@ -1,0 +1,131 @@
+"""The reduced engine in the benchmark: work against precision, build time and throughput."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nipper_pin.extras import installed
+from nipper_pin.tolerances.bench import REDUCED_DEFAULT
+from nipper_pin.units import MS_PER_S
+
+from .certified import Certified
+from .timing import Timing, timed
+from .work_precision import Observed, Row, graded
+
+if TYPE_CHECKING:
+    from nipper_pin.reduced import ReducedModel
+
+_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+_BATCH, _QUICK_BATCH = 50_000, 10_000
+# Cases of a batch that is timed for a row.
+_SHORT_BATCH = 1000
+# A batch varies the speed by this fraction about the certified case.
+_SPAN = 0.02
+# A measurement is not repeated beyond this time [s].
+_BUDGET_S, _QUICK_BUDGET_S = 3.0, 0.5
+
+
+def reduced_work(
+    reference: Certified, *, quick: bool, repeats: int
+) -> tuple[list[Row], dict[str, Any] | None]:
+    """Measure the reduced engine: called from Python case by case, and in a batch.
+
+    Args:
+        reference: The certified case.
+        quick: A smaller batch and less time.
+        repeats: Runs after the first.
+
+    Returns:
+        Rows by tolerance, and what the engine is measured by: time to build its tables [ms] (the
+        first time apart), first transition with its compilation [ms], one transition [ms], the
+        same in a batch, transitions per second on one core, true error and its own bound. Nothing
+        where numba, which it compiles with, is missing.
+    """
+    if not installed("numba"):
+        return [], None
+    from nipper_pin.reduced import build, transitions
+
+    mechanism, speed = reference.mechanism(), reference.speed_rpm
+    budget = _QUICK_BUDGET_S if quick else _BUDGET_S
+    building = timed(lambda: build(mechanism), repeats, budget)
+    model = build(mechanism)
+    summary: dict[str, Any] = {"build_ms": building.median_ms, "build_first_ms": building.first_ms}
+    rows = [_rows(model, reference, tolerance, repeats, budget) for tolerance in _TOLERANCES]
+    singles = [item.single for item in rows]
+    default = rows[_TOLERANCES.index(REDUCED_DEFAULT)]
+    summary |= {
+        "transition_ms": default.single_time.median_ms,
+        "transition_in_batch_ms": default.batch_time.median_ms,
+        "error": default.single.error_worst,
+        "stated_error": default.error_bound,
+        "first_transition_ms": singles[0].first_ms,
+    }
+    count = _QUICK_BATCH if quick else _BATCH
+    sweep = np.linspace((1.0 - _SPAN) * speed, (1.0 + _SPAN) * speed, count)
+    timing = timed(lambda: transitions(model, speed_rpm=sweep), repeats, budget)
+    summary |= {"batch": count, "transitions_per_s": MS_PER_S * count / timing.median_ms}
+    return [*singles, *(item.batch for item in rows)], summary
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Work of one tolerance, called case by case and in a batch.
+
+    Attributes:
+        single: Row of the calls.
+        batch: Row of the batch.
+        single_time: Time of a call.
+        batch_time: Time of a case of the batch.
+        error_bound: What the engine states of its error.
+    """
+
+    single: Row
+    batch: Row
+    single_time: Timing
+    batch_time: Timing
+    error_bound: float
+
+
+def _rows(
+    model: ReducedModel, reference: Certified, tolerance: float, repeats: int, budget: float
+) -> _Rows:
+    from nipper_pin.reduced import transition, transitions
+
+    speed = reference.speed_rpm
+    speeds = np.full(_SHORT_BATCH, speed)
+    single = timed(
+        lambda: transition(model, speed_rpm=speed, tolerance=tolerance), 100 * repeats, budget
+    )
+    batch = _each(
+        timed(lambda: transitions(model, speed_rpm=speeds, tolerance=tolerance), repeats, budget)
+    )
+    found = transition(model, speed_rpm=speed, tolerance=tolerance)
+    observed = Observed(
+        times=found.time,
+        impulses=found.impulse,
+        amplitudes=found.rebound_amplitude,
+        transition_time=found.duration,
+    )
+    name = f"{tolerance:.0e}"
+    return _Rows(
+        graded("reduced", name, single, observed, reference),
+        graded("reduced, batch", name, batch, observed, reference),
+        single,
+        batch,
+        found.error_bound,
+    )
+
+
+def _each(batch: Timing) -> Timing:
+    """Time of a batch by its number of cases."""
+    share = 1.0 / _SHORT_BATCH
+    return Timing(
+        share * batch.first_ms,
+        share * batch.median_ms,
+        share * batch.fastest_ms,
+        share * batch.spread_ms,
+        batch.runs,
+    )

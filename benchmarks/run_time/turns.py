@@ -1,0 +1,137 @@
+"""Whole turns of both engines against the certified ones: run time and error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from nipper_pin.arrays import FloatArray
+from nipper_pin.extras import installed
+from nipper_pin.hybrid.case import Case, Resolution, Window
+from nipper_pin.hybrid.event import EventKind
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.mechanism import Mechanism, load
+from nipper_pin.units import MS_PER_S, S_PER_MIN
+
+from .certified import MODEL, certified_cycle
+from .timing import timed
+
+_SPEEDS = ("450", "650")
+_TOLERANCES = (1e-6, 1e-9, 1e-12)
+_BUDGET_S = 1.0
+
+
+@dataclass(frozen=True)
+class TurnRow:
+    """One engine at one setting.
+
+    Attributes:
+        engine: "direct" or "reduced".
+        setting: Cylinder speed and tolerance.
+        wall_ms: Median of one turn [ms]; tables and compiled code are there already.
+        error_times: Largest error of the times of collisions, by the time of a turn.
+        error_impulses: Largest relative error of their impulses.
+        turns_per_s: Turns a second on one core, by the median.
+        tables_ms: Time to make the tables [ms]; None for an engine without.
+    """
+
+    engine: str
+    setting: str
+    wall_ms: float
+    error_times: float
+    error_impulses: float
+    turns_per_s: float
+    tables_ms: float | None
+
+
+def turn_rows(*, repeats: int) -> list[TurnRow]:
+    """Measure one turn at each certified speed, engine beside engine.
+
+    Args:
+        repeats: Runs of each setting after the first, at least.
+    """
+    mechanism = load(MODEL)
+    reduced = installed("numba")
+    tables_ms = _tables_ms(mechanism, repeats) if reduced else None
+    rows = []
+    for speed in _SPEEDS:
+        for tolerance in _TOLERANCES:
+            rows.append(_row("direct", speed, tolerance, _direct(mechanism, speed, tolerance),
+                             repeats, None))  # fmt: skip
+            if reduced:
+                rows.append(_row("reduced", speed, tolerance, _reduced(mechanism, speed, tolerance),
+                                 repeats, tables_ms))  # fmt: skip
+    return rows
+
+
+def _tables_ms(mechanism: Mechanism, repeats: int) -> float:
+    from nipper_pin.reduced.turns import build_turns
+
+    return timed(lambda: build_turns(mechanism), repeats, _BUDGET_S).median_ms
+
+
+_Hits = tuple[list[str], FloatArray, FloatArray]
+_Turn = Callable[[], _Hits]
+
+
+def _direct(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
+    resolution = Resolution(tolerance=tolerance)
+    case = Case(speed_rpm=float(speed), window=Window.CYCLE, resolution=resolution)
+
+    def turn() -> _Hits:
+        solution = simulate(mechanism, case)
+        hits = [item for item in solution.events if item.kind is EventKind.COLLISION]
+        lever = {stop.name: stop.lever for stop in mechanism.stops}
+        impulses = [hit.P_N[hit.stops[0]] / lever[hit.stops[0]] for hit in hits]
+        stops = [hit.stops[0] for hit in hits]
+        return stops, np.array([hit.t for hit in hits]), np.array(impulses)
+
+    return turn
+
+
+def _reduced(mechanism: Mechanism, speed: str, tolerance: float) -> _Turn:
+    from nipper_pin.reduced.turns import turns
+
+    def turn() -> _Hits:
+        found = turns(mechanism, speed_rpm=float(speed), tolerance=tolerance)
+        hits = found.collisions
+        stops = [found.stops[number] for number in found.stop_number[hits]]
+        return stops, found.time[hits], found.impulse[hits]
+
+    return turn
+
+
+def _row(
+    engine: str, speed: str, tolerance: float, turn: _Turn, repeats: int, tables_ms: float | None
+) -> TurnRow:
+    timing = timed(turn, repeats, _BUDGET_S)
+    error_times, error_impulses = _errors(speed, *turn())
+    return TurnRow(
+        engine,
+        f"{speed} r/min, {tolerance:.0e}",
+        timing.median_ms,
+        error_times,
+        error_impulses,
+        MS_PER_S / timing.median_ms,
+        tables_ms,
+    )
+
+
+def _errors(
+    speed: str, stops: list[str], times: FloatArray, impulses: FloatArray
+) -> tuple[float, float]:
+    """Largest errors of the collisions, series by series: both may be cut at other bounces."""
+    period = S_PER_MIN / float(speed)
+    true = [list(rows) for _, rows in groupby(certified_cycle(speed), lambda row: row["stop"])]
+    found = [list(hits) for _, hits in groupby(zip(stops, times, impulses, strict=True),
+                                               lambda hit: hit[0])]  # fmt: skip
+    time = impulse = 0.0
+    for rows, hits in zip(true, found, strict=True):
+        for row, (_, t, P) in zip(rows, hits, strict=False):
+            P_true = float(row.get("impulse_lip_N_s", row["impulse"]))
+            time = max(time, abs(float(row["time_s"]) - t) / period)
+            impulse = max(impulse, abs(P - P_true) / abs(P_true))
+    return time, impulse

@@ -1,0 +1,229 @@
+"""Work against precision: wall time and true errors of one transition, by engine and tolerance.
+
+Errors are against the certified reference and relative. ``worst`` is the largest of four: first
+and second rebound time, first amplitude and transition time. The others:
+
+* times: collision times from the second on, each by itself;
+* impulses, amplitudes: of all collisions that both have, each by itself;
+* trajectory: an upper bound of Skorokhod's distance (Billingsley, Convergence of Probability
+  Measures, 1999, section 12) of the jaw's motion x = (gap, rate) to the reference,
+
+      inf over time changes T of max(sup |T(t) - t|, sup |x(T(t)) - x_ref(t)|),
+
+  by the one T that maps collisions on collisions and is linear between them. Times are in units
+  of the transition time, gaps of the first amplitude, rates of the first separation rate. A
+  maximum norm at equal times would instead see the whole jump of the rate between an event and
+  its shifted image, however small the shift (peaking; Biemond, van de Wouw, Heemels and Nijmeijer,
+  IEEE Trans. Autom. Control 58, 2013).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nipper_pin.arrays import FloatArray
+from nipper_pin.hybrid.case import Case, Resolution
+from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.mechanism import Mechanism
+
+from .certified import Certified
+from .timing import Timing, timed
+
+TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+QUICK_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
+
+Motion = Callable[[FloatArray, bool], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True)
+class Observed:
+    """What an engine found in one transition.
+
+    Attributes:
+        times: Collision times from the first one [s], shape (N,).
+        impulses: Normal impulses at the lips [N s], shape (N,).
+        amplitudes: Largest jaw angles of the rebounds [rad], shape (N,).
+        transition_time: From the first collision to rest [s].
+        evaluations: Evaluations of the dynamics; None if they are not counted.
+        motion: Gap [rad] and rate [rad/s] of the jaw at times [s]; at events the limit from the
+            left if the second argument is true. None if the engine has no dense motion.
+    """
+
+    times: FloatArray
+    impulses: FloatArray
+    amplitudes: FloatArray
+    transition_time: float
+    evaluations: int | None = None
+    motion: Motion | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One engine, or peer, at one setting; None where it gives no result.
+
+    Attributes:
+        engine: Name.
+        setting: Tolerance or step, in words.
+        wall_ms: Median wall time [ms].
+        first_ms: First run [ms].
+        fastest_ms: Fastest run [ms].
+        spread_ms: Distance of the quartiles [ms].
+        runs: Runs after the first.
+        error_duration: Relative error of the transition time.
+        error_worst: Worst of first and second rebound time, first amplitude, transition time.
+        error_times: Worst of the collision times.
+        error_impulses: Worst of the impulses.
+        error_amplitudes: Worst of the amplitudes.
+        error_trajectory: Distance of the dense motion.
+        evaluations: Evaluations of the dynamics, or steps.
+        version: Version of a peer's package.
+    """
+
+    engine: str
+    setting: str
+    wall_ms: float
+    first_ms: float
+    fastest_ms: float
+    spread_ms: float
+    runs: int
+    error_duration: float | None
+    error_worst: float | None
+    error_times: float | None = None
+    error_impulses: float | None = None
+    error_amplitudes: float | None = None
+    error_trajectory: float | None = None
+    evaluations: int | None = None
+    version: str | None = None
+
+
+def direct_rows(certified: Certified, *, quick: bool, repeats: int) -> list[Row]:
+    """Rows of the direct engine; the time includes the four numbers that are graded.
+
+    Args:
+        certified: The reference.
+        quick: Fewer tolerances.
+        repeats: Runs after the first.
+    """
+    mechanism = certified.mechanism()
+    rows = []
+    for tolerance in QUICK_TOLERANCES if quick else TOLERANCES:
+        case = Case(speed_rpm=certified.speed_rpm, resolution=Resolution(tolerance=tolerance))
+
+        def solve(case: Case = case) -> Solution:
+            solution = simulate(mechanism, case)
+            # Tables and rebounds are computed at their first use.
+            first, second = solution.collisions[:2]
+            _ = first.rebound_amplitude, first.rebound_time, second.rebound_time
+            _ = solution.transitions
+            return solution
+
+        timing = timed(solve, repeats)
+        rows.append(graded("direct", f"{tolerance:.0e}", timing, observe(solve()), certified))
+    return rows
+
+
+def observe(solution: Solution) -> Observed:
+    """Read the graded quantities of a transition from a solution of the direct engine."""
+    stop = solution.mechanism.stop(solution.mechanism.transition_stop)
+    collisions = [item for item in solution.collisions if item.stop == stop.name]
+    origin = collisions[0].t
+
+    def motion(t: FloatArray, left: bool) -> tuple[FloatArray, FloatArray]:
+        begin, end = solution.trajectory.span
+        # Adding the origin may round a time beyond the end.
+        found = solution.trajectory.evaluate(np.clip(t + origin, begin, end), left=left)
+        return stop.gaps(found.q), stop.rates(found.v)
+
+    return Observed(
+        times=np.array([item.t for item in collisions]) - origin,
+        impulses=np.array([item.impulse for item in collisions]),
+        amplitudes=np.array([_number(item.rebound_amplitude) for item in collisions]),
+        transition_time=_duration(solution),
+        evaluations=solution.evaluations,
+        motion=motion,
+    )
+
+
+def graded(
+    engine: str,
+    setting: str,
+    timing: Timing,
+    observed: Observed,
+    certified: Certified,
+) -> Row:
+    """One row of the table."""
+    times, late = observed.times, certified.times[1:]
+    # A setting with fewer than two rebounds has no errors to compare.
+    rebounds = np.full(2, np.nan)
+    rebounds[: len(times) - 1] = np.diff(times)[:2]
+    four = np.array([*rebounds, observed.amplitudes[0], observed.transition_time])
+    true = np.array(
+        [*certified.rebound_times[:2], certified.amplitudes[0], certified.transition_time]
+    )
+    return Row(
+        engine=engine,
+        setting=setting,
+        wall_ms=timing.median_ms,
+        first_ms=timing.first_ms,
+        fastest_ms=timing.fastest_ms,
+        spread_ms=timing.spread_ms,
+        runs=timing.runs,
+        error_duration=relative(four[3:], true[3:]),
+        error_worst=relative(four, true),
+        error_times=relative(times[1:], late),
+        error_impulses=relative(observed.impulses, certified.impulses),
+        error_amplitudes=relative(observed.amplitudes, certified.amplitudes),
+        error_trajectory=trajectory_error(observed, certified),
+        evaluations=observed.evaluations,
+    )
+
+
+def relative(found: FloatArray, true: FloatArray) -> float | None:
+    """Largest relative error of the leading values that both have; None if that is not a number.
+
+    Args:
+        found: Values found, shape (N,).
+        true: Certified values, shape (K,).
+    """
+    count = min(len(found), len(true))
+    worst = float(np.abs(found[:count] / true[:count] - 1.0).max(initial=0.0))
+    return worst if np.isfinite(worst) else None
+
+
+def trajectory_error(observed: Observed, certified: Certified) -> float | None:
+    """Bound of Skorokhod's distance of the dense motion (see the module); None without one."""
+    if observed.motion is None or not certified.flights:
+        return None
+    times, worst = observed.times, 0.0
+    for number, flight in enumerate(certified.flights[: len(times) - 1]):
+        begin, end = times[number], times[number + 1]
+        true_t = flight.start_s + flight.fractions * flight.duration_s
+        # Written so that the ends are the events to the last bit.
+        t = (1.0 - flight.fractions) * begin + flight.fractions * end
+        gap, rate = observed.motion(t[:-1], False)
+        last_gap, last_rate = observed.motion(t[-1:], True)
+        shift = np.abs(t - true_t).max() / certified.transition_time
+        high = np.abs(np.append(gap, last_gap) - flight.gap).max() / certified.amplitudes[0]
+        fast = np.abs(np.append(rate, last_rate) - flight.rate).max() / certified.separation_rate
+        worst = max(worst, float(shift), float(high), float(fast))
+    return worst
+
+
+def accuracy(certified: Certified, mechanism: Mechanism, tolerance: float) -> Row:
+    """Errors of one certified case at one tolerance; its time is that of a single run."""
+    case = Case(speed_rpm=certified.speed_rpm, resolution=Resolution(tolerance=tolerance))
+    timing = timed(lambda: simulate(mechanism, case).collisions, 1)
+    observed = observe(simulate(mechanism, case))
+    return graded("direct", f"case {certified.name}", timing, observed, certified)
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _duration(solution: Solution) -> float:
+    return solution.transitions[0].duration if solution.transitions else np.nan

@@ -1,0 +1,250 @@
+"""Dyads of random size that a growing linkage takes up, of the five kinds that move in a plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nipper_pin.arrays import FloatArray
+from nipper_pin.mechanism.drawing import FRAME, Body, Part, Pin, Place, Slide, Slot
+
+from ..machines.draws import Generator, log, sign
+from .motion import (
+    ANGLES,
+    POSES,
+    NoAssemblyError,
+    Output,
+    Pose,
+    Rod,
+    crossing,
+    heading,
+    rod_on_line,
+    still,
+    two_rods,
+    unit,
+)
+
+KINDS = ("RRR", "RRP", "RPR", "RPP", "PRP")
+"""The kinds of dyads; each letter is a pin (R) or a slide (P)."""
+
+
+@dataclass
+class Growing:
+    """A linkage as it grows from its crank.
+
+    Attributes:
+        radius: Of the crank [mm].
+        size: Of the links [mm].
+        least: Least sine of the angles at which links meet.
+        poses: Motion of every body.
+        places: Motion of every point [mm].
+        on: Points of every body.
+        bodies: Bodies with more than one point: their density [kg/m]; blocks: their mass [kg].
+        joints: Joints, in the order of the tree.
+        outputs: What the dyads move.
+        halved: Rods that are two halves by now.
+    """
+
+    radius: float
+    size: float
+    least: float
+    poses: dict[str, Pose] = field(default_factory=lambda: dict(POSES))
+    places: dict[str, FloatArray] = field(default_factory=dict)
+    on: dict[str, list[str]] = field(default_factory=dict)
+    bodies: dict[str, float] = field(default_factory=dict)
+    joints: list[Pin | Slide | Slot] = field(default_factory=list)
+    outputs: list[Output] = field(default_factory=list)
+    halved: set[str] = field(default_factory=set)
+
+    def add(self, name: str, points: str, pose: Pose, mass: float) -> None:
+        """Take up a body through points that have places."""
+        self.poses[name], self.on[name], self.bodies[name] = pose, points.split(), mass
+
+    def body(self, name: str) -> Part:
+        """A body as a part of a drawing."""
+        points = self.on[name]
+        if len(set(points)) == 1:
+            return Body(name, points[0], mass_kg=self.bodies[name])
+        return Body(name, " ".join(points), self.bodies[name])
+
+    def moving(self, rng: Generator) -> tuple[str, str]:
+        """A moving body and a point of it: one that it has, or a new one."""
+        bodies = [
+            name for name in self.on if len(set(self.on[name])) > 1 and name not in self.halved
+        ]
+        name = str(rng.choice(bodies))
+        # What hangs on a point that stands still does not move, either; few need be so.
+        there = (
+            self.on[name]
+            if rng.random() < 0.05
+            else [
+                point for point in self.on[name] if np.ptp(self.places[point]) > 0.2 * self.radius
+            ]
+        )
+        if there and rng.random() < 0.6:
+            return name, str(rng.choice(there))
+        point = f"P{len(self.places)}"
+        along, aside = rng.uniform(-0.3, 1.0) * self.size, rng.uniform(-0.4, 0.4) * self.size
+        self.places[point] = self.poses[name].at(float(along), float(aside))
+        self.on[name].append(point)
+        return name, point
+
+
+def crank(rng: Generator, least: float) -> Growing:
+    """A driven crank about the origin.
+
+    Args:
+        rng: Where its numbers come from.
+        least: Least sine of the angles at which links of the dyads meet.
+    """
+    radius = float(rng.uniform(10.0, 40.0))
+    found = Growing(radius, radius * float(rng.uniform(2.0, 4.0)), least)
+    found.places = {"O": still(np.zeros(2)), "A": radius * unit(ANGLES)}
+    found.add("crank", "O A", Pose(found.places["O"], ANGLES), 1.0)
+    found.joints.append(Pin("O", FRAME, "crank"))
+    return found
+
+
+def add_dyad(rng: Generator, linkage: Growing, kind: str) -> None:
+    """Join a dyad to a linkage.
+
+    Args:
+        rng: Where its numbers come from.
+        linkage: The linkage; half changed if the dyad does not close.
+        kind: One of :data:`KINDS`.
+
+    Raises:
+        NoAssemblyError: With these numbers it does not close over the whole turn.
+    """
+    {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "RPP": _rpp, "PRP": _prp}[kind](
+        rng, linkage, str(len(linkage.outputs) + 1)
+    )
+
+
+def _density(rng: Generator) -> float:
+    return log(rng, 0.3, 3.0)
+
+
+def _near(rng: Generator, linkage: Growing, point: str) -> FloatArray:
+    """A place at about one size of the links from where a point is on average, shape (2,) [mm]."""
+    away = float(rng.uniform(0.6, 1.8)) * linkage.size
+    return np.asarray(
+        linkage.places[point].mean(axis=0) + away * unit(float(rng.uniform(0.0, 2.0 * np.pi)))
+    )
+
+
+def _rrr(rng: Generator, linkage: Growing, number: str) -> None:
+    """A rod and a rocker, about a pin of the frame or of another link."""
+    base, q, m, rod, rocker = FRAME, f"Q{number}", f"M{number}", f"rod{number}", f"rocker{number}"
+    driver, a = linkage.moving(rng)
+    end = linkage.places[a]
+    if rng.random() < 0.25 and len(linkage.on) > 1:
+        base, q = linkage.moving(rng)
+        if base == driver or q == a:
+            raise NoAssemblyError
+    else:
+        linkage.places[q] = still(_near(rng, linkage, a))
+    pivot = linkage.places[q]
+    apart = np.linalg.norm(end - pivot, axis=1)
+    both = float(apart.max() * rng.uniform(1.1, 1.9))
+    more = float(apart.min() * rng.uniform(-0.8, 0.8))
+    l_rod, l_rocker = 0.5 * (both + more), 0.5 * (both - more)
+    tip = two_rods(end, l_rod, pivot, l_rocker, sign(rng), linkage.least)
+    linkage.places[m] = tip
+    turned = heading(pivot, tip)
+    linkage.add(rod, f"{a} {m}", Pose(end, heading(end, tip)), _density(rng))
+    linkage.add(rocker, f"{q} {m}", Pose(pivot, turned), _density(rng))
+    joint = f"turn{number}"
+    linkage.joints += [Pin(q, base, rocker, joint), Pin(a, driver, rod, f"{rod}_end"),
+                       Pin(m, rod, rocker, m)]  # fmt: skip
+    stands = linkage.poses[base].angle
+    moved = Rod(rod, l_rod, end, lambda value: pivot + l_rocker * unit(stands + value))
+    linkage.outputs.append(Output(joint, turned - stands, True, moved))
+
+
+def _rrp(rng: Generator, linkage: Growing, number: str) -> None:
+    """A rod and a block on a line of the frame."""
+    m, rod, block, joint = f"M{number}", f"rod{number}", f"block{number}", f"slide{number}"
+    driver, a = linkage.moving(rng)
+    end, at, along = linkage.places[a], _near(rng, linkage, a), float(rng.uniform(0.0, 2.0 * np.pi))
+    if rng.random() < 0.3:
+        at = linkage.places[a].mean(axis=0)
+    aside = float(np.abs((end - at) @ unit(along + 0.5 * np.pi)).max())
+    length = aside * float(rng.uniform(1.05, 1.6)) + linkage.size * float(rng.uniform(0.2, 1.5))
+    travel = rod_on_line(end, length, at, along, sign(rng), linkage.least)
+    linkage.places[m] = at + travel[:, None] * unit(along)
+    linkage.add(rod, f"{a} {m}", Pose(end, heading(end, linkage.places[m])), _density(rng))
+    linkage.add(block, m, Pose(linkage.places[m], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
+    linkage.joints += [Slide(joint, FRAME, block, m, _way(along)),
+                       Pin(a, driver, rod, f"{rod}_end"), Pin(m, rod, block, m)]  # fmt: skip
+    moved = Rod(rod, length, end, lambda value: still(at + value * unit(along)))
+    linkage.outputs.append(Output(joint, travel, False, moved))
+
+
+def _rpr(rng: Generator, linkage: Growing, number: str) -> None:
+    """A lever about a pin of the frame, in which a pin or a rod of the driver slides."""
+    q, lever, joint = f"Q{number}", f"lever{number}", f"turn{number}"
+    driver, a = linkage.moving(rng)
+    linkage.places[q] = still(_near(rng, linkage, a))
+    end, pivot = linkage.places[a], linkage.places[q]
+    turned = heading(pivot, end)
+    if np.linalg.norm(end - pivot, axis=1).min() < linkage.least * linkage.size:
+        raise NoAssemblyError
+    far = f"F{number}"
+    reach = linkage.size * float(rng.uniform(0.5, 2.0)) * sign(rng)
+    linkage.places[far] = pivot + reach * unit(turned)
+    linkage.add(lever, f"{q} {far}", Pose(pivot, turned), _density(rng))
+    linkage.joints.append(Pin(q, FRAME, lever, joint))
+    if rng.random() < 0.6:
+        block = log(rng, 0.005, 0.2)
+        linkage.joints.append(Slot(f"slot{number}", lever, driver, a, f"{q} {a}", block))
+    else:
+        rod = f"rod{number}"
+        linkage.add(rod, a, Pose(end, turned), log(rng, 0.05, 1.0))
+        linkage.joints += [Slide(f"slide{number}", lever, rod, a, f"{q} {a}"),
+                           Pin(a, driver, rod, f"{rod}_end")]  # fmt: skip
+    linkage.outputs.append(Output(joint, turned, True))
+
+
+def _rpp(rng: Generator, linkage: Growing, number: str) -> None:
+    """A yoke on a line of the frame, with a slot for a pin of the driver."""
+    yoke, y, joint = f"yoke{number}", f"Y{number}", f"slide{number}"
+    driver, a = linkage.moving(rng)
+    end, at, along = linkage.places[a], _near(rng, linkage, a), float(rng.uniform(0.0, 2.0 * np.pi))
+    lean = along + sign(rng) * float(rng.uniform(0.3, 0.5)) * np.pi
+    # A block in a slot of one that slides: with the line through the pin the two ways cross there.
+    travel, _ = crossing(still(at), still(unit(along)), end, still(unit(lean)), linkage.least)
+    linkage.places[y] = at + travel[:, None] * unit(along)
+    linkage.add(yoke, y, Pose(linkage.places[y], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
+    block = log(rng, 0.005, 0.2)
+    linkage.joints += [Slide(joint, FRAME, yoke, y, _way(along)),
+                       Slot(f"slot{number}", yoke, driver, a, _way(lean), block)]  # fmt: skip
+    linkage.outputs.append(Output(joint, travel, False))
+
+
+def _prp(rng: Generator, linkage: Growing, number: str) -> None:
+    """A block on a guide of the driver, pinned to a block on a line of the frame."""
+    m, first, second = f"M{number}", f"rider{number}", f"block{number}"
+    driver, a = linkage.moving(rng)
+    pose = linkage.poses[driver]
+    way, along = pose.angle + float(rng.uniform(0.0, np.pi)), float(rng.uniform(0.0, np.pi))
+    at = linkage.places[a].mean(axis=0)
+    end = linkage.places[a]
+    rides, travel = crossing(end, unit(way), still(at), still(unit(along)), max(linkage.least, 0.2))
+    if np.abs(rides).max() > 4.0 * linkage.size:
+        raise NoAssemblyError
+    linkage.places[m] = at + travel[:, None] * unit(along)
+    linkage.add(first, m, Pose(linkage.places[m], pose.angle), log(rng, 0.1, 1.0))
+    linkage.add(second, m, Pose(linkage.places[m], np.zeros(len(ANGLES))), log(rng, 0.1, 2.0))
+    # Drawn with the driver at the angle that the turn is begun at: the guide's way is its own.
+    linkage.places[f"{m}_way"] = linkage.places[m] + linkage.size * unit(way)
+    joint = f"slide{number}"
+    linkage.joints += [Slide(f"ride{number}", driver, first, m, f"{m} {m}_way"),
+                       Slide(joint, FRAME, second, m, _way(along)),
+                       Pin(m, first, second, m)]  # fmt: skip
+    linkage.outputs.append(Output(joint, travel, False))
+
+
+def _way(angle: float) -> Place:
+    return float(np.cos(angle)), float(np.sin(angle))

@@ -1,1 +1,0 @@
-"""The commands ``benchmark`` and ``stress``."""
