@@ -63,7 +63,7 @@ def test_commands_of_the_pages_exist():
                 _parser().parse_args(words)
             except SystemExit:
                 pytest.fail(f"{page.name}: nipper-pin {shlex.join(words)}")
-    assert seen > 60
+    assert seen > 30
 
 
 def test_links_lead_to_files():
@@ -89,7 +89,7 @@ def test_files_and_tests_that_pages_name_exist():
             found = [place / path for place in places if (place / path).exists()]
             if not found or (test and f"def {test}(" not in found[0].read_text(encoding="utf-8")):
                 missing.append((page.name, path, test))
-    assert seen > 60
+    assert seen > 30
     assert missing == []
 
 

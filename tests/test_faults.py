@@ -1,105 +1,128 @@
-"""Writes that fail, or in whose middle a process is killed: old or new at the target, never mixed.
+"""Disks that are full, and processes that are killed while they write: old or new, never mixed.
 
-The commands run under a shim that disturbs one call; what is at their targets is read with the
-standard library. `scripts/maintain/confirm/faults/campaign.py` does the same with every command.
+The kernel itself disturbs: a limit of the size of files makes the write that passes it fail, or
+kills the process there.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts/maintain/confirm/faults"))
-
-from arena import Arena, NoCompilerError, build
-from commands import COMMANDS, write_inputs
-from field import Field
-from pairs import racing_pairs
-from verdicts import NEW, NONE, OLD, PART, SAME, WRONG, content, leftovers, state
-from writes import KINDS, every_write
-
+import nipper_pin as nip
 from nipper_pin import InputError
 from nipper_pin.cli import main
 from nipper_pin.study.folders import alone_in
 
-BY_NAME = {item.name: item for item in COMMANDS}
-# Every so many calls: all of one file and of a small folder, and some of what takes longer.
-STEPS = {"simulate --out": 4, "new": 1, "simulate --json": 1, "sweep": 23}
+# Modules that keep files of their own are imported, and have written them, before the limit comes.
+PROGRAM = """
+import resource, signal, sys
+import matplotlib.font_manager
+from nipper_pin.cli import main
+limit, kill = int(sys.argv.pop(1)), sys.argv.pop(1) == "killed"
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+if kill:
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+if limit >= 0:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+sys.exit(main())
+"""
+SWEEP = """
+format = 1
+model = "e62"
+chunk = 4
+quantities = ["duration_s", "rebound_amplitude_1"]
+parameters.speed_rpm = { low = 420.0, high = 680.0, points = 6 }
+parameters.restitution.values = [0.1, 0.2]
+"""
+# What is written, and what was there before.
+COMMANDS = {
+    "simulate --out": (
+        "simulate e62 --speed 650 --out out", "simulate e62 --speed 500 --out out"
+    ),
+    "simulate --json": (
+        "simulate e62 --speed 650 --json out", "simulate e62 --speed 500 --json out"
+    ),
+    "new": ("new press", ""),
+    "view --html": (
+        "view hanging_pendulum --window transition --html out",
+        "view hanging_pendulum --window transition --slow 20 --html out",
+    ),
+    "view --gif": (
+        "view hanging_pendulum --window transition --slow 2 --gif out",
+        "view hanging_pendulum --window transition --slow 1 --gif out",
+    ),
+    "check --json": ("check e62 --speed 650 --json out", "check e62 --json out"),
+}  # fmt: skip
+QUICK = ("simulate --json", "new")
 
 
-@pytest.fixture(scope="module")
-def shim(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    try:
-        return build(tmp_path_factory.mktemp("shim"))
-    except NoCompilerError as error:
-        pytest.skip(str(error))
+def run(words: str, place: Path, limit: int = -1, end: str = "refused") -> tuple[int, str]:
+    """Exit status and what was said, of a command that may write so many bytes into a file."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, str(limit), end, *words.split()],
+        cwd=place, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return done.returncode, done.stderr
 
 
-@pytest.fixture(scope="module")
-def arena(shim: Path) -> Iterator[Arena]:
-    with Arena(shim) as found:
-        yield found
+def content(place: Path) -> dict[str, bytes]:
+    """Bytes of all files of a folder by their names, hidden ones too."""
+    files = (file for file in sorted(place.rglob("*")) if file.is_file())
+    return {str(file.relative_to(place)): file.read_bytes() for file in files}
 
 
-@pytest.fixture
-def inputs(tmp_path: Path) -> Path:
-    write_inputs(tmp_path / "in")
-    return tmp_path / "in"
+@pytest.mark.parametrize("end", ["refused", "killed"])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(item, marks=[pytest.mark.slow] * (item not in QUICK)) for item in COMMANDS],
+)
+def test_a_write_that_cannot_be_finished(name: str, end: str, tmp_path: Path) -> None:
+    """In the first file, in the largest and between; the same command then ends as ever."""
+    words, before = COMMANDS[name]
+    (tmp_path / "whole").mkdir()
+    assert run(words, tmp_path / "whole")[0] == 0
+    whole = content(tmp_path / "whole")
+    sizes = sorted(len(data) for data in whole.values())
+    place = tmp_path / "place"
+    place.mkdir()
+    assert not before or run(before, place)[0] == 0
+    old = content(place)
+    for limit in sorted({1, sizes[len(sizes) // 2] - 1, sizes[-1] - 1}):
+        status, said = run(words, place, limit, end)
+        found = content(place)
+        if end == "killed":
+            assert status == -signal.SIGXFSZ
+            found = {key: data for key, data in found.items() if ".partial" not in key}
+        else:
+            assert status == 2
+            assert said.startswith("nipper-pin: ")
+            assert said.count("\n") == 1
+        assert found == old
+    assert run(words, place)[0] == 0
+    assert content(place).keys() == whole.keys()
+    assert content(place) != old
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", STEPS)
-def test_every_write_may_fail(
-    name: str, kind: str, arena: Arena, inputs: Path, tmp_path: Path
-) -> None:
-    """Each in turn; then the command is run again, and ends as if nothing had been."""
-    field = Field(BY_NAME[name], inputs, tmp_path / "field", arena)
-    seen = list(every_write(field, kind, STEPS[name]))
-    assert [item.wrong for item in seen if item.wrong] == []
-    assert len(seen) >= (field.calls - 3) // STEPS[name] - 1
-    if kind != "kill":
-        assert sum(item.ended.status == 2 for item in seen) > len(seen) // 2
-
-
-@pytest.mark.slow
-def test_two_writers_at_once(shim: Path, arena: Arena, inputs: Path, tmp_path: Path) -> None:
-    """The result is one's or the other's, in a folder that was there and in a new one."""
-    with Arena(shim) as second:
-        for place, name in enumerate(("simulate --out", "simulate --out, new", "new")):
-            field = Field(BY_NAME[name], inputs, tmp_path / str(place), arena)
-            for seen in racing_pairs(field, second, 6, np.random.default_rng(place)):
-                assert not seen.wrong
-
-
-def test_what_the_judge_says_of_results(tmp_path: Path) -> None:
-    """It is the judge of all the others; hidden files, locks and times are no results."""
-    old, new = {"a": b"1", "b": b"1"}, {"a": b"2", "b": b"2"}
-    assert state({}, {}, new) == NONE
-    assert state(old, old, new) == OLD
-    assert state(new, old, new) == NEW
-    assert state(new, new, new) == SAME
-    for mixed in ({"a": b"1", "b": b"2"}, {"a": b"2"}, {**new, "c": b""}, {}):
-        assert state(mixed, old, new) == WRONG
-    whole = {"plan": b"p", "parts/1": b"1", "parts/2": b"2", "result": b"r"}
-    for kept, word in (
-        ({"plan": b"p", "parts/2": b"2"}, PART), ({"parts/2": b"half"}, WRONG),
-        ({"parts/3": b""}, WRONG), ({"plan": b"p", "result": b"x"}, WRONG),
-    ):  # fmt: skip
-        assert state(kept, {}, whole, "plan|parts/.*") == word
-    assert state({"plan": b"p"}, {"parts/1": b"1"}, whole, "plan|parts/.*") == WRONG
-    (tmp_path / ".a.0.partial").mkdir()
-    (tmp_path / ".a.0.partial" / "new").touch()
-    (tmp_path / "locks").touch()
-    (tmp_path / "run.json").write_text('{"b": 1, "work": {"wall_s": 0.5}}')
-    assert content(tmp_path) == {"run.json": b'{"b": 1, "work": {}}'}
-    assert leftovers(tmp_path) == [".a.0.partial"]
+@pytest.mark.parametrize("end", ["refused", "killed"])
+def test_a_sweep_that_cannot_be_finished_goes_on(end: str, tmp_path: Path) -> None:
+    """What it leaves are finished chunks; its rows are in the end those of a sweep in one go."""
+    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+    words = "sweep sweep.toml --workers 1 --out "
+    assert run(words + "whole", tmp_path)[0] == 0
+    sizes = sorted(len(data) for data in content(tmp_path / "whole").values())
+    for limit in (1, sizes[len(sizes) // 2] - 1, sizes[-1] - 1):
+        assert run(words + "out", tmp_path, limit, end)[0] not in (0, 1)
+    assert run(words + "out", tmp_path)[0] == 0
+    rows, whole = (nip.read_sweep(tmp_path / each).table.to_pydict() for each in ("out", "whole"))
+    assert rows == whole
+    assert not [name for name in content(tmp_path / "out") if ".partial" in name]
 
 
 @pytest.mark.parametrize("words", ["simulate e62", "simulate e62 --json -", "new press"])
@@ -123,12 +146,13 @@ def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
 
 
 def test_a_folder_takes_one_search_at_a_time(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], inputs: Path
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A second one is refused in a sentence; as soon as the first one ends it may begin."""
     folder = tmp_path / "out"
+    design = Path(__file__).parents[1] / "scripts/optimise_rebound.toml"
     with alone_in(folder):
-        assert main(["optimise", str(inputs / "design.toml"), "--out", str(folder)]) == 2
+        assert main(["optimise", str(design), "--out", str(folder)]) == 2
         said = capsys.readouterr().err
         assert said.startswith(f"nipper-pin: {folder}: another process works in it")
         with pytest.raises(InputError, match="another process"), alone_in(folder):

@@ -82,7 +82,7 @@ def test_wheel_asks_for_the_libraries_of_a_run_and_offers_the_others(wheel):
     asked = [Requirement(text) for text in about.get_all("Requires-Dist")]
     plain = {item.name for item in asked if item.marker is None}
     assert plain == {"pin", "coal", "eigenpy", "numpy", "scipy", "msgspec", "rich"}
-    assert set(about.get_all("Provides-Extra")) == {*EXTRAS, "all", "dev", "docs", "fuzz"}
+    assert set(about.get_all("Provides-Extra")) == {*EXTRAS, "all", "dev", "docs"}
     for extra, modules in EXTRAS.items():
         marked = [item for item in asked if item.marker and item.marker.evaluate({"extra": extra})]
         assert {item.name for item in marked} == {PACKAGES.get(name, name) for name in modules}

@@ -1,7 +1,7 @@
 """Every kind of file and message that comes from other people, as a function of its bytes.
 
 Each gives True if the input was taken and False if it was refused as it should be: by an error of
-the package, in one line. All else comes through. The fuzzer and the tests of its corpus call them.
+the package, in one line. All else comes through. The tests of the corpus call them.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""The corpus of the fuzzer, read again: taken, or refused by one line; whatever failed once, too.
+"""Files that an earlier fuzzer found, read again: taken, or refused by one line.
 
-`scripts/maintain/confirm/fuzz/fuzz_files.py` starts from it. A file that once failed is called
-``failed_...`` by what it ended in.
+A file that once failed is called ``failed_...`` by what it ended in.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
 from .table import TransitionTable
 
-# Tables cost 7 direct cases and loading compiled code 21 (measure_sweep.py). A fixed number: the
+# Tables cost 7 direct cases and loading compiled code 21 (measured 2026-11-22). A fixed number: the
 # engine of a case does not depend on what the process computed before.
 REDUCED_PAYS_FROM = 32
 # Cases of one table whose premise does not hold: tables of turns cost as much as 2 to 15 direct

@@ -20,7 +20,7 @@ from ..engines import Engine, check_engine, chosen
 from .run import Run, Settings
 from .table import TurnTable
 
-# Tables cost 3 direct cases and loading compiled code 10 to 13 (measure_sweep.py). A fixed number:
+# Tables cost 3 direct cases and loading compiled code 10 to 13 (2026-11-22). A fixed number:
 # the engine of a case does not depend on what the process computed before.
 TURNS_PAY_FROM = 16
 TURNS = 20

@@ -1,1 +1,0 @@
-"""Random mutations of the package, and the tests that notice them."""
