@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -16,6 +17,7 @@ from nipper_pin import Case, Window, load, load_solution, simulate
 from nipper_pin.cli import main
 from nipper_pin.hybrid.result.json_document import record
 
+HERE = Path(__file__).parent
 COMMAND = [sys.executable, "-c", "import sys; from nipper_pin.cli import main; sys.exit(main())"]
 
 
@@ -341,3 +343,13 @@ def test_turns_that_were_not_begun_are_not_computed() -> None:
     case = Case(speed_rpm=450.0, window=Window.CYCLE, cycles=50, max_collisions=2)
     solution = simulate(load("e62"), case)
     assert record(solution)["work"]["turns_computed"] == 1
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3, 7, 11, 25])
+@pytest.mark.parametrize("height_mm", [1.0, 30.0, 1000.0])
+def test_a_run_that_ends_with_a_turn_begins_no_other(turns: int, height_mm: float) -> None:
+    """A ball strikes at the end of a turn, early or late by round-off, and that strike is one."""
+    ball = load(HERE / "strangers" / "ball_e05", {"initial.height.at_mm": height_mm})
+    speed = 60.0 * turns / math.sqrt(2e-3 * height_mm / 9.81)
+    case = Case(speed_rpm=speed, window=Window.CYCLE, cycles=turns + 1, max_collisions=1)
+    assert record(simulate(ball, case))["work"]["turns_computed"] == turns

@@ -19,6 +19,7 @@ from nipper_pin import (
     ModelError,
     Solution,
     Window,
+    load,
     load_solution,
     save,
     simulate,
@@ -215,3 +216,11 @@ def test_what_is_read_of_a_turn(tmp_path: Path) -> None:
         table = turn_table(mechanism, speed_rpm=np.linspace(60.0, 61.0, count), turns=1)
         share = 1.0 - solution.events[-1].t
         assert table.clamped_share[0] == pytest.approx(share, rel=1e-9)
+
+
+@pytest.mark.parametrize("at_deg", range(-59, 0, 2))
+def test_cranks_of_a_parallelogram_close_together_wherever_that_is(at_deg: int) -> None:
+    """Round-off of the search for that place is larger in some places than in others."""
+    places = {f"stops.{name}.at_deg": float(at_deg) for name in ("s1", "s2")}
+    mechanism = load(Path(__file__).parents[1] / "strangers/par_two_stops", places)
+    assert [stop.leader for stop in mechanism.stops] == ["", "s1"]

@@ -280,7 +280,8 @@ SPRING = {"joint": "rail", "stiffness_N_per_m": 1.0, "preload_length_mm": 0.0}
         ({"phases": []}, "phases", "a list that is not empty"),
         ({"degrees_of_freedom": 0}, "degrees_of_freedom", "a whole number at least 1"),
         ({"springs": {"a": {**SPRING, "stiffness_N_per_m": 0.0}}}, "springs.a.stiffness_N_per_m",
-         "a number above 0 and at most 1e+15"),
+         "a number above 0 and at most 1e+15; a force that does not rise is given by the rows of a "
+         "table on a joint"),
         ({"springs": {"a": {**SPRING, "stiffness_N_per_m": 1.1e15}}}, "springs.a.stiffness_N_per_m",
          "a finite number of at most 1e+15"),
         ({"dampers": {"a": {"joint": "rail", "damping_N_s_per_m": -1e-9}}},

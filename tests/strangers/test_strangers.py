@@ -25,6 +25,7 @@ REFUSED = {
     "lip_on_third_body": r"stops\.s\.contact\.lower = .*peg of link frame.* arm and flap,",
     "mesh_scale1": r"mesh_scale1\.urdf: link crank visual crank_0 mesh scale = '0\.001'",
     "mimic_passive": r"mimic_passive\.toml: drives\.pair\.of .*<mimic> in the URDF.*'finger'",
+    "print_hammer_linear": r"springs\.magnet\.stiffness_N_per_m = -600.* by the rows of a table",
     "no_ts": r"no_ts\.toml: transition_stop is missing: .*floor",
     "u12_single_link": r"u12_single_link\.urdf: joints that move",
     "u14_2f_macro": r"u14_2f_macro\.urdf: xacro = '<xacro:include>'",
@@ -316,6 +317,28 @@ def bends(name: str) -> None:
     assert "interpolation" in run(name).warnings[0]
 
 
+def lowest_m(solution: nip.Solution) -> float:
+    """Coordinate at which the motion turns back [m]."""
+    motion = solution.trajectory.evaluate
+    times = np.linspace(0.0, solution.shaft.period, 4001)
+    lowest = int(motion(times).q[:, 0].argmin())
+    turns = brentq(lambda t: motion(np.array([t])).v[0, 0], *times[[lowest - 1, lowest + 1]])
+    return float(motion(np.array([turns])).q[0, 0])
+
+
+def depth_m(mass: float, stiffness: float, fall: float) -> float:
+    """Energy at the lowest point: m g (fall + d) = k d^2 / 2."""
+    static = mass * GRAVITY / stiffness
+    return static + math.sqrt(static * static + 2.0 * static * fall)
+
+
+def sinks_in(name: str) -> None:
+    """A fourth row next to the kink leaves nothing of it but a micrometre."""
+    solution = run(name)
+    assert solution.warnings == ()
+    assert lowest_m(solution) == pytest.approx(-depth_m(1.3, 1600.0, 0.45), abs=1e-6)
+
+
 def slows_too_little(name: str) -> None:
     """A light ball between heavy ones: the limit is far off, and nobody says that there is none."""
     with pytest.raises(nip.ImpactError, match=r"g1, g2 still pass .* light beside") as caught:
@@ -369,6 +392,7 @@ RIGHT: dict[str, Callable[[str], None]] = {
     "par_two_stops": lies_down,
     "sequential_heavy_light": slows_too_little,
     "spring_pad_3rows": bends,
+    "spring_pad_4rows": sinks_in,
     "sw_fourbar_16": whole_four_bar,
     "sw_fourbar_5": rounded_four_bar,
     "rod_falls_away": falls_on_a_peg,
@@ -430,7 +454,7 @@ def test_mistake_is_named(name: str) -> None:
 def test_rows_joined_by_lines(
     name: str, mass: float, stiffness: float, fall: float, before: float, tmp_path: Path
 ) -> None:
-    """Energy at the lowest point: m g (fall + d) = k d^2 / 2; the first strikes at 0."""
+    """Straight lines are exact; the first strikes at 0."""
     folder = tmp_path / name
     shutil.copytree(HERE / name, folder)
     file = folder / f"{name}.toml"
@@ -438,14 +462,20 @@ def test_rows_joined_by_lines(
     file.write_text(text, encoding="utf-8")
     solution = run(str(folder))
     assert solution.warnings == ()
-    motion = solution.trajectory.evaluate
-    times = np.linspace(0.0, solution.shaft.period, 4001)
-    lowest = int(motion(times).q[:, 0].argmin())
-    turns = brentq(lambda t: motion(np.array([t])).v[0, 0], *times[[lowest - 1, lowest + 1]])
-    static = mass * GRAVITY / stiffness
-    depth = static + math.sqrt(static * static + 2.0 * static * fall)
-    found = motion(np.array([turns])).q[0, 0]
-    assert found == pytest.approx(-before - depth, rel=1e-9)
+    assert lowest_m(solution) == pytest.approx(-before - depth_m(mass, stiffness, fall), rel=1e-9)
+
+
+def test_rows_of_a_spring_that_falls(tmp_path: Path) -> None:
+    """A magnet of -600 N/m: x = 4 mm (1 - cosh(w t)) + v / w sinh(w t) is 0.9 mm at the strike."""
+    folder = tmp_path / "rows"
+    shutil.copytree(HERE / "print_hammer_linear", folder)
+    file = folder / "print_hammer_linear.toml"
+    rows = "coordinate_mm = [-1.0, 3.0]\nforce_N = [3.0, 0.6]\n"
+    text = re.sub("stiffness_N_per_m.*\npreload_length_mm.*\n", rows, file.read_text())
+    file.write_text(text, encoding="utf-8")
+    first = run(str(folder)).collisions[0]
+    assert (first.stop, first.t) == ("paper", pytest.approx(0.70410694e-3, abs=5e-12))
+    assert first.approach_rate == pytest.approx(-1.07450986, abs=5e-9)
 
 
 def test_phases_have_the_names_of_the_file(

@@ -8,6 +8,7 @@ from dataclasses import asdict, fields
 from typing import Any
 
 from ...mechanism import Mechanism, number_of
+from ...tolerances.hybrid import SHORTEST_PANEL
 from ..case import Case
 from .quantities import COLLISION, TRANSITION
 from .self_check import need_sound
@@ -70,7 +71,8 @@ def record(solution: Solution) -> dict[str, Any]:
 def _turns_computed(solution: Solution) -> int:
     """Turns that were begun; copies of an earlier one are none."""
     end = solution.segments[-1].t_end if solution.segments else 0.0
-    begun = max(math.ceil(end / solution.shaft.period), 1)
+    # Shorter than what is resolved, of each turn before, is no further turn.
+    begun = max(math.ceil(end / solution.shaft.period * (1.0 - SHORTEST_PANEL)), 1)
     return min(solution.repeated_from or solution.case.cycles, begun)
 
 

@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from ...arrays import FloatArray
 from ...tolerances.hybrid import GAP_ROUND_OFF
-from ...tolerances.mechanics import EPS, RANK_TOLERANCE
+from ...tolerances.mechanics import RANK_TOLERANCE
 from ..mechanism import Stop
 from ..scale import reach, unit_of, units_of
 from .closing import PLANE
@@ -129,7 +129,8 @@ class _Loops:
             step = np.linalg.lstsq(np.vstack([jacobian, unit]), left)[0]
             x = x - step
             size = float(np.abs(step).max())
-            if size <= 4.0 * EPS * max(1.0, float(np.abs(x).max())):
+            # The error that is left is the square of that step, or round-off.
+            if size <= GAP_ROUND_OFF * max(1.0, float(np.abs(x).max())):
                 x[leader.index] = target
                 return x
             if not size < _FAR:

@@ -231,4 +231,5 @@ def allowed_values(kind: Any) -> str:
     words = [f"{word} {limit:g}" for word, limit in limits.items() if limit is not None]
     if meta.min_length is not None and arguments[0] is not str:
         return "a list that is not empty"
-    return " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()
+    allowed = " ".join([_NOUNS.get(arguments[0], ""), " and ".join(words)]).strip()
+    return "; ".join([allowed, *(meta.extra or {}).values()])

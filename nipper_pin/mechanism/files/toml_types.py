@@ -11,7 +11,9 @@ from ...given import LARGEST as LARGEST
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
-Stiffness = Annotated[float, Meta(gt=0.0, le=LARGEST)]
+# "instead" ends the refusal of another number.
+_FALLING = {"instead": "a force that does not rise is given by the rows of a table on a joint"}
+Stiffness = Annotated[float, Meta(gt=0.0, le=LARGEST, extra=_FALLING)]
 Damping = Annotated[float, Meta(ge=0.0, le=LARGEST)]
 Length = Annotated[float, Meta(ge=0.0, le=LARGEST)]
 Restitution = Annotated[float, Meta(ge=0.0, le=1.0)]
