@@ -85,7 +85,6 @@ pictures: $(DEV)
 	$(BIN)/nipper-pin plot out/pictures/sweep --format png --out out/pictures/sweep_plots
 	cp out/pictures/sweep_plots/*.png $(IMAGES)/
 	$(FIGURES)/draw_recorded_benchmark.py docs
-	$(FIGURES)/shrink_pictures.py --width 800 $(IMAGES)/parallel_duration_s.png
 	$(FIGURES)/shrink_pictures.py $(PLOTS)
 	$(BIN)/nipper-pin study paper --out out/pictures/paper
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)

@@ -6,15 +6,13 @@ Made-up sweeps whose means have a closed form, so that every line and level is k
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
-from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
-from matplotlib.colors import to_hex
+from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 
@@ -27,9 +25,7 @@ from nipper_pin.view.studies.sweep_figures import (
     Quantity,
     level_lines,
     main_effects,
-    parallel_coordinates,
 )
-from nipper_pin.view.studies.sweep_figures.tenths import tenths
 from nipper_pin.view.studies.sweep_plots import plot_sweep
 
 Array = Any
@@ -95,8 +91,6 @@ def test_parameters_and_their_cells() -> None:
     np.testing.assert_allclose(a.centres, [1e-3, 2e-3, 4e-3], rtol=1e-15)
     np.testing.assert_allclose(a.x, 1e-3 * column(grid(), "a"), rtol=1e-15)
     assert a.ends == pytest.approx((1e-3, 4e-3), rel=1e-15)
-    np.testing.assert_allclose(a.borders, [0.0, 1.0 / 6.0, 2.0 / 3.0, 1.0], rtol=1e-12)
-    np.testing.assert_allclose(b.borders, [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0], rtol=1e-12)
     np.testing.assert_array_equal(a.cell, np.repeat([0, 1, 2], 4))
     np.testing.assert_array_equal(b.cell, np.tile([0, 1, 2, 3], 3))
     for count, cells in ((12, 4), (191, 4), (300, 5), (12 * 64, 8), (12 * 24**2 * 4, 24)):
@@ -106,7 +100,6 @@ def test_parameters_and_their_cells() -> None:
             table = made_up([axis("x", 2.0, 32.0, scale=scale)], x=x, y=x)
             (item,) = parameters(table)
             assert len(item.centres) == cells
-            np.testing.assert_allclose(item.borders, np.linspace(0.0, 1.0, cells + 1), atol=1e-15)
             edges = np.linspace(2.0, 32.0, cells + 1)
             middle = 0.5 * (edges[1:] + edges[:-1])
             if scale == "log":
@@ -153,174 +146,6 @@ def test_main_effects() -> None:
     assert [axes.get_ylabel() for axes in more.axes[:3]] == ["y of it [mdeg]", "", "y of it [mdeg]"]
     assert more.get_figheight() > figure.get_figheight()
     assert len(main_effects(table, parameters(table)[:1], quantity(y)).axes) == 1
-
-
-LOW, HIGH, OTHERS = "#0072b2", "#d55e00", "#8c8c8c"
-
-
-def groups_of_lines(axes: Any) -> dict[str, Array]:
-    """Points of all scenarios that are drawn, by the colour of their lines."""
-    return {
-        to_hex(item.get_color()[0]): np.array(item.get_segments())
-        for item in axes.collections if isinstance(item, LineCollection)
-    }  # fmt: skip
-
-
-def bars(axes: Any, place: int, colour: str) -> Array:
-    """Place, width, foot and height of the bars of one colour beside an axis."""
-    found = [
-        (bar.get_x(), bar.get_width(), bar.get_y(), bar.get_height()) for bar in axes.patches
-        if to_hex(bar.get_facecolor()) == colour and abs(bar.get_x() - place) < 0.5
-    ]  # fmt: skip
-    return np.array(found)
-
-
-@pytest.mark.parametrize(
-    ("values", "low", "high"),
-    [
-        # Of 101 values the tenth percentile is the 11th and the ninetieth the 91st.
-        (range(101), "lowest 11 %: up to 10", "highest 11 %: from 90"),
-        ([*range(51, 101), *range(51)], "lowest 11 %: up to 10", "highest 11 %: from 90"),
-        # Between two values it is neither: of 100 the last ten, and of 21 the last three.
-        (range(100), "lowest 10 %: up to 9", "highest 10 %: from 90"),
-        (range(1000, 22_000, 1000), "lowest 14 %: up to 3000", "highest 14 %: from 19000"),
-        ([-0.125 * k for k in range(11)], "lowest 18 %: up to -1.12", "highest 18 %: from -0.125"),
-        # What most scenarios have in common is neither low nor high.
-        ([0.0] * 95 + [1.0] * 5, "lowest 0 %: up to 0", "highest 5 %: from 1"),
-        ([0.0] * 5 + [1.0] * 95, "lowest 5 %: up to 0", "highest 0 %: from 1"),
-        ([5.0] * 6 + [6.0] * 9 + [7.0] * 5, "lowest 30 %: up to 5", "highest 25 %: from 7"),
-        ([5.0] + [6.0] * 18 + [7.0], "lowest 5 %: up to 5", "highest 5 %: from 7"),
-        ([3.0] * 20, "lowest 0 %: up to 3", "highest 0 %: from 3"),
-        ([1.0] * 50 + [2.0] * 50, "lowest 50 %: up to 1", "highest 50 %: from 2"),
-    ],
-)  # fmt: skip
-def test_tenths(values: list[float], low: str, high: str) -> None:
-    """How many scenarios are in each, which ones, and what is said of them."""
-    y = np.array(values, dtype=float)
-    for found, words, sign in zip(tenths(y, quantity(y)), (low, high), (1.0, -1.0), strict=True):
-        assert found.words == f"{words} mdeg"
-        count = round(float(words.split()[1]) * len(y) / 100.0)
-        inside = set(np.argsort(sign * y, kind="stable")[:count].tolist())
-        assert set(np.flatnonzero(found.inside).tolist()) == inside
-
-
-def test_parallel_coordinates() -> None:
-    """Every scenario with a value crosses each axis at its place; the two tenths have a colour.
-
-    Of the 11 values 100, 101, 102, 103, 200, 202, ... the tenth percentile is 101 and the ninetieth
-    402: two scenarios below and two above.
-    """
-    table = grid()
-    y = column(table)
-    figure = parallel_coordinates(table, parameters(table), quantity(y))
-    (axes,) = figure.axes
-    assert below(figure)[0] == "Y of it: settings with low and with high values"
-    assert below(figure)[1].startswith("All scenarios as lines. Bars beside an axis: ")
-    assert written(axes) == [
-        "lowest 18 %: up to 101 mdeg", "highest 18 %: from 402 mdeg", "all others",
-    ]  # fmt: skip
-    looks = [to_hex(handle.get_color()) for handle in axes.get_legend().legend_handles]
-    assert looks == [LOW, HIGH, OTHERS]
-    known = np.isfinite(y)
-    a, b = column(table, "a")[known], column(table, "b")[known]
-    y = y[known]
-    size = (y - 100.0) / 303.0
-    wanted = np.stack([(a - 1.0) / 3.0, np.log10(b) / 3.0, size], axis=1)
-    groups = groups_of_lines(axes)
-    for colour, inside in ((LOW, y <= 101.0), (HIGH, y >= 402.0), (OTHERS, abs(y - 251.5) < 150.5)):
-        np.testing.assert_allclose(groups[colour][:, :, 1], wanted[inside], atol=1e-12)
-        assert (groups[colour][:, :, 0] == [0.0, 1.0, 2.0]).all()
-    assert sum(len(points) for points in groups.values()) == 11
-    drawn = [item for item in axes.collections if isinstance(item, LineCollection)]
-    assert all(item.get_rasterized() for item in drawn)
-    # The grey ones lie below both others.
-    order = {to_hex(item.get_color()[0]): item.get_zorder() for item in drawn}
-    assert order[OTHERS] < min(order[LOW], order[HIGH])
-
-
-def test_scales_of_parallel_coordinates() -> None:
-    """An upright line at each place, its least value below, its largest above, a few between."""
-    table = grid()
-    y = column(table)
-    (axes,) = parallel_coordinates(table, parameters(table), quantity(y)).axes
-    upright = [line for line in axes.lines if np.ptp(line.get_ydata()) == 1.0]
-    assert [line.get_xdata()[0] for line in upright] == [0.0, 1.0, 2.0]
-    for place, (low, high, log) in enumerate(
-        [(1e-3, 4e-3, False), (1.0, 1000.0, True), (100.0, 403.0, False)]
-    ):
-        foot, head = (text for text in axes.texts if text.get_position()[0] == place)
-        assert float(foot.get_text()) == pytest.approx(low, rel=1e-3)
-        assert float(head.get_text()) == pytest.approx(high, rel=1e-3)
-        assert foot.get_position()[1] < 0.0
-        assert head.get_position()[1] > 1.0
-        assert (foot.get_va(), head.get_va()) == ("top", "bottom")
-        inner = [text for text in axes.texts if 0.0 < place - text.get_position()[0] < 0.5]
-        assert 1 <= len(inner) <= 8
-        for text in inner:
-            value, height = float(text.get_text()), text.get_position()[1]
-            share = math.log(value / low) / math.log(high / low) if log else (value - low) / (
-                high - low
-            )  # fmt: skip
-            assert height == pytest.approx(share, abs=1e-9)
-            assert 0.08 < height < 0.92
-    labels = [text.get_text() for text in axes.get_xticklabels()]
-    assert [re.sub(r"\s+", " ", text) for text in labels] == [
-        "rate of spring a [N/mm]", "b", "y of it [mdeg]",
-    ]  # fmt: skip
-    assert max(len(line) for text in labels for line in text.splitlines()) <= 17
-    assert list(axes.get_xticks()) == [0.0, 1.0, 2.0]
-    assert len(axes.get_yticks()) == 0
-    assert axes.get_xlim()[0] < 0.0
-    assert axes.get_xlim()[1] > 2.0
-    assert axes.get_ylim()[0] < 0.0
-    assert axes.get_ylim()[1] > 1.0
-
-
-def test_bars_beside_parallel_coordinates() -> None:
-    """Which share of a cell belongs to each tenth, counted by hand; all scenarios on the last axis.
-
-    Of a = 1 two of four are low, of a = 4 two of four high; of b = 1 one of three is low, of 10 one
-    of two, of 100 and 1000 one of three high. The largest share, a half, is 0.3 wide.
-    """
-    table = grid()
-    y = column(table)
-    (axes,) = parallel_coordinates(table, parameters(table), quantity(y)).axes
-    borders = ([0.0, 1.0 / 6.0, 2.0 / 3.0, 1.0], [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0])
-    shares = (
-        ([1.0 / 2.0, 0.0, 0.0], [0.0, 0.0, 1.0 / 2.0]),
-        ([1.0 / 3.0, 1.0 / 2.0, 0.0, 0.0], [0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0]),
-    )
-    for place in (0, 1):
-        for colour, side, share in zip((LOW, HIGH), (-1.0, 1.0), shares[place], strict=True):
-            x, width, foot, height = bars(axes, place, colour).T
-            np.testing.assert_array_equal(x, place)
-            np.testing.assert_allclose(width, side * 0.6 * np.array(share), atol=1e-12)
-            np.testing.assert_allclose(foot, borders[place][:-1], atol=1e-12)
-            np.testing.assert_allclose(height, np.diff(borders[place]), atol=1e-12)
-    # 100 to 103 lie in the first of 40 equal parts of 100 to 403, 400 to 403 in the last.
-    low, others, high = (bars(axes, 2, colour) for colour in (LOW, OTHERS, HIGH))
-    assert low[0, 1] == pytest.approx(0.3 * 2 / 4)
-    assert others[0, :2] == pytest.approx((2.0 + 0.3 * 2 / 4, 0.3 * 2 / 4))
-    assert high[-1, :2] == pytest.approx((2.0 + 0.3 * 2 / 4, 0.3 * 2 / 4))
-    assert sum(part[:, 1].sum() for part in (low, others, high)) == pytest.approx(0.3 * 11 / 4)
-
-
-def test_of_many_scenarios_fifteen_hundred_are_drawn() -> None:
-    """Different ones, from all over the sweep, and of one value a line half-way."""
-    x = np.linspace(0.0, 1.0, 4000)
-    table = made_up([axis("x", 0.0, 1.0), axis("k", 5.0, 5.0)], x=x, k=np.full(4000, 5.0), y=x * x)
-    figure = parallel_coordinates(table, parameters(table), quantity(x * x))
-    drawn = np.concatenate(list(groups_of_lines(figure.axes[0]).values()))[:, :, 1]
-    assert below(figure)[1].startswith("1,500 scenarios as lines. Bars")
-    # The bars are of all of them: a tenth of 4,000; 18 cells have 222 or 223 each.
-    x, width, _, height = bars(figure.axes[0], 0, LOW).T
-    assert (width * height).sum() == pytest.approx(-0.3 * 400.0 / 4000.0, rel=1.0 / 222.0)
-    assert len(np.unique(drawn[:, 0])) == 1500
-    np.testing.assert_allclose(drawn[:, 2], drawn[:, 0] ** 2, atol=1e-9)
-    np.testing.assert_array_equal(drawn[:, 1], 0.5)
-    # A share of 0.375 of each tenth, by chance within 5 standard deviations.
-    share = np.histogram(drawn[:, 0], 10, (0.0, 1.0))[0] / 400.0
-    assert np.abs(share - 0.375).max() < 5.0 * math.sqrt(0.375 * 0.625 / 400.0)
 
 
 def test_level_lines() -> None:
@@ -437,7 +262,7 @@ def test_indices_of_figures_count_on_and_are_written_on_one_scale() -> None:
 
 
 def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """For each quantity three files in their format and folder; the first one without a choice."""
+    """For each quantity two files in their format and folder; the first one without a choice."""
     read: list[tuple[Any, ...]] = []
     drawn: list[tuple[str, str]] = []
     table = grid()
@@ -452,11 +277,10 @@ def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(sweep_plots, "read_sweep", read_sweep)
     monkeypatch.setattr(sweep_plots, "level_lines", levels)
-    for name in ("main_effects", "parallel_coordinates"):
-        monkeypatch.setattr(sweep_plots, name, lambda *_: Figure())
+    monkeypatch.setattr(sweep_plots, "main_effects", lambda *_: Figure())
     found = plot_sweep(tmp_path / "sweep")
     home = tmp_path / "sweep" / "plots"
-    subjects = ("main_effects", "parallel", "level_lines")
+    subjects = ("main_effects", "level_lines")
     assert found == [home / f"{item}_y.svg" for item in subjects]
     assert all(b"<svg" in path.read_bytes() for path in found)
     assert read == [(tmp_path / "sweep", 1_000_000)]
@@ -479,4 +303,4 @@ def test_which_figures_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="is not a folder"):
         plot_sweep("sweep", target=tmp_path / "file")
-    assert len(list((tmp_path / "here").iterdir())) == 9
+    assert len(list((tmp_path / "here").iterdir())) == 6

@@ -10,7 +10,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from matplotlib.collections import LineCollection
 
 from nipper_pin import InputError, UnknownNameError
 from nipper_pin.cli import main
@@ -23,7 +22,6 @@ from nipper_pin.view.studies.sweep_figures import (
     cell_means,
     level_lines,
     main_effects,
-    parallel_coordinates,
 )
 from nipper_pin.view.studies.sweep_plots import plot_sweep
 
@@ -108,30 +106,17 @@ def test_main_effects_of_a_known_function() -> None:
         assert len(line.get_xdata()) == 18
 
 
-def test_parallel_coordinates_place_every_scenario() -> None:
-    """Ends of a logarithmic axis at 0 and 1, its geometric mean half-way; three scenarios, three
-    looks: the middle one in grey, then the highest, then the lowest.
-    """
-    values = [1.0, 10.0, 100.0]
-    axes = [axis("k", 1.0, 100.0, scale="log", values=values)]
-    table = made_up(axes, {"k": np.array(values), "y": np.array([3.0, 1.0, 2.0])})
-    figure = parallel_coordinates(table, [Parameter.of(table, 0)], Quantity.of(table, "y"))
-    groups = [item for item in figure.axes[0].collections if isinstance(item, LineCollection)]
-    found = [np.array([segment[:, 1] for segment in lines.get_segments()]) for lines in groups]
-    np.testing.assert_allclose(found, [[[1.0, 0.5]], [[0.0, 1.0]], [[0.5, 0.0]]], atol=1e-12)
-
-
 @pytest.mark.slow
 def test_figures_of_a_sweep(folder: Path, tmp_path: Path) -> None:
-    """All three for both quantities, well-formed, and they say what is missing from them."""
+    """Both for both quantities, well-formed, and they say what is missing from them."""
     names = ["duration_s", "rebound_amplitude_1"]
     written = plot_sweep(folder, quantities=names, target=tmp_path)
-    subjects = ("main_effects", "parallel", "level_lines")
+    subjects = ("main_effects", "level_lines")
     wanted = [f"{subject}_{name}.svg" for name in names for subject in subjects]
     assert [path.name for path in written] == wanted
     for path in written:
         assert ElementTree.parse(path).getroot().tag.endswith("svg")
-    (png,) = plot_sweep(folder, kind="png", target=tmp_path)[2:]
+    (png,) = plot_sweep(folder, kind="png", target=tmp_path)[1:]
     assert png.read_bytes().startswith(b"\x89PNG")
     sweep = read_sweep(folder)
     parameters = [Parameter.of(sweep, place) for place in range(3)]

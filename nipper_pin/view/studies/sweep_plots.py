@@ -11,7 +11,7 @@ from ...errors import InputError, UnknownNameError
 from ...outputs import complete_folder
 from ...study.sweep import read_sweep
 from ..figure_file import save_figure
-from .sweep_figures import Parameter, Quantity, level_lines, main_effects, parallel_coordinates
+from .sweep_figures import Parameter, Quantity, level_lines, main_effects
 
 # Rows that are read.
 _MOST_ROWS = 1_000_000
@@ -39,8 +39,8 @@ def plot_sweep(
         target: Folder of the figures; by default ``plots`` in that of the sweep.
 
     Returns:
-        For each quantity ``main_effects_NAME``, ``parallel_NAME`` and, with two parameters or
-        more, ``level_lines_NAME``.
+        For each quantity ``main_effects_NAME`` and, with two parameters or more,
+        ``level_lines_NAME``.
 
     Raises:
         InputError: There is no such sweep, parameter or quantity, or nothing to draw.
@@ -62,10 +62,7 @@ def plot_sweep(
             if not np.isfinite(quantity.values).any():
                 message = f"{folder}: no scenario has a value of {name}; see the column message"
                 raise InputError(message, quantity=name)
-            figures = {
-                "main_effects": main_effects(sweep, parameters, quantity),
-                "parallel": parallel_coordinates(sweep, parameters, quantity),
-            }
+            figures = {"main_effects": main_effects(sweep, parameters, quantity)}
             if pair is not None:
                 figures["level_lines"] = level_lines(sweep, *pair, quantity)
             for subject, figure in figures.items():

@@ -133,14 +133,6 @@ class Parameter:
         """
         return share(x, *self.ends, log=self.log)
 
-    @property
-    def borders(self) -> FloatArray:
-        """Places of the borders of the cells, 0 to 1, shape (cells + 1,)."""
-        if not self.grid:
-            return np.linspace(0.0, 1.0, len(self.centres) + 1)
-        middle = self.places(self.centres)
-        return np.concatenate([[0.0], 0.5 * (middle[1:] + middle[:-1]), [1.0]])
-
 
 def short(value: float) -> str:
     """A value beside an axis: three digits, and no powers of ten for what a designer reads.
