@@ -1,4 +1,4 @@
-"""Every number of a sweep's plan, of its record and of its estimate, by hand."""
+"""Every number of a sweep's plan and of its record, by hand."""
 
 from __future__ import annotations
 
@@ -15,10 +15,8 @@ from sweep_studies import FULL, GEOMETRY, TABLE, plan
 from nipper_pin import InputError, load
 from nipper_pin.dynamics.system import DriveMode
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.sweep import estimate as estimate_module
 from nipper_pin.study.sweep.axes import Axis, Target, find_target
 from nipper_pin.study.sweep.chunks import _cases
-from nipper_pin.study.sweep.estimate import Estimate
 from nipper_pin.study.sweep.job import versions
 from nipper_pin.study.sweep.plan import chosen
 from nipper_pin.study.sweep.results.record import continued, plan_record
@@ -227,35 +225,6 @@ def test_parameters_in_their_columns(tmp_path: Path) -> None:
     assert cases.speed_rpm.tolist() == [512.5, 512.5]
     assert cases.preload.tolist() == [[machine.springs[0].preload]] * 2
     assert cases.stiffness.tolist() == [[machine.springs[0].stiffness]] * 2
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(180.0, "180 s"), (181.0, "3 min"), (10_800.0, "180 min"), (10_801.0, "3 h")],
-)
-def test_words_of_the_estimate(seconds: float, words: str) -> None:
-    found = Estimate(seconds=seconds, workers=3, mechanism_s=0.0125, scenario_s=2.5e-5,
-                     engines={"reduced": 1024, "direct": 8})  # fmt: skip
-    assert found.sentence() == (
-        f"about {words} on 3 processors here: 12.5 ms a mechanism, 0.025 ms a scenario (timed: "
-        "1,024 by the engine reduced, 8 by the engine direct)"
-    )
-    assert found.record() == {
-        "seconds": seconds, "workers": 3, "mechanism_s": 0.0125, "scenario_s": 2.5e-5,
-        "engines": {"reduced": 1024, "direct": 8},
-    }  # fmt: skip
-
-
-def test_scenarios_that_are_timed(tmp_path: Path) -> None:
-    """From the first to the last of a block, and of the mechanisms; a million points at most."""
-    assert estimate_module._spread(5, 32).tolist() == [0, 1, 2, 3, 4]
-    assert estimate_module._spread(101, 3).tolist() == [0, 50, 100]
-    assert estimate_module._spread(2_000_001, 3).tolist() == [0, 499_999, 999_999]
-    grid = plan(tmp_path, GEOMETRY)
-    assert estimate_module._firsts(grid, 2) == [0, 14, 28]
-    huge = plan(tmp_path, TABLE.replace("600", "1_000_000_000"))
-    assert estimate_module._firsts(huge, 100) == [0, 499_900, 999_900]
-    assert estimate_module._firsts(huge, 10**9) == [0]
 
 
 def test_a_worker_without_the_compiler_is_another_one(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from nipper_pin.errors import InputError, SimulationError
-from nipper_pin.study.sweep import cluster, estimate, run
+from nipper_pin.study.sweep import cluster, run
 from nipper_pin.study.sweep.chunks import DefectError
 from nipper_pin.study.sweep.results.chunk_file import DamageError
 
@@ -200,88 +200,6 @@ def test_others_that_never_finish(monkeypatch: pytest.MonkeyPatch) -> None:
     assert caught.value.evidence == {"chunks": [2]}
     waited = clock.now - 1000.0
     assert 1.5 * run._PATIENCE_S < waited <= 1.5 * run._PATIENCE_S + 3.0 * run._LOOK_S
-
-
-# The estimate.
-
-
-@pytest.mark.parametrize(
-    ("inner", "reduced", "long"),
-    [(5000, True, True), (5000, False, False), (32, True, False), (33, True, True)],
-)
-def test_time_of_scenarios_and_of_mechanisms(
-    monkeypatch: pytest.MonkeyPatch, inner: int, reduced: bool, long: bool
-) -> None:
-    """A mechanism takes 3 s and a scenario 0.25 s: told apart where there are many by tables."""
-    asked: list[int] = []
-    engines = {"reduced": 0, "direct": 0}
-    plan: Any = SimpleNamespace(
-        job=SimpleNamespace(text=lambda: b"job"), axes=(), samples=None, scenarios=3 * inner
-    )
-    tally = SimpleNamespace(engines=engines)
-    monkeypatch.setattr(estimate, "Rows", lambda *_: SimpleNamespace(at=lambda places: places))
-    monkeypatch.setattr(estimate, "Tally", lambda: tally)
-    monkeypatch.setattr(
-        estimate, "stages", lambda *_: [SimpleNamespace(layout=SimpleNamespace(inner=inner))]
-    )
-    warm: list[Any] = []
-    monkeypatch.setattr(estimate, "run_chunk", lambda *words: warm.append(words))
-
-    def seconds(text: bytes, rows: Any, counted: Any) -> float:
-        assert (text, counted) == (b"job", tally)
-        asked.append(len(rows))
-        engines["reduced" if reduced else "direct"] += len(rows)
-        return 3.0 + 0.25 * len(rows)
-
-    monkeypatch.setattr(estimate, "_seconds", seconds)
-    found = estimate.timed(plan, 2000)
-    block = min(inner, 2000)
-    few = min(block, estimate._FEW)
-    ((text, first, rows),) = warm
-    assert (text, first, len(rows)) == (b"job", 0, few)
-    many = min(block, estimate._MANY)
-    assert asked == ([few, many] if long else [few]) * 3
-    assert found.blocks == -(-3 * inner // block)
-    slope, rest = (0.25, 3.0) if long else (0.25 + 3.0 / few, 0.0)
-    assert found.scenario_s == pytest.approx(slope)
-    assert found.block_s == pytest.approx(rest)
-    assert found.engines == engines
-
-
-@pytest.mark.parametrize(("by_tables", "long"), [(16, False), (17, True)])
-def test_mechanisms_of_which_some_go_by_tables(
-    monkeypatch: pytest.MonkeyPatch, by_tables: int, long: bool
-) -> None:
-    """More than half of the few have to; what was counted before of another does not count."""
-    engines = {"reduced": 0, "direct": 0}
-    asked: list[int] = []
-    monkeypatch.setattr(estimate, "Rows", lambda *_: SimpleNamespace(at=lambda places: places))
-    monkeypatch.setattr(estimate, "Tally", lambda: SimpleNamespace(engines=engines))
-    monkeypatch.setattr(
-        estimate, "stages", lambda *_: [SimpleNamespace(layout=SimpleNamespace(inner=500))]
-    )
-    monkeypatch.setattr(estimate, "run_chunk", lambda *_: None)
-    monkeypatch.setattr(estimate, "_firsts", lambda *_: [0, 500, 1000])
-    shares = iter([32, 500, by_tables, 500, 0] if long else [32, 500, by_tables, 0])
-
-    def seconds(_text: bytes, rows: Any, _tally: Any) -> float:
-        count = next(shares)
-        asked.append(len(rows))
-        engines["reduced"] += count
-        engines["direct"] += len(rows) - count
-        return 8.0 + 0.5 * len(rows)
-
-    monkeypatch.setattr(estimate, "_seconds", seconds)
-    plan: Any = SimpleNamespace(
-        job=SimpleNamespace(text=lambda: b""), axes=(), samples=None, scenarios=1500
-    )
-    found = estimate.timed(plan, 2000)
-    assert asked == ([32, 500, 32, 500, 32] if long else [32, 500, 32, 32])
-    alone = 0.5 + 8.0 / 32
-    each = [0.5, 0.5, alone] if long else [0.5, alone, alone]
-    assert found.scenario_s == pytest.approx(sum(each) / 3)
-    assert found.block_s == pytest.approx((16.0 if long else 8.0) / 3)
-    assert found.blocks == 3
 
 
 # Workers of a scheduler.
