@@ -12,16 +12,13 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-import msgspec
 import numpy as np
 import pytest
 
 import nipper_pin as nip
 from nipper_pin.cli import main
-from nipper_pin.errors import InputError, ModelError, UnknownNameError
+from nipper_pin.errors import InputError, ModelError
 from nipper_pin.hybrid.error_estimate.saltation import impact_map
-from nipper_pin.hybrid.files.npz_schema import ResolutionRecord
-from nipper_pin.hybrid.motion import integrators
 from nipper_pin.mechanism import from_sources, with_numbers
 from nipper_pin.mechanism.drawing import (
     Body,
@@ -189,55 +186,6 @@ def test_a_stop_on_a_screw(monkeypatch: pytest.MonkeyPatch) -> None:
         from_sources("fall", urdf, data, ".")
     with pytest.raises(InputError, match="a screw adjusts no stop of a hinge"):
         ScrewStop(pitch_mm=1.0, turns=1.0).place("revolute")
-
-
-def test_an_integrator(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quarter of the oscillation and then halves of it, with half the rate each time.
-
-    The package's own integrator cannot have a part in it: it fails when it is called.
-    """
-    picard = integrators.integrator(integrators.PICARD)
-    monkeypatch.setattr(integrators, "_integrators", {integrators.PICARD: _never})
-    page = ran("extending_integrator", monkeypatch)
-    struck = page.solution.collisions
-    assert len(struck) == 4
-    for number, hit in enumerate(struck):
-        stated = page.solution.errors[hit.event.number - 1]
-        t, rate = (2 * number + 1) * math.pi / 80.0, 0.8 * 0.5**number
-        assert abs(hit.t - t) <= stated.time + 16 * EPS
-        assert abs(-hit.approach_rate / rate - 1.0) <= stated.impulse
-        assert 0.0 < stated.time < 1e-10
-    # Two engines, one nipper: the transition with both within what the coarser one states.
-    integrators._integrators[integrators.PICARD] = picard
-    fine = nip.simulate(nip.load("e62"), nip.Case(speed_rpm=650.0))
-    other = nip.simulate(
-        nip.load("e62"), nip.Case(speed_rpm=650.0, resolution=page.case.resolution)
-    )
-    for one, two, error in zip(fine.collisions, other.collisions, other.errors, strict=False):
-        assert abs(one.t - two.t) <= error.time + 16 * EPS
-    with pytest.raises(UnknownNameError, match=r"dop85.*dop853, picard"):
-        nip.simulate(
-            drawn_mechanism(page.SPRING),
-            nip.Case(speed_rpm=600.0, window=nip.Window.CYCLE,
-                     resolution=nip.Resolution(integrator="dop85")),
-        )  # fmt: skip
-    with pytest.raises(InputError, match="is that of the package"):
-        integrators.register_integrator("picard")
-
-
-def _never(*_: object, **__: object) -> Any:
-    message = "the integrator of the package was called"
-    raise AssertionError(message)
-
-
-def test_a_saved_run_names_its_integrator(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Of a run that was saved before integrators had names it is that of the package."""
-    page = ran("extending_integrator", monkeypatch)
-    nip.save(page.solution, tmp_path / "run.npz")
-    assert nip.load_solution(tmp_path / "run.npz").case == page.case
-    assert nip.record(page.solution)["case"]["resolution"]["integrator"] == "dop853"
-    old = {"tolerance": 1e-9, "flight_nodes": 13, "kinematic_nodes": 16, "panels_per_turn": 12}
-    assert msgspec.convert(old | {"adaptive": True}, ResolutionRecord).integrator == "picard"
 
 
 def test_commands_print_what_is_added(

@@ -75,7 +75,6 @@ CALLS: dict[str, tuple[Callable[[Any], object], tuple[Any, ...]]] = {
         for key in ("flight_nodes", "kinematic_nodes", "panels_per_turn")
     },
     "resolution adaptive": (resolution("adaptive"), NO_FLAG),
-    "resolution integrator": (resolution("integrator"), (None, 3, 2.5, True, ["picard"])),
     "table speed_rpm": (table("speed_rpm"), (*NO_NUMBER, None, 0.0, -1.0, [450.0, None])),
     "table restitution": (table("restitution"), (*NO_NUMBER[:-5], 1.5, -0.1, [0.1, None])),
     "table stiffness_N_per_m": (table("stiffness_N_per_m"), (*NO_NUMBER, 1e300, -1.0)),

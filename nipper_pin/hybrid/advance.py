@@ -23,10 +23,10 @@ from .case import Resolution
 from .contact.touching import touching
 from .event_location.guards import Trigger, TriggerKind, triggers
 from .motion.coordinate_choice import serves, suited_split
-from .motion.integrators import integrator
 from .motion.kinematics import kinematic_panel
 from .motion.panel import Begin, Exact, Panel, one_state_at
 from .motion.panel_checks import PanelCheck, panel_checks
+from .motion.picard import flight_panel
 from .segment import Segment
 from .state import State
 
@@ -242,7 +242,7 @@ class _Way:
     def _resolved(self, split: Partition, begin: Begin, h: float) -> _Solved:
         """Solve one panel, made shorter until its nodes and the checks find it resolved."""
         system, phase, resolution = self._system, self.phase, self._resolution
-        solve = kinematic_panel if self.kinematic else integrator(resolution.integrator)
+        solve = kinematic_panel if self.kinematic else flight_panel
         checks = self._checks if resolution.adaptive else ()
         while h > 0.0:
             factor = 0.5

@@ -48,7 +48,6 @@ class Resolution:
             panel of a phase may have 2.5 times its length, and those after it 3.1 times.
         adaptive: Halve panels that the nodes do not resolve. Without it the error falls with the
             panel length by the order of the method, which is how that order is measured.
-        integrator: Name of the integrator of motion with freedom.
 
     Raises:
         InputError: A value is out of range.
@@ -59,7 +58,6 @@ class Resolution:
     kinematic_nodes: int = 24
     panels_per_turn: int = 12
     adaptive: bool = True
-    integrator: str = "picard"
 
     def __post_init__(self) -> None:
         """Validate and normalise."""
@@ -74,8 +72,6 @@ class Resolution:
         values["panels_per_turn"] = whole(
             "panels_per_turn", self.panels_per_turn, 1, _MOST_PANELS, where=_CASE
         )
-        if not isinstance(self.integrator, str):
-            refuse("integrator", self.integrator, "the name of an integrator", _CASE)
         _normalise(self, values)
 
 

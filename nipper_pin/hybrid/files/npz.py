@@ -223,9 +223,9 @@ def _mechanism(setting: npz_schema.Setting) -> Mechanism:
 
 def _case(setting: npz_schema.Setting) -> Case:
     values = msgspec.structs.asdict(setting.case)
-    return Case(
-        **{**values, "resolution": Resolution(**msgspec.structs.asdict(setting.case.resolution))}
-    )
+    resolution = msgspec.structs.asdict(setting.case.resolution)
+    resolution.pop("integrator")
+    return Case(**{**values, "resolution": Resolution(**resolution)})
 
 
 def _segment_record(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 _Count = Annotated[int, Meta(ge=0, le=2**53)]
 LARGEST = 1e30
@@ -35,14 +35,14 @@ class Model(_Record, frozen=True):
 
 
 class ResolutionRecord(_Record, frozen=True):
-    """Fields of ``Resolution``."""
+    """Fields of ``Resolution``; files of earlier versions name the one integrator as well."""
 
     tolerance: float
     flight_nodes: _Count
     kinematic_nodes: _Count
     panels_per_turn: _Count
     adaptive: bool
-    integrator: str = "picard"
+    integrator: Literal["picard"] | UnsetType = UNSET
 
 
 class CaseRecord(_Record, frozen=True):
