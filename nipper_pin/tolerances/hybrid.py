@@ -18,9 +18,6 @@ choice: round-off of sums over the nodes is tens to hundreds of eps."""
 NOTICED_ROUND_OFF = 0.1
 """[1] By the motion on a panel: an allowance for round-off that may decide on it. A choice: a
 smaller one changes no verdict that is not at its edge."""
-MAX_AMPLIFICATION = 1e3
-"""[1] Largest factor by which round-off of closures is taken to move a coordinate. A choice: near a
-dead centre it grows without limit, and an error beyond counts as unresolved."""
 SHORTEST_PANEL = 1e-12
 """[1] By a turn: shorter panels are refused. Tenfold ``SIMULTANEOUS``, so that its ends are never
 one event."""

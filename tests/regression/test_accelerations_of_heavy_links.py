@@ -13,13 +13,14 @@ from nipper_pin import Case, SingularConfigurationError, Solution, Window, load,
 from nipper_pin.mechanism import from_sources
 
 
-@pytest.fixture(scope="module")
-def turn() -> Solution:
+@pytest.fixture(scope="module", params=[354.61857986667974, 354.6, 355.0, 300.0, 600.0])
+def turn(request: pytest.FixtureRequest) -> Solution:
+    """Turns at the speed of the case and at others: the round-off of none makes panels shorter."""
     lengths = 0.1, 0.03557373794834266, 0.06830322956792707, 0.06727050841323236
     masses = 0.0015538976659508553, 25.163547434882677, 1000.0
     source = four_bar(*lengths, masses)
     machine = from_sources(source.name, source.urdf, source.description, source.folder)
-    case = Case(speed_rpm=354.61857986667974, window=Window.CYCLE, start_index=0.0)
+    case = Case(speed_rpm=request.param, window=Window.CYCLE, start_index=0.0)
     return simulate(machine, case)
 
 

@@ -20,7 +20,6 @@ from ...errors import SingularConfigurationError
 from ...tolerances.hybrid import (
     CLOCK_ROUND_OFF,
     COORDINATE_ROUND_OFF,
-    MAX_AMPLIFICATION,
     ROUND_OFF_SAFETY,
     SMALLEST,
 )
@@ -236,6 +235,6 @@ def _round_off(
 ) -> FloatArray:
     """Round-off of every coordinate on a panel, shape (nv,): less than it no panel can resolve."""
     size = largest_q + EPS
-    moved = system.body.reach_m * np.abs(inverse).sum(axis=1)
-    size[split.columns] += np.minimum(moved, MAX_AMPLIFICATION)
+    # Near a dead centre this is large; from MAX_CONDITION on the position is refused.
+    size[split.columns] += system.body.reach_m * np.abs(inverse).sum(axis=1)
     return np.asarray(COORDINATE_ROUND_OFF * size)
