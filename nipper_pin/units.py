@@ -21,7 +21,6 @@ MS_PER_S: Final = 1e3
 S_PER_MS: Final = 1e-3
 US_PER_S: Final = 1e6
 US_PER_MS: Final = 1e3
-MS_PER_US: Final = 1e-3
 S_PER_MIN: Final = 60.0
 S_PER_H: Final = 3600.0
 MJ_PER_J: Final = 1e3

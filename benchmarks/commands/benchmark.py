@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from nipper_pin.cli.arguments import check_outputs, write_json
 from nipper_pin.errors import InputError
 from nipper_pin.extras import require
-from nipper_pin.hybrid.result.solution import Solution
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    # The reduced engine and the compiled peers are measured, and so is the drawing of plots.
+    # The reduced engine and the compiled peers are measured, and the work is drawn over the error.
     require("study", "numba", "matplotlib", what="the benchmark")
     from ..run_time.benchmark import benchmark
 
@@ -38,16 +36,11 @@ def _run(options: argparse.Namespace) -> None:
         raise InputError(message, argument=options.repeats)
     check_outputs(options.out, options.json)
 
-    def pictures(solution: Solution, folder: Path) -> object:
-        from nipper_pin.view.run.plots import plot_solution
-
-        return plot_solution(solution, folder)
-
     def say(text: str) -> None:
         if sys.stderr.isatty():
             sys.stderr.write(f"{text} ...\n")
 
-    result = benchmark(quick=options.quick, repeats=options.repeats, pictures=pictures, say=say)
+    result = benchmark(quick=options.quick, repeats=options.repeats, say=say)
     if options.out is not None:
         from ..views.benchmark_files import write_benchmark
 

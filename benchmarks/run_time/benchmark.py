@@ -1,4 +1,4 @@
-"""The whole benchmark: engines, peers, costs and skips on one machine, in one run."""
+"""The whole benchmark: engines, peers and costs on one machine, in one run."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ from nipper_pin.tolerances.bench import DIRECT_DEFAULT
 
 from .certified import certified, certified_names
 from .cost import costs
-from .imports import ImportCost, import_cost
 from .peer_work import PACKAGES, Say, peer_rows
 from .reduced_work import reduced_work
-from .skips import Pictures, Skip, skips
 from .stated import Stated, true_over_stated
 from .timing import environment
 from .turns import TurnRow, turn_rows
@@ -34,8 +32,6 @@ class Benchmark:
         unavailable: What could not be run, and why.
         reduced: Build time, speed and error of the reduced engine; None without it.
         turns: Whole turns of both engines against the certified ones.
-        skips: What is left out, and what that saves.
-        imports: Import time.
         cost: Where the time goes, and how it grows.
     """
 
@@ -48,8 +44,6 @@ class Benchmark:
     unavailable: tuple[str, ...]
     reduced: dict[str, Any] | None
     turns: tuple[TurnRow, ...]
-    skips: tuple[Skip, ...]
-    imports: ImportCost
     cost: dict[str, Any]
 
     def record(self) -> dict[str, Any]:
@@ -62,7 +56,6 @@ def benchmark(
     *,
     quick: bool = False,
     repeats: int | None = None,
-    pictures: Pictures | None = None,
     say: Say = lambda _: None,
 ) -> Benchmark:
     """Run the benchmark.
@@ -70,7 +63,6 @@ def benchmark(
     Args:
         quick: Fewer settings and repeats: less than a minute in all.
         repeats: Runs of each setting after the first; 10 or 30 by default.
-        pictures: Draws a solution into a folder, for the line of the skip list about plots.
         say: Told what is being measured.
 
     Raises:
@@ -94,8 +86,6 @@ def benchmark(
     peers, unavailable = peer_rows(reference, quick=quick, repeats=count, say=say)
     say("costs")
     cost = costs(mechanism, quick=quick, repeats=count)
-    say("skips")
-    left_out = skips(mechanism, quick=quick, repeats=count, pictures=pictures)
     return Benchmark(
         quick=quick,
         environment=environment(PACKAGES),
@@ -106,8 +96,6 @@ def benchmark(
         unavailable=tuple(unavailable),
         reduced=reduced,
         turns=tuple(turns),
-        skips=tuple(left_out),
-        imports=import_cost(3 if quick else 10),
         cost=cost,
     )
 

@@ -232,22 +232,20 @@ def certified_model() -> Mechanism:
     return certified().mechanism()
 
 
-def run_python(code: str, *options: str) -> str:
+def run_python(code: str) -> str:
     """Run code in a fresh interpreter and return what it prints.
 
     Args:
         code: Python source.
-        *options: Options of the interpreter.
 
     Raises:
         SimulationError: It fails; the message holds what it said.
     """
     done = subprocess.run(
-        [sys.executable, *options, "-c", code], capture_output=True, text=True, check=False
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
     )
     if done.returncode != 0:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         message = f"a fresh interpreter could not run the measurement: {last[0]}"
         raise SimulationError(message, code=code, stderr=done.stderr)
-    # The log of import times comes on the other channel.
-    return done.stdout + (done.stderr if "importtime" in options else "")
+    return done.stdout

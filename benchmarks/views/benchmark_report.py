@@ -124,44 +124,7 @@ def sheets(result: Benchmark) -> list[Sheet]:
         )
         for title, rows in _costs(result.cost)
     ]
-    return [*found, _skips(result), _imports(result)]
-
-
-def _skips(result: Benchmark) -> Sheet:
-    return Sheet(
-        "What is skipped",
-        ("what", "with the skip ms", "without ms", "saved ms", "ratio"),
-        tuple(
-            (
-                item.what,
-                _number(item.with_ms),
-                _number(item.without_ms),
-                _number(item.without_ms - item.with_ms),
-                _number(item.without_ms / item.with_ms),
-            )
-            for item in result.skips
-        ),
-    )
-
-
-def _imports(result: Benchmark) -> Sheet:
-    imports = result.imports
-    return Sheet(
-        "Imports (python -X importtime)",
-        ("import pinocchio ms", "import nipper_pin adds ms", "with load and simulate ms", "ratio"),
-        (
-            tuple(
-                _number(value)
-                for value in (
-                    imports.pinocchio_ms,
-                    imports.added_ms,
-                    imports.used_ms,
-                    imports.ratio,
-                )
-            ),
-        ),
-        text=0,
-    )
+    return found
 
 
 def _costs(cost: dict[str, Any]) -> list[tuple[str, list[dict[str, Any]]]]:

@@ -206,8 +206,7 @@ def test_tables_of_narrow_and_wide_terminals() -> None:
     ]  # fmt: skip
     result = SimpleNamespace(
         engines=rows, accuracy=[], stated=[], peers=[row("one (by hand)", "1e-6", 44.0)],
-        reduced=None, skips=[], imports=SimpleNamespace(pinocchio_ms=1.0, added_ms=2.0,
-        used_ms=3.0, ratio=4.0), unavailable=("a peer: no bounce",), quick=False,
+        reduced=None, unavailable=("a peer: no bounce",), quick=False,
         environment={"date": "d", "platform": "p", "processor": "c", "cores": 6, "python": "3",
                      "cores_allowed": None, "load_average": None, "threads": {}, "versions": {}},
         cost={name: costs for name in ("cycle", "phases", "parts", "collisions", "turns", "links",

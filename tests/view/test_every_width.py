@@ -158,7 +158,6 @@ def test_benchmarks(width: int) -> None:
     result: Any = SimpleNamespace(
         engines=[row("direct", 1.125), row("direct", 22.25), row("reduced, in batches", 333.5)],
         accuracy=[], stated=[], peers=[row("an engine of others (by hand)", 4444.5)], reduced=None,
-        skips=[], imports=SimpleNamespace(pinocchio_ms=1.0, added_ms=2.0, used_ms=3.0, ratio=4.0),
         unavailable=("a peer: it cannot find a bounce of this machine, " * 3,), quick=False,
         environment={"date": "d", "platform": "p " * 50, "processor": "c", "cores": 6,
                      "python": "3", "cores_allowed": None, "load_average": None, "threads": {},

@@ -23,8 +23,6 @@ _COSTS = (
     "Parts of one transition",
     "Growth with",
     "Peak memory",
-    "What is skipped",
-    "Imports",
 )
 _BOUNDS = (1e-3, 1e-6, 1e-9)
 

@@ -23,7 +23,6 @@ from rich.console import Console
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import Certified, certified, certified_names
 from benchmarks.run_time.cost import run_python
-from benchmarks.run_time.imports import ImportCost, cumulative_ms, following_ms
 from benchmarks.run_time.peer_work import graded_peer
 from benchmarks.run_time.phase_cost import again, transition_parts
 from benchmarks.run_time.scenes import (
@@ -32,7 +31,6 @@ from benchmarks.run_time.scenes import (
     bouncing_mass_times,
     four_bar_chain,
 )
-from benchmarks.run_time.skips import Skip, integrate, node_forces
 from benchmarks.run_time.stated import Stated
 from benchmarks.run_time.timing import Timing, environment, timed
 from benchmarks.run_time.turns import TurnRow, turn_rows
@@ -298,52 +296,6 @@ def test_parts_of_a_transition_are_those_of_its_run(e62: Mechanism) -> None:
     assert all(row["wall_ms"] >= 0.0 for row in rows.values())
 
 
-def test_integration_of_a_kinematic_phase_is_the_same_motion(e62: Mechanism) -> None:
-    """What the skip list integrates instead ends where kinematics does (1e-7, 1e-6 in rates).
-
-    Equations of motion drift off the closures where kinematics cannot, by their tolerance times
-    the growth over a phase; a wrong phase, force or end would be off by the stroke itself.
-    """
-    solution = simulate(e62, Case(speed_rpm=450.0, window=Window.CYCLE))
-    kinematic = [segment for segment in solution.segments if segment.kinematic]
-    assert len(kinematic) >= 3
-    for segment in kinematic:
-        q, v = integrate(solution, segment)
-        end = solution.trajectory.evaluate(segment.t_end, left=True)
-        begin = solution.trajectory.evaluate(segment.t_start)
-        assert np.abs(end.q - begin.q).max() > 0.1
-        assert q == pytest.approx(end.q[0], abs=1e-7)
-        assert v == pytest.approx(end.v[0], abs=1e-6)
-
-
-@pytest.mark.parametrize("window", list(Window))
-def test_torques_of_prescribed_links_are_those_of_the_solution(
-    e62: Mechanism, window: Window
-) -> None:
-    """What the skip list computes at the nodes are the torques that the solution gives there.
-
-    The solution solves positions and accelerations again at these times, so the two agree to the
-    accuracy of the motion, 1e-12, grown a thousandfold by the second derivative. Torques of
-    neighbouring nodes differ by parts of the peak: a force of another node or phase would be seen.
-    """
-    solution = simulate(e62, Case(speed_rpm=650.0, window=window))
-    drives = [drive.name for drive in e62.drives]
-    compared, torques, errors = 0, [], []
-    for segment in solution.segments:
-        found = node_forces(solution.system, segment)
-        for panel, forces in zip(segment.panels, found, strict=True):
-            inside = (segment.t_start < panel.times) & (panel.times < segment.t_end)
-            asked = solution.trajectory.reactions(panel.times[inside]).drives
-            expected = np.stack([asked[name] for name in drives], axis=1)
-            compared += len(expected)
-            torques.append(expected)
-            errors.append(forces.drive[inside] - expected)
-    assert compared >= 10
-    peak = np.abs(np.concatenate(torques)).max(axis=0)
-    assert (np.ptp(np.concatenate(torques), axis=0) > 0.1 * peak).all()
-    assert (np.abs(np.concatenate(errors)).max(axis=0) <= 1e-9 * peak).all()
-
-
 def test_first_run_is_kept_apart_and_a_budget_is_kept() -> None:
     """One run is the first, then the repeats; beyond the budget exactly one repeat is done.
 
@@ -362,29 +314,6 @@ def test_first_run_is_kept_apart_and_a_budget_is_kept() -> None:
     calls.clear()
     assert timed(long, 5, budget_s=0.0).runs == 1
     assert len(calls) == 2
-
-
-def test_import_times_are_read_from_their_log() -> None:
-    """The cumulative column of the module itself is read, not that of a part of it."""
-    log = (
-        "import time: self [us] | cumulative | imported package\n"
-        "import time:       500 |       1500 |   nipper_pin.cli\n"
-        "import time:        20 |      47000 | nipper_pin\n"
-    )
-    assert cumulative_ms(log, "nipper_pin") == 47.0
-
-
-def test_times_of_later_imports_are_added_up() -> None:
-    """Own times after a module's line, whose parts stand before it; the heading is no number."""
-    log = (
-        "import time: self [us] | cumulative | imported package\n"
-        "import time:       300 |        300 |   numpy\n"
-        "import time:       700 |       1000 | pinocchio\n"
-        "import time:      2000 |       2000 |   nipper_pin.errors\n"
-        "import time:       500 |       2500 | nipper_pin\n"
-        "import time:        40 |         40 | nipper_pin.hybrid\n"
-    )
-    assert following_ms(log, "pinocchio") == pytest.approx(2.54)
 
 
 def test_environment_names_machine_and_versions() -> None:
@@ -468,8 +397,6 @@ def made_up() -> Benchmark:
         unavailable=("a peer, 1 ms: no bounce",),
         reduced=None,
         turns=(TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None),),
-        skips=(Skip("plots", 3.0, 600.0),),
-        imports=ImportCost(80.0, 2.0, 40.0, 0.5),
         cost={
             name: [empty]
             for name in ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
@@ -501,7 +428,6 @@ def test_what_is_not_a_number_becomes_null(made_up: Benchmark) -> None:
     assert document["cost"]["cycle"][0]["wall_ms"] is None
     assert document["engines"][0]["error_worst"] == 7e-13
     assert document["reduced"] is None
-    assert document["skips"] == [{"what": "plots", "with_ms": 3.0, "without_ms": 600.0}]
 
 
 def test_tables_show_the_numbers_and_fit_a_terminal(made_up: Benchmark) -> None:
@@ -510,7 +436,7 @@ def test_tables_show_the_numbers_and_fit_a_terminal(made_up: Benchmark) -> None:
     print_benchmark(made_up, Console(file=buffer, width=80, color_system=None))
     text = buffer.getvalue()
     assert max(len(line) for line in text.splitlines()) <= 80
-    for number in ("3.25", "7.0e-13", "2.0e-13", "600", "200", "no bounce"):
+    for number in ("3.25", "7.0e-13", "2.0e-13", "no bounce"):
         assert number in text
         assert number in markdown(made_up)
     assert "1.2.3" in markdown(made_up)
@@ -572,10 +498,6 @@ def test_quick_benchmark_prints_one_document(capsys: pytest.CaptureFixture[str])
         assert row["error_worst"] <= 10.0 * float(row["setting"])
         assert row["evaluations"] > 0
         assert row["wall_ms"] > 0.0
-    assert {"what", "with_ms", "without_ms"} <= document["skips"][0].keys()
-    listed = [row["what"] for row in document["skips"]]
-    for what in ("energy balance", "links whose motion is prescribed"):
-        assert any(name.startswith(what) for name in listed)
     assert {"environment", "peers", "reduced", "cost"} <= document.keys()
     assert document["cost"]["links"][-1]["links"] == 21
     if document["reduced"] is not None:

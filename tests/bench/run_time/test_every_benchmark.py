@@ -14,8 +14,6 @@ from benchmarks.peers import Four, Setting
 from benchmarks.run_time import benchmark as module
 from benchmarks.run_time import cost, peer_work, phase_cost
 from benchmarks.run_time.certified import Certified, certified, certified_names
-from benchmarks.run_time.imports import ImportCost
-from benchmarks.run_time.skips import Skip
 from benchmarks.run_time.stated import Stated
 from benchmarks.run_time.turns import TurnRow
 from benchmarks.run_time.work_precision import Row
@@ -221,30 +219,20 @@ def test_the_whole(
     part("turn_rows", [turn])
     part("peer_rows", ([other], ["gone"]))
     part("costs", {"memory": [{"peak_MB": 1.0}]})
-    part("skips", [Skip("plots", 1.0, 2.0)])
     part("environment", {"cores": 2})
     part("true_over_stated", [Stated("650", 1e-4, 0.5, 0.25)])
-    part("import_cost", ImportCost(1.0, 2.0, 3.0, 4.0))
     monkeypatch.setattr(module, "accuracy", accuracy)
     said: list[str] = []
 
-    def picture(*_: Any) -> None:
-        """Draws nothing."""
-
-    result = module.benchmark(quick=quick, repeats=repeats, pictures=picture, say=said.append)
-    assert said == [
-        "direct engine", "reduced engine", "whole turns", "peers", "costs", "skips"
-    ]  # fmt: skip
+    result = module.benchmark(quick=quick, repeats=repeats, say=said.append)
+    assert said == ["direct engine", "reduced engine", "whole turns", "peers", "costs"]
     for name in ("direct_rows", "reduced_work", "peer_rows"):
         (reference,), named = asked[name]
         assert reference.name == "650"
         assert (named["quick"], named["repeats"]) == (quick, count)
-    for name in ("costs", "skips"):
-        (mechanism,), named = asked[name]
-        assert mechanism.name == "e62"
-        assert (named["quick"], named["repeats"]) == (quick, count)
-    assert asked["skips"][1]["pictures"] is picture
-    assert asked["import_cost"] == ((3 if quick else 10,), {})
+    (mechanism,), named = asked["costs"]
+    assert mechanism.name == "e62"
+    assert (named["quick"], named["repeats"]) == (quick, count)
     assert "mujoco" in asked["environment"][0][0]
     assert graded == [(name, "e62", 1e-12) for name in certified_names()]
     document = result.record()
@@ -259,8 +247,4 @@ def test_the_whole(
     ]
     assert document["unavailable"] == ["gone"]
     assert document["reduced"] == {"build_ms": None}
-    assert document["skips"] == [{"what": "plots", "with_ms": 1.0, "without_ms": 2.0}]
-    assert document["imports"] == {
-        "pinocchio_ms": 1.0, "added_ms": 2.0, "used_ms": 3.0, "ratio": 4.0,
-    }  # fmt: skip
     assert document["cost"] == {"memory": [{"peak_MB": 1.0}]}

@@ -1,4 +1,4 @@
-"""Every number of the benchmark's costs, imports, tables and figure, with a clock that is made up.
+"""Every number of the benchmark's costs, tables and figure, with a clock that is made up.
 
 Times are what the made-up clock says, counts are those of the machines in closed form, and sizes
 of memory are those of blocks that the tests themselves take.
@@ -16,12 +16,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.run_time import cost, imports
+from benchmarks.run_time import cost
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import certified_cycle
-from benchmarks.run_time.imports import ImportCost
 from benchmarks.run_time.scenes import bouncing_mass
-from benchmarks.run_time.skips import Skip
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
@@ -166,39 +164,6 @@ def test_memory_is_in_units_of_1024(monkeypatch: pytest.MonkeyPatch) -> None:
         assert given["speed_rpm"] == "650.0"
 
 
-def test_imports(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The fastest of several logs, in milliseconds, and what is left out with and without."""
-    logs = iter([
-        "import time: 700 | 90000 | pinocchio\nimport time: 500 | 4000 | nipper_pin\n"
-        "import time: 2500 | 9000 | nipper_pin.hybrid\n",
-        "import time: 700 | 80000 | pinocchio\nimport time: 900 | 5000 | nipper_pin\n"
-        "import time: 1500 | 9000 | nipper_pin.hybrid\n",
-    ])  # fmt: skip
-    monkeypatch.setattr(imports, "run_python", lambda *_: next(logs))
-    found = imports.import_cost(2)
-    assert found.pinocchio_ms == pytest.approx(80.0)
-    assert found.added_ms == pytest.approx(4.0)
-    # 500 and 2500 us in the first log, 900 and 1500 us in the second.
-    assert found.used_ms == pytest.approx(2.4)
-    assert found.ratio == pytest.approx(2.4 / 80.0)
-
-    answers: dict[str, list[str]] = {
-        "rich": ["0.05 0.9", "0.04 0.7"], "matplotlib": ["0.5 0.6", "0.4 0.8"],
-    }  # fmt: skip
-
-    def run_python(code: str) -> str:
-        of = next((name for name in answers if f"import {name}" in code), None)
-        return "missing" if of is None else answers[of].pop(0)
-
-    monkeypatch.setattr(imports, "run_python", run_python)
-    rows = dict((name, times) for name, *times in imports.left_out(2))
-    assert set(rows) == {"matplotlib", "rich"}
-    assert rows["rich"] == pytest.approx([40.0, 700.0])
-    assert rows["matplotlib"] == pytest.approx([400.0, 600.0])
-    monkeypatch.setattr(imports, "run_python", lambda _: "missing")
-    assert imports.left_out(1) == []
-
-
 # Tables and figure.
 
 
@@ -226,8 +191,6 @@ def made_up() -> Benchmark:
         engines=rows, accuracy=(row,), stated=(), peers=peers,
         unavailable=("a peer: no bounce",),
         reduced={"build_ms": 812.5, "error": 4.5e-13}, turns=(),
-        skips=(Skip("plots", 4.0, 610.0), Skip("checks", 2.0, 5.0)),
-        imports=ImportCost(81.0, 2.25, 40.5, 0.5),
         cost={name: [{"what": f"{name} {row}", "wall_ms": 10.0 * place + row, "small": 1e-7 * row,
                       "none": None, "count": 1000 * row}
                      for row in (1, 2)]
@@ -236,7 +199,7 @@ def made_up() -> Benchmark:
 
 
 def test_sheets_of_costs() -> None:
-    """Rows of each part under its own title; ratios and savings by hand; the machine above."""
+    """Rows of each part under its own title; the machine above."""
     result = made_up()
     found = {sheet.title: sheet for sheet in benchmark_report.sheets(result)}
     titles = {
@@ -256,16 +219,6 @@ def test_sheets_of_costs() -> None:
             assert float(cells[1]) == 10.0 * place + row
             assert float(cells[2]) == 1e-7 * row
             assert cells[3:] == ("-", str(1000 * row))
-    skips = found["What is skipped"]
-    assert skips.headings == ("what", "with the skip ms", "without ms", "saved ms", "ratio")
-    assert [(row[0], *map(float, row[1:])) for row in skips.rows] == [
-        ("plots", 4.0, 610.0, 606.0, pytest.approx(152.5, rel=4e-3)),
-        ("checks", 2.0, 5.0, 3.0, 2.5),
-    ]
-    imported = found["Imports (python -X importtime)"]
-    wanted = {"import pinocchio ms": 81.0, "import nipper_pin adds ms": 2.25,
-              "with load and simulate ms": 40.5, "ratio": 0.5}  # fmt: skip
-    assert dict(zip(imported.headings, map(float, imported.rows[0]), strict=True)) == wanted
     assert found["Reduced engine"].rows == (("build_ms", "812"), ("error", "4.5e-13"))
     head = benchmark_report.header(result)
     assert head == [
