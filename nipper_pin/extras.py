@@ -14,13 +14,12 @@ EXTRAS = {
     "study": (*_REPORTS, *_SWEEPS),
     "sweep": _SWEEPS,
     "cluster": (*_SWEEPS, "distributed"),
-    "peers": ("numba", "mujoco", "sksundae", "pydrake", "exudyn", "pybullet"),
+    "peers": ("numba", "mujoco", "sksundae"),
 }
 """Modules that come with each extra of the package."""
 
 PACKAGES = {
     "PIL": "pillow",
-    "pydrake": "drake",
     "sksundae": "scikit-sundae",
     "umsgpack": "u-msgpack-python",
 }

@@ -18,11 +18,7 @@ COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 500
 
 # What remains above the limits. An entry that no longer exceeds its limit must go.
 LONG = {
-    "benchmarks/peers/drake_witness.py prepare",
-    "benchmarks/peers/exudyn_model.py build",
-    "benchmarks/peers/exudyn_shell.py prepare",
     "benchmarks/peers/mujoco_shell.py prepare",
-    "benchmarks/peers/pybullet_shell.py prepare",
     "benchmarks/peers/scipy_pinocchio.py prepare",
     "reduced/kernels/flight.py flight",
     "reduced/kernels/kernel.py _transition",

@@ -43,14 +43,14 @@ def test_missing_packages_are_gathered_by_what_installs_them() -> None:
     found = not_tested.lines(
         [
             report("tests/a.py::test_one_claim[x-1]", missing.format("mujoco")),
-            report("tests/a.py::test_one_claim[y]", missing.format("pydrake")),
+            report("tests/a.py::test_one_claim[y]", missing.format("sksundae")),
             report("tests/b.py::test_page", "viser is not installed (extra `live`)"),
             report("tests/b.py::test_frame", missing.format("pandas")),
             report("tests/c.py", "no tests on a Sunday"),
         ]
     )
     assert found == [
-        "2 tests left out without mujoco and pydrake: pip install -e '.[peers]'",
+        "2 tests left out without mujoco and sksundae: pip install -e '.[peers]'",
         "  a.py: one claim (x-1, y)",
         "1 test left out without pandas: pip install pandas",
         "  b.py: frame",

@@ -23,11 +23,8 @@ SETTINGS = {
     "study/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
     "study/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
     "study/paper/scheme/fixed_steps.py": "SETTINGS",
-    "benchmarks/peers/drake_witness.py": "SETTINGS",  # steps and tolerances that are compared
-    "benchmarks/peers/exudyn_shell.py": "SETTINGS",
-    "benchmarks/peers/mujoco_native.py": "SETTINGS",
+    "benchmarks/peers/mujoco_native.py": "SETTINGS",  # steps and tolerances that are compared
     "benchmarks/peers/mujoco_shell.py": "SETTINGS",
-    "benchmarks/peers/pybullet_shell.py": "SETTINGS",
     "benchmarks/peers/rk4.py": "SETTINGS",
     "benchmarks/peers/scipy_flight.py": "SETTINGS",
     "benchmarks/peers/sundae.py": "SETTINGS",

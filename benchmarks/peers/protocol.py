@@ -37,9 +37,6 @@ MODULES = (
     "nipper_pin.study.paper.scheme.fixed_steps",
     ".mujoco_shell",
     ".mujoco_native",
-    ".drake_witness",
-    ".exudyn_shell",
-    ".pybullet_shell",
 )
 MOST_COLLISIONS = 60
 

@@ -12,7 +12,7 @@ from .timing import Timing, timed
 from .work_precision import Row
 
 # As they are known to package indices, for the header.
-PACKAGES = ("mujoco", "exudyn", "drake", "pybullet", "scikit-sundae")
+PACKAGES = ("mujoco", "scikit-sundae")
 # A setting is not repeated beyond this time [s].
 _BUDGET_S, _QUICK_BUDGET_S = 5.0, 0.3
 

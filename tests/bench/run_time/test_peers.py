@@ -43,9 +43,6 @@ CLAIMS = [
     ("fixed_steps", "numba", "0.1 us, semi-implicit", 1e-3),
     ("mujoco_shell", "mujoco", "100 us", 1e-8),
     ("mujoco_native", "mujoco", "1 us", 1e-2),
-    ("drake_witness", "pydrake", "accuracy 1e-10", 1e-9),
-    ("exudyn_shell", "exudyn", "20 us", 1e-5),
-    ("pybullet_shell", "pybullet", "10 us", 1e-1),
 ]
 
 # Packages of others warn of their own doings when they are imported.
