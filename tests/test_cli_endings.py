@@ -66,8 +66,8 @@ ASKED: dict[str, dict[str, object]] = {
     },
     "stress": {
         "run_campaign.cases": 1000, "run_campaign.seed": 1, "run_campaign.workers": None,
-        "run_campaign.time_limit_s": 600.0, "run_campaign.folder": None,
-        "run_campaign.families.0": None,
+        "run_campaign.time_limit_s": 600.0, "run_campaign.families.0": None,
+        "run_campaign.first": 0,
     },
     "run": {"benchmark.quick": False, "benchmark.repeats": None},
 }  # fmt: skip
@@ -208,24 +208,6 @@ def test_a_campaign_ends_as_its_verdicts_say(
     assert err.count("\n") == (1 if said else 0)
 
 
-def test_one_case_again(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Its verdict alone is printed; refused it is no failure, wrong it is one."""
-    trial = SimpleNamespace(seed=8, number=4)
-    monkeypatch.setattr("benchmarks.stress.load_trial", lambda _file: trial)
-    for word, status in (("refused", 0), ("wrong", 1)):
-        monkeypatch.setattr(
-            "benchmarks.stress.judge",
-            lambda _trial, _limit, word=word: failed(4, "chain", word, "why"),
-        )
-        assert main(["stress", "--rerun", "case.json"]) == status
-        assert capsys.readouterr().out == f"case 4 (chain): {word}, energy: why\n"
-        assert main(["stress", "--rerun", "case.json", "--json", "-"]) == status
-        document = json.loads(capsys.readouterr().out)
-        assert (document["seed"], document["cases"], document[word]) == (8, 1, 1)
-
-
 @pytest.mark.parametrize(
     ("words", "place", "answer"),
     [
@@ -306,7 +288,6 @@ def test_what_check_ends_with(
         ("new", "name the folder to write"),
         ("new --list a", "MODEL changes nothing beside --list"),
         ("new --list --from a", "--from changes nothing beside --list"),
-        ("stress --rerun x.json --family chain", "--family changes nothing beside --rerun"),
         ("view --json -", "so does the server; add --html FILE"),
         ("check --json - --provenance", "--provenance changes nothing beside --json -, whose doc"),
     ],

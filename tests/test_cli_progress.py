@@ -19,6 +19,7 @@ from command_probe import Probe, stand_ins
 from programs import main
 from test_cli_options import DESIGN, FIT, STUDY
 
+from benchmarks.stress import Verdict
 from nipper_pin import Case, Window, load, simulate
 from nipper_pin.cli.study_progress import REPORT, SENSITIVITIES, STAGES, Work, shown
 
@@ -197,32 +198,33 @@ def test_parts_of_an_optimisation(
     assert "interrupted; 0 finished parts are in here: " in capsys.readouterr().err
 
 
-def verdict(number: int, word: str = "right") -> SimpleNamespace:
-    return SimpleNamespace(number=number, word=word)
+def verdict(number: int, word: str = "right") -> Verdict:
+    return Verdict(number, "spring", word, "AT_REST", "", "", 0.5)
 
 
 def test_cases_of_a_campaign(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Each case counts once, however often it is told, and the wrong ones are counted."""
+    """The wrong ones are counted; a folder keeps the others of an interrupt."""
 
     def tell(_cases: int, _seed: int, _workers: Any, advance: Any, *_: Any, **__: Any) -> None:
-        for item in (verdict(3), verdict(1), verdict(3, "wrong"), verdict(7, "wrong")):
+        for item in (verdict(3), verdict(1, "refused"), verdict(7, "wrong")):
             advance(item)
 
     place = "benchmarks.stress.run_campaign"
     with monkeypatch.context() as patch:
         replaced(patch, place, tell)
         shown = run("stress --cases 12 --out kept", monkeypatch)
-        assert re.search(rf"cases, 2 wrong ━.* 3 of 12 {GONE} {LEFT}", shown)
+        assert re.search(rf"cases, 1 wrong ━.* 3 of 12 {GONE} {LEFT}", shown)
         capsys.readouterr()
         assert main(["stress", "--cases", "12"]) == 0
         assert capsys.readouterr().err == ""
     replaced(monkeypatch, place, tell, True)
     begin = "nipper-pin: interrupted; 3 of 1,200 verdicts are "
-    kept = "in dir: run the same command again for the others\n"
-    for words, end in (("--out dir", kept), ("", "lost: --out keeps them\n")):
+    lost = "lost: --out keeps them\n"
+    for words, end in (("--out one", "in one\n"), ("", lost)):
         assert run(f"stress --cases 1200 {words}", monkeypatch, 130).endswith(begin + end)
+    for words, end in (("--out other", "in other\n"), ("", lost)):
         assert main(["stress", "--cases", "1200", *words.split()]) == 130
         assert capsys.readouterr().err == begin + end
 

@@ -104,10 +104,6 @@ def test_a_case_can_be_taken_back_to_the_limit_and_to_copies(
         (["view", "--html", "page.html", "--port", "0"], "--port changes nothing"),
         (["view", "--gif", "film.gif", "--no-browser"], "--no-browser changes nothing"),
         (["view", "--window", "transition", "--start-index", "0"], "--start-index is about"),
-        (["stress", "--rerun", "CASE", "--cases", "3"], "--cases changes nothing"),
-        (["stress", "--rerun", "CASE", "--seed", "0"], "--seed changes nothing"),
-        (["stress", "--rerun", "CASE", "--workers", "1"], "--workers changes nothing"),
-        (["stress", "--rerun", "CASE", "--out", "folder"], "--out changes nothing"),
     ],
     ids=lambda item: " ".join(item) if isinstance(item, list) else "",
 )

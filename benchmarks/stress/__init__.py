@@ -2,7 +2,7 @@
 
 from .campaign import Campaign, run_campaign
 from .checks.invariants import CHECKS, Violation, violations
-from .files import load_trial, save_trial
+from .files import begin, keep
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .refusals import Excess, excesses
 from .space import FAMILIES, Trial, trial
@@ -19,11 +19,11 @@ __all__ = [
     "Trial",
     "Verdict",
     "Violation",
+    "begin",
     "excesses",
     "judge",
-    "load_trial",
+    "keep",
     "run_campaign",
-    "save_trial",
     "trial",
     "violations",
 ]

@@ -1,4 +1,4 @@
-"""Running a campaign: each trial judged in a worker process, each verdict kept as it comes."""
+"""Running a campaign: each trial judged in a worker process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from nipper_pin.errors import SimulationError
@@ -18,7 +17,6 @@ from nipper_pin.study.processes import WorkerError, Workers
 from .judging import REFUSED, RIGHT, TIME_LIMIT_S, WRONG, Verdict, judge
 from .refusals import excesses
 from .space import trial
-from .store import Store
 
 _FEWER = ": run fewer --workers"
 _Job = tuple[int, int, float, tuple[str, ...]]
@@ -31,7 +29,7 @@ class Campaign:
     Attributes:
         seed: Seed.
         verdicts: One for each trial.
-        wall_s: Wall time of the whole, of all runs that were interrupted, too [s].
+        wall_s: Wall time of the whole [s].
     """
 
     seed: int
@@ -74,10 +72,10 @@ def run_campaign(
     cases: int,
     seed: int = 1,
     workers: int | None = None,
-    progress: Callable[[Verdict], None] | None = None,
+    progress: Callable[[Verdict], None] = lambda _: None,
     time_limit_s: float = TIME_LIMIT_S,
-    folder: str | Path | None = None,
     families: Sequence[str] = (),
+    first: int = 0,
 ) -> Campaign:
     """Judge the trials of a campaign in parallel.
 
@@ -85,49 +83,28 @@ def run_campaign(
         cases: Number of trials.
         seed: Seed; a trial depends on it and on its number alone.
         workers: Processes; by default one a processor.
-        progress: Called with each verdict as it comes, those that are kept first; after an
-            interrupt with all that are kept once more.
+        progress: Called with each verdict as it comes.
         time_limit_s: Time of the processor after which a trial is a hang [s].
-        folder: Where verdicts and the case files of what is wrong are kept as they come; what is
-            there already is not judged again.
         families: Families that the trials are of, in turn; all by default.
+        first: Number of the first trial.
 
     Raises:
         UnknownNameError: There is no such family.
-        InputError: The folder cannot be written, or holds another campaign.
         SimulationError: A worker process died.
     """
     began = time.perf_counter()
-    store = Store(folder, seed, time_limit_s, families)
-    before = store.elapsed_s
-    verdicts = {item.number: item for item in store.verdicts if item.number < cases}
-    if progress is not None:
-        for kept in verdicts.values():
-            progress(kept)
+    verdicts: dict[int, Verdict] = {}
     count = workers or os.cpu_count() or 1
-    jobs = [
-        (seed, number, time_limit_s, tuple(families))
-        for number in range(cases)
-        if number not in verdicts
-    ]
+    jobs = [(seed, number, time_limit_s, tuple(families)) for number in range(first, first + cases)]
     try:
         for verdict in _judged(jobs, count):
-            store.put(verdict, before + time.perf_counter() - began)
             verdicts[verdict.number] = verdict
-            if progress is not None:
-                progress(verdict)
-    except KeyboardInterrupt:
-        # One that was kept in this moment is told, too.
-        if progress is not None:
-            for kept in store.look():
-                if kept.number < cases:
-                    progress(kept)
-        raise
+            progress(verdict)
     except WorkerError as error:
         message = f"{error.message}; {len(verdicts)} of {cases} trials are judged"
         raise SimulationError(message, workers=count, judged=len(verdicts)) from error
-    ordered = tuple(verdicts[number] for number in range(cases))
-    return Campaign(seed, ordered, before + time.perf_counter() - began)
+    ordered = tuple(verdicts[number] for number in sorted(verdicts))
+    return Campaign(seed, ordered, time.perf_counter() - began)
 
 
 def _judged(jobs: list[_Job], workers: int) -> Iterator[Verdict]:

@@ -28,7 +28,9 @@ def print_campaign(campaign: Campaign, console: Console) -> None:
     for title in ("errors", "outcomes"):
         text = ", ".join(f"{kind} {count}" for kind, count in record[title].items())
         say(console, f"{title}: {text or 'none'}")
-    wrong = [item for item in campaign.verdicts if item.word == WRONG]
+    # Of one case alone the reason of a refusal is asked for, too.
+    alone = len(campaign.verdicts) == 1
+    wrong = [item for item in campaign.verdicts if alone or item.word == WRONG]
     for item in wrong[:_FAILURES]:
         print_verdict(item, console)
     if len(wrong) > _FAILURES:

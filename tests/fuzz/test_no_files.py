@@ -24,7 +24,6 @@ READ = [
     ("model/model.toml", "simulate model"),
     ("model/model.toml", "compare model model"),
     ("case.json", "simulate --case case.json"), ("case.json", "verify case.json"),
-    ("case.json", "stress --rerun case.json"),
     ("run.npz", "view --solution run.npz --html page.html"), ("run.npz", "verify run.npz"),
     ("run.npz", "compare run.npz run.npz"),
     ("sweep.toml", "sweep sweep.toml --out new"), ("sweep.toml", "sweep sweep.toml --dry-run"),

@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 
-from benchmarks.stress.files import load_trial
 from nipper_pin import (
     Case,
     NipperError,
@@ -47,16 +46,13 @@ def machine(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("read", [load_case, load_trial])
-def test_a_mesh_of_the_reader_is_not_read(
-    read: Callable[[Path], object], machine: Path, tmp_path: Path
-) -> None:
+def test_a_mesh_of_the_reader_is_not_read(machine: Path, tmp_path: Path) -> None:
     """A file that names another folder, or another file of the same one."""
     private = tmp_path / "private"
     private.mkdir()
     shutil.copy(machine / "meshes/spring.stl", private / "secret.stl")
     case = save_case(load(machine), Case(speed_rpm=650.0), tmp_path / "case.json")
-    read(case)
+    load_case(case)
 
     def another(document: dict[str, Any]) -> None:
         source = document["mechanism"]
@@ -64,7 +60,7 @@ def test_a_mesh_of_the_reader_is_not_read(
         source["urdf"] = source["urdf"].replace("meshes/rockers.stl", "secret.stl")
 
     with pytest.raises(NipperError, match=r"secret\.stl in .* is not the mesh"):
-        read(edited(case, another))
+        load_case(edited(case, another))
 
 
 def test_a_mesh_that_has_changed_is_not_shown(
@@ -83,8 +79,7 @@ def test_a_mesh_that_has_changed_is_not_shown(
     assert load_solution(run).events
 
 
-@pytest.mark.parametrize("read", [load_case, load_trial])
-def test_a_table_of_the_reader_is_not_read(read: Callable[[Path], object], tmp_path: Path) -> None:
+def test_a_table_of_the_reader_is_not_read(tmp_path: Path) -> None:
     """Its first line would be shown by the refusal."""
     (tmp_path / "secret.csv").write_text("the first line of a secret\n")
     case = save_case(load("hanging_pendulum"), Case(speed_rpm=300.0), tmp_path / "case.json")
@@ -96,7 +91,7 @@ def test_a_table_of_the_reader_is_not_read(read: Callable[[Path], object], tmp_p
         }
 
     with pytest.raises(NipperError, match=r"springs\.tab names a file") as refused:
-        read(edited(case, another))
+        load_case(edited(case, another))
     assert "secret" not in refused.value.message
 
 

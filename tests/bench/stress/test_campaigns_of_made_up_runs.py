@@ -1,14 +1,10 @@
-"""How campaigns are run, kept and taken up again, and how two solutions are compared: made up."""
+"""How campaigns are run, and how two solutions are compared: made up."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import contextmanager
-from dataclasses import asdict
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,8 +12,7 @@ import numpy as np
 import pytest
 from made_up_runs import EPS
 
-import nipper_pin
-from benchmarks.stress import campaign, store
+from benchmarks.stress import campaign
 from benchmarks.stress.checks import agreement, engines
 from benchmarks.stress.judging import TIME_LIMIT_S, Verdict
 from benchmarks.stress.space import FAMILIES, trial
@@ -54,92 +49,46 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, int]]:
 
     monkeypatch.setattr(campaign, "_judged", judge_all)
     monkeypatch.setattr(campaign, "time", Clock())
-    monkeypatch.setattr(store, "_code", lambda: "code")
     return asked
 
 
-def test_a_campaign_in_parts(tmp_path: Path, judged: list[tuple[Any, int]]) -> None:
-    """Verdicts that are kept are told first and not judged again; the time of all runs counts."""
+def test_a_part_of_a_campaign(judged: list[tuple[Any, int]]) -> None:
+    """Trials from a number on, told as they come, and in order in the end."""
     seen: list[int] = []
+    found = campaign.run_campaign(
+        3, 5, 2, lambda item: seen.append(item.number), 9.0, ["spring"], first=4
+    )
+    assert judged == [([(5, n, 9.0, ("spring",)) for n in (4, 5, 6)], 2)]
+    assert (found.seed, seen) == (5, [6, 5, 4])
+    assert [item.number for item in found.verdicts] == [4, 5, 6]
+    # One look at the clock at the start, and one at the end.
+    assert found.wall_s == 3.0
 
-    def progress(item: Verdict) -> None:
-        seen.append(item.number)
 
-    given: dict[str, Any] = {"time_limit_s": 9.0, "folder": tmp_path, "families": ["spring"]}
-    first = campaign.run_campaign(3, 5, 2, progress, **given)
-    assert judged == [([(5, n, 9.0, ("spring",)) for n in range(3)], 2)]
-    assert (first.seed, seen) == (5, [2, 1, 0])
-    assert [item.number for item in first.verdicts] == [0, 1, 2]
-    # One look at the clock at the start, one for each verdict and one at the end.
-    assert first.wall_s == 12.0
-    lines = [json.loads(x) for x in (tmp_path / "verdicts.jsonl").read_text().splitlines()]
-    numbers = [(x["verdict"]["number"], x["elapsed_s"]) for x in lines]
-    assert numbers == [(2, 3.0), (1, 6.0), (0, 9.0)]
-    seen.clear()
-    second = campaign.run_campaign(5, 5, 4, progress, **given)
-    assert judged[1] == ([(5, n, 9.0, ("spring",)) for n in (3, 4)], 4)
-    assert (seen, second.wall_s) == ([2, 1, 0, 4, 3], 9.0 + 9.0)
-    seen.clear()
-    third = campaign.run_campaign(2, 5, 1, progress, **given)
-    assert (judged[2], seen, third.wall_s) == (([], 1), [1, 0], 15.0 + 3.0)
-    assert [item.number for item in third.verdicts] == [0, 1]
+@pytest.mark.usefixtures("judged")
+def test_a_dead_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The error says how many are judged."""
+
+    def one(jobs: list[Any], _: int) -> Any:
+        yield verdict(jobs[0][1])
+        message = "a worker process died"
+        raise WorkerError(message)
+
+    monkeypatch.setattr(campaign, "_judged", one)
+    with pytest.raises(SimulationError, match="died; 1 of 3 trials are judged") as caught:
+        campaign.run_campaign(3, 5, 2)
+    assert caught.value.evidence == {"workers": 2, "judged": 1}
 
 
 def test_usual_arguments(monkeypatch: pytest.MonkeyPatch, judged: list[tuple[Any, int]]) -> None:
-    """Seed 1, all processors, the usual limit, all families, and nothing is kept."""
+    """Seed 1, all processors, the usual limit, all families."""
     monkeypatch.setattr(campaign.os, "cpu_count", lambda: 6)
     found = campaign.run_campaign(2)
     assert judged == [([(1, n, TIME_LIMIT_S, ()) for n in range(2)], 6)]
-    assert (found.seed, len(found.verdicts), found.wall_s) == (1, 2, 9.0)
+    assert (found.seed, len(found.verdicts), found.wall_s) == (1, 2, 3.0)
     monkeypatch.setattr(campaign.os, "cpu_count", lambda: None)
     campaign.run_campaign(0)
     assert judged[1] == ([], 1)
-
-
-@pytest.mark.usefixtures("judged")
-def test_interrupts_and_dead_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An interrupt tells once more all that is kept of the cases; a dead worker what there is."""
-    given: dict[str, Any] = {"folder": tmp_path}
-    campaign.run_campaign(4, 5, 1, **given)
-    (tmp_path / "verdicts.jsonl").write_text(
-        "".join((tmp_path / "verdicts.jsonl").read_text().splitlines(keepends=True)[:2])
-    )
-    seen: list[int] = []
-
-    def progress(item: Verdict) -> None:
-        seen.append(item.number)
-
-    for error in (KeyboardInterrupt(), WorkerError("a worker process died")):
-
-        def one(jobs: list[Any], _: int, error: BaseException = error) -> Any:
-            yield verdict(jobs[0][1])
-            raise error
-
-        monkeypatch.setattr(campaign, "_judged", one)
-        with pytest.raises((KeyboardInterrupt, SimulationError)) as caught:
-            campaign.run_campaign(3, 5, 2, progress, **given)
-        (tmp_path / "verdicts.jsonl").write_text(
-            "".join((tmp_path / "verdicts.jsonl").read_text().splitlines(keepends=True)[:2])
-        )
-    # Kept are 3, which is none of the three, and 2; then 0 comes.
-    assert seen == [2, 0, 2, 0, 2, 0]
-    told: Any = caught.value
-    assert told.message.startswith("a worker process died; 2 of 3 trials are judged")
-    assert told.evidence == {"workers": 2, "judged": 2}
-
-
-@pytest.mark.usefixtures("judged")
-def test_an_interrupt_that_nobody_listens_to(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(jobs: list[Any], _: int) -> Any:
-        yield verdict(jobs[0][1])
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(campaign, "_judged", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        campaign.run_campaign(3, 5, 2, folder=tmp_path)
-    assert [item.number for item in store.Store(tmp_path, 5, TIME_LIMIT_S).verdicts] == [0]
 
 
 def test_work_of_the_processes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -181,60 +130,6 @@ def test_work_of_the_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert ends == [{"cancel_futures": True}]
     assert len(cancelled) == 2
     assert set(cancelled) < {3, 4, 5}
-
-
-def test_folders_of_campaigns(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a campaign is of, lines that are whole, the longest time, and case files."""
-    monkeypatch.setattr(store, "_code", lambda: "code")
-    monkeypatch.setattr(store, "versions", lambda: {"numpy": "1"})
-    none = store.Store(None, 5, 9.0)
-    none.put(verdict(1, "wrong"), 3.0)
-    assert (none.verdicts, none.elapsed_s, none.look()) == ((), 0.0, ())
-    folder = tmp_path / "a"
-    kept = store.Store(folder, 5, 9.0, ["spring"])
-    assert json.loads((folder / "campaign.json").read_text()) == {
-        "format": 1, "seed": 5, "time_limit_s": 9.0, "versions": {"numpy": "1"}, "code": "code",
-        "families": ["spring"],
-    }  # fmt: skip
-    assert (kept.verdicts, kept.elapsed_s) == ((), 0.0)
-    kept.put(verdict(4), 8.0)
-    kept.put(verdict(1, "wrong"), 3.0)
-    assert [path.name for path in folder.glob("trial*")] == ["trial-1.json"]
-    document = json.loads((folder / "trial-1.json").read_text())
-    made = trial(5, 1, ["spring"])
-    assert document["mechanism"]["description"] == made.source.description
-    assert (document["stress"]["seed"], document["stress"]["family"]) == (5, "spring")
-    file = folder / "verdicts.jsonl"
-    lines = [json.loads(line) for line in file.read_text().splitlines()]
-    assert lines == [{"verdict": asdict(verdict(4)), "elapsed_s": 8.0},
-                     {"verdict": asdict(verdict(1, "wrong")), "elapsed_s": 3.0}]  # fmt: skip
-    # A line of a verdict that was judged again counts instead of the first.
-    kept.put(Verdict(4, "spring", "refused", "k", "d", "f", 1.0), 7.0)
-    file.write_bytes(file.read_bytes() + b'{"verdict": 3')
-    again = store.Store(folder, 5, 9.0, ["spring"])
-    assert [(item.number, item.word) for item in again.verdicts] == [(4, "refused"), (1, "wrong")]
-    assert again.elapsed_s == 7.0
-    assert again.look() == again.verdicts
-    assert file.read_bytes().endswith(b'{"verdict": 3\n')
-    for changes, words in (((6, 9.0, ["spring"]), "seed"), ((5, 8.0, ["spring"]), "time limit"),
-                           ((5, 9.0, []), "families")):  # fmt: skip
-        with pytest.raises(InputError, match=rf"another campaign \(they differ in: {words}\)"):
-            store.Store(folder, *changes)
-    file.unlink()
-    file.mkdir()
-    with pytest.raises(InputError, match=r"verdicts.jsonl: cannot be written \(Is a directory\)"):
-        again.put(verdict(2), 1.0)
-
-
-def test_code_of_the_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Names and contents of all modules of the package and of its judge."""
-    for name, text in (("p/b.py", "2"), ("p/a/c.py", "1"), ("p/a/c.txt", "3"), ("j/d/e.py", "4")):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    monkeypatch.setattr(nipper_pin, "__file__", str(tmp_path / "p" / "__init__.py"))
-    monkeypatch.setattr(store, "__file__", str(tmp_path / "j" / "stress" / "store.py"))
-    assert store._code() == hashlib.sha256(b"p/a/c.py1p/b.py2j/d/e.py4").hexdigest()
 
 
 def test_trials_of_families() -> None:

@@ -16,7 +16,7 @@ import pytest
 from benchmarks.stress import judging, refusals
 from benchmarks.stress.campaign import Campaign
 from benchmarks.stress.checks.invariants import Violation
-from benchmarks.stress.files import load_trial, save_trial
+from benchmarks.stress.files import begin, keep
 from benchmarks.stress.judging import Verdict, judge
 from benchmarks.stress.machines.parts import Source
 from benchmarks.stress.refusals import Excess, allowed_share, excesses
@@ -242,32 +242,28 @@ def test_record_of_a_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_case_files(tmp_path: Path) -> None:
-    """All of a trial comes back, and its file says what was wrong."""
+    """A wrong trial is a saved case, and its file says what was wrong; others are a line each."""
     source = Source("one", "<robot/>", {"format": 1}, str(tmp_path))
     case = {"speed_rpm": 300.0, "rest_rate": 1e-3, "resolution": {"tolerance": 1e-8}}
     item = Trial(number=42, seed=3, family="edges", source=source, case=case)
-    file = save_trial(item, verdict(42, "edges", "wrong", "hang"), tmp_path / "new")
-    assert file == tmp_path / "new" / "trial-42.json"
-    document = json.loads(file.read_text(encoding="utf-8"))
+    folder = tmp_path / "new"
+    begin(folder)
+    wrong, right = verdict(42, "edges", "wrong", "hang"), verdict(43)
+    for one in (wrong, right):
+        keep(item, one, folder)
+    assert {path.name for path in folder.iterdir()} == {"trial-42.json", "verdicts.jsonl"}
+    document = json.loads((folder / "trial-42.json").read_text(encoding="utf-8"))
     assert document["stress"] == {
         "seed": 3, "number": 42, "family": "edges", "word": "wrong", "kind": "hang",
         "detail": "because 42",
     }  # fmt: skip
-    found = load_trial(file)
-    assert (found.number, found.seed, found.family, found.source) == (42, 3, "edges", source)
-    assert found.case["speed_rpm"] == 300.0
-    assert found.case["rest_rate"] == 1e-3
-    assert found.case["resolution"]["tolerance"] == 1e-8
-    del document["stress"]
-    file.write_text(json.dumps(document), encoding="utf-8")
-    plain = load_trial(file)
-    assert (plain.number, plain.seed, plain.family) == (0, 0, "file")
-    file.write_text(json.dumps({**document, "format": 99}), encoding="utf-8")
-    with pytest.raises(InputError, match="this is format 99, and this version reads format"):
-        load_trial(file)
-    file.write_text("{}", encoding="utf-8")
-    with pytest.raises(InputError, match="not a case file, or a damaged one"):
-        load_trial(file)
+    assert document["mechanism"] == asdict(source)
+    assert document["case"]["speed_rpm"] == 300.0
+    assert document["case"]["resolution"]["tolerance"] == 1e-8
+    lines = (folder / "verdicts.jsonl").read_text(encoding="utf-8").splitlines()
+    assert [Verdict(**json.loads(line)) for line in lines] == [wrong, right]
+    with pytest.raises(InputError, match="verdicts of another campaign"):
+        begin(folder)
 
 
 def test_measured_refusals_are_the_published_ones() -> None:

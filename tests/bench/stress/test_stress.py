@@ -1,6 +1,7 @@
 """The stress campaign: a small one, its independence of workers, and each of its invariants."""
 
 import gc
+import hashlib
 import json
 import subprocess
 import sys
@@ -21,15 +22,12 @@ from benchmarks.stress import (
     Campaign,
     Verdict,
     judge,
-    load_trial,
     run_campaign,
-    save_trial,
     trial,
     violations,
 )
 from benchmarks.stress.checks.agreement import same_bits, within_errors
 from benchmarks.stress.checks.engines import engines_agree
-from benchmarks.stress.store import Store
 from nipper_pin import (
     Case,
     EventKind,
@@ -119,6 +117,7 @@ def test_verdicts_do_not_depend_on_the_workers(small: Campaign) -> None:
     assert one.record()["digest"] == two.record()["digest"]
     for number in (0, 8, 10):
         assert judge(trial(SEED, number)) == one.verdicts[number]
+    assert run_campaign(2, SEED, workers=1, first=8).verdicts == small.verdicts[8:10]
     assert len({verdict.fingerprint for verdict in one.verdicts}) == count
 
 
@@ -351,20 +350,16 @@ def test_hangs_and_tracebacks_are_wrong_and_refusals_are_not() -> None:
     assert "speed_rpm" in refused.detail
 
 
-def test_a_case_file_runs_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A file gives the verdict of its trial, to the last bit, by library and by command."""
-    item = trial(SEED, 6)
-    before = judge(item)
-    path = save_trial(item, before, tmp_path / "new")
-    again = judge(load_trial(path))
-    assert (again.word, again.fingerprint) == (before.word, before.fingerprint)
-    assert main(["stress", "--rerun", str(path), "--json", "-"]) == 0
+def test_one_case_again(capsys: pytest.CaptureFixture[str]) -> None:
+    """The command judges the case of a number alone, to the last bit, and says what it is."""
+    words = ["--seed", str(SEED), "--first", "6", "--cases", "1", "--workers", "1"]
+    assert main(["stress", *words, "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
-    assert (document["cases"], document["wrong"]) == (1, 0)
-    assert main(["stress", "--rerun", str(tmp_path / "none.json")]) == 2
-    path.write_text(path.read_text()[:300])
-    assert main(["stress", "--rerun", str(path)]) == 2
-    assert main(["stress", "--rerun", str(path), "--cases", "0"]) == 2
+    found = judge(trial(SEED, 6))
+    assert (document["cases"], document[found.word]) == (1, 1)
+    assert document["digest"] == hashlib.sha256(found.fingerprint.encode()).hexdigest()
+    assert main(["stress", *words]) == 0
+    assert f"case 6 ({found.family}): {found.word}, {found.kind}" in capsys.readouterr().out
 
 
 def test_the_command_reports_and_keeps_failures(
@@ -377,18 +372,13 @@ def test_the_command_reports_and_keeps_failures(
         cases: int,
         seed: int,
         _workers: object,
-        _advance: object,
-        limit: float,
-        out: str | None,
-        *,
-        families: tuple[str, ...],
+        advance: Callable[[Verdict], None],
+        *_: object,
     ) -> stress.Campaign:
-        assert not families
         verdicts = [Verdict(n, "ordinary", RIGHT, "AT_REST", "", "", 0.1) for n in range(cases)]
         verdicts[1] = Verdict(1, "speed", WRONG, "energy", "1 J", "", 0.1)
-        store = Store(out, seed, limit)
         for verdict in verdicts:
-            store.put(verdict, 1.0)
+            advance(verdict)
         return stress.Campaign(seed, tuple(verdicts), 1.0)
 
     monkeypatch.setattr(stress, "run_campaign", found)
@@ -405,7 +395,7 @@ def test_the_command_reports_and_keeps_failures(
     case = str(tmp_path / "trial-1.json")
     assert main(["simulate", "--case", case, "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["case"]["speed_rpm"] > 0.0
-    assert load_trial(tmp_path / "trial-1.json").family == trial(1, 1).family
+    assert len((tmp_path / "verdicts.jsonl").read_text().splitlines()) == 3
     assert main(["stress", "--cases", "3"]) == 1
     assert "speed" in capsys.readouterr().out
 
