@@ -17,6 +17,7 @@ from write_tolerance_pages import pages, tolerances  # noqa: E402
 
 PACKAGE, DOCS = ROOT / "nipper_pin", ROOT / "docs"
 MODULES = sorted((PACKAGE / "tolerances").glob("[a-z]*.py"))
+JUDGES = ROOT / "benchmarks/tolerances.py"
 ROOMS = [PACKAGE / room for room in ("mechanism", "dynamics", "hybrid", "reduced", "study")]
 SETTINGS = {
     "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
@@ -65,7 +66,8 @@ def test_a_tolerance_is_recognised(line: str) -> None:
 
 
 def test_no_other_module_of_these_rooms_defines_a_tolerance() -> None:
-    modules = [each for room in (*ROOMS, ROOT / "benchmarks") for each in room.rglob("*.py")]
+    modules = [each for room in (*ROOMS, JUDGES.parent) for each in room.rglob("*.py")]
+    modules.remove(JUDGES)
     assert len(modules) > 50
     found = {
         each.relative_to(ROOT).as_posix().removeprefix("nipper_pin/"): constants(
@@ -89,7 +91,7 @@ def test_no_comparison_of_a_solver_or_study_holds_a_small_number() -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("module", MODULES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("module", [*MODULES, JUDGES], ids=lambda path: path.stem)
 def test_each_tolerance_has_a_unit_and_a_derivation(module: Path) -> None:
     source = module.read_text(encoding="utf-8")
     found = tolerances(source)
@@ -121,13 +123,11 @@ def test_the_pages_hold_every_tolerance_once() -> None:
 def test_judges_share_no_tolerance_with_what_they_judge() -> None:
     """Neither by their module of tolerances nor by reading another one."""
     shared = {}
-    for file in [PACKAGE / "tolerances/bench.py", *(ROOT / "benchmarks").rglob("*.py")]:
+    for file in JUDGES.parent.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
                 module, names = node.module or "", {item.name for item in node.names}
                 inner = "tolerances" in f"{module}.{'.'.join(names)}".split(".")
-                if (inner and module != "nipper_pin.tolerances.bench") or (
-                    file.parent.name == "tolerances" and node.level
-                ):
+                if inner and not node.level:
                     shared[file.name] = module
     assert shared == {}

@@ -16,7 +16,8 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.tolerances.bench import HARD_CONSTRAINT
+
+from ..tolerances import HARD_CONSTRAINT
 
 SHAFT_INERTIA = 1e10
 # 3 iterations of Newton's method solve a problem without inequalities to round-off.

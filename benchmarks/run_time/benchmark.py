@@ -6,8 +6,7 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from nipper_pin.tolerances.bench import DIRECT_DEFAULT
-
+from ..tolerances import DIRECT_DEFAULT
 from .certified import certified, certified_names
 from .cost import costs
 from .peer_work import PACKAGES, Say, peer_rows

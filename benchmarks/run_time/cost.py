@@ -241,9 +241,7 @@ def run_python(code: str) -> str:
     Raises:
         SimulationError: It fails; the message holds what it said.
     """
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         message = f"a fresh interpreter could not run the measurement: {last[0]}"

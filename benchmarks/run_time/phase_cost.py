@@ -14,8 +14,8 @@ from nipper_pin.hybrid.segment import Segment
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.hybrid.state import State
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.tolerances.bench import START_ROUND_OFF
 
+from ..tolerances import START_ROUND_OFF
 from .timing import timed
 
 Rows = list[dict[str, Any]]

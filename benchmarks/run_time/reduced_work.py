@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nipper_pin.extras import installed
-from nipper_pin.tolerances.bench import REDUCED_DEFAULT
 from nipper_pin.units import MS_PER_S
 
+from ..tolerances import REDUCED_DEFAULT
 from .certified import Certified
 from .timing import Timing, timed
 from .work_precision import Observed, Row, graded

@@ -18,8 +18,8 @@ from nipper_pin.hybrid.result.self_check import need_sound
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.run.outcome import Outcome
 from nipper_pin.hybrid.simulate import simulate
-from nipper_pin.tolerances.bench import FINER_RUN, FINEST_RUN
 
+from ..tolerances import FINER_RUN, FINEST_RUN
 from .checks.agreement import bits, mirror_images, same_bits, within_errors
 from .checks.engines import engines_agree
 from .checks.invariants import Violation, violations

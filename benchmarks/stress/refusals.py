@@ -6,8 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nipper_pin.tolerances.bench import FALSE_ALARM
-
+from ..tolerances import FALSE_ALARM
 from .judging import REFUSED, Verdict
 
 # Refused of 385 cases of each family, 10,000 cases of seed 421 (docs/stress.md); of linkages, 385

@@ -11,10 +11,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nipper_pin.tolerances.bench import LEAST_SHOWN_ERROR
 from nipper_pin.view.style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
 
 from ..run_time.work_precision import Row
+from ..tolerances import LEAST_SHOWN_ERROR
 
 _OWN = {
     "direct": "nipper_pin, direct engine",

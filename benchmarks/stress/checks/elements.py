@@ -11,8 +11,8 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.dynamics.system import System
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Strut
-from nipper_pin.tolerances.bench import EPS, POWER, TABLE_LEFT
 
+from ...tolerances import EPS, POWER, TABLE_LEFT
 from ..observations import beyond, samples
 
 

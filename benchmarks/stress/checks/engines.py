@@ -6,8 +6,8 @@ import numpy as np
 
 from nipper_pin.errors import InputError
 from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.tolerances.bench import AGREED, EPS
 
+from ...tolerances import AGREED, EPS
 from .invariants import Violation
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.motion.panel import Panel
 from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.tolerances.bench import EPS, LEFT_OUT, POSITION_TERMS
 
+from ...tolerances import EPS, LEFT_OUT, POSITION_TERMS
 from ..mechanics.equations import Equations
 from ..mechanics.interpolants import farthest, halfway, interpolated
 from ..observations import beyond, samples

@@ -8,7 +8,8 @@ import numpy as np
 
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.tolerances.bench import (
+
+from ...tolerances import (
     CLOSURE_RATE,
     DRIVE_SHAKEN,
     ENERGY_LOST,
@@ -18,7 +19,6 @@ from nipper_pin.tolerances.bench import (
     MOST_MOMENTUM,
     RESTITUTION_LAW,
 )
-
 from ..observations import EVENTS, beyond, some
 
 

@@ -16,7 +16,8 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.run.outcome import Outcome
-from nipper_pin.tolerances.bench import (
+
+from ...tolerances import (
     BALANCED,
     CLOSURE_RATE,
     ENERGY_KEPT,
@@ -26,7 +27,6 @@ from nipper_pin.tolerances.bench import (
     PULL_SHARE,
     SLOPE_SHARE,
 )
-
 from ..mechanics.equations import Equations
 from ..mechanics.interpolants import slope
 from ..observations import EVENTS, Shown, beyond, samples, shown, some

@@ -11,8 +11,8 @@ import numpy as np
 
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.tolerances.bench import EPS, SAME_MODEL
 
+from ...tolerances import EPS, SAME_MODEL
 from ..mechanics.model_text import Text
 from ..observations import beyond, samples
 

@@ -12,8 +12,8 @@ from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
 from nipper_pin.hybrid.result.tables import Collision
 from nipper_pin.mechanism import Stop
-from nipper_pin.tolerances.bench import AMPLITUDE_SHARE, CLOSURE_SUM, EPS
 
+from ...tolerances import AMPLITUDE_SHARE, CLOSURE_SUM, EPS
 from ..observations import beyond, some
 
 _LOOKED_AT = 12

@@ -8,8 +8,8 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.tolerances.bench import EPS
 
+from ...tolerances import EPS
 from .chain_sizes import ChainSizes
 from .plain_tree import PlainTree
 

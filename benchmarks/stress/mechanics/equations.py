@@ -13,8 +13,8 @@ import numpy as np
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.hybrid.result.solution import Solution
-from nipper_pin.tolerances.bench import EPS, ROUNDINGS_PER_LINK
 
+from ...tolerances import EPS, ROUNDINGS_PER_LINK
 from .applied_forces import AppliedForces
 from .chain_sizes import ChainSizes
 from .plain_tree import PlainTree

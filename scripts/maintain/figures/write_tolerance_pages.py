@@ -25,7 +25,6 @@ _PAGES = {
     "tolerances_errors": ("Tolerances: stated errors and results", "hybrid"),
     "tolerances_reduced": ("Tolerances: reduced engine", "reduced"),
     "tolerances_study": ("Tolerances: studies", "study"),
-    "tolerances_bench": ("Tolerances: judges and peers", "bench"),
 }
 _FIRST = """Small numbers decide whether something counts as zero, equal, converged or accurate
 enough. The tolerance of a run is set in its case ([stated errors](accuracy.md)).
