@@ -6,6 +6,7 @@ Processes and machines are stand-ins that remember what they were asked for.
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
@@ -16,7 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import premises
 from benchmarks.run_time import cost
 from nipper_pin import Case, Mechanism, simulate
 from nipper_pin.errors import InputError, ModelError, SimulationError
@@ -32,6 +32,10 @@ from nipper_pin.study.transitions import rows as rows_module
 from nipper_pin.study.transitions.rows import collision_rows
 from nipper_pin.study.true_transition import assumed_transition
 from nipper_pin.tolerances.study import DOUBTFUL
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts/maintain/measure"))
+
+import measure_premise as premises
 
 KNOWN = (
     "TIME", "ANGLE", "APPROACH", "SEPARATION", "IMPULSE", "ENERGY", "TIME_ERROR", "RATE_ERROR",

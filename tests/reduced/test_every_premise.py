@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks import premises
-from benchmarks.premises import Drawn, Judged, draw, judged
 from nipper_pin.errors import InputError, SimulationError
 from nipper_pin.hybrid.case import Window
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.mechanism import Mechanism
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts/maintain/measure"))
+
+import measure_premise as premises
+from measure_premise import Drawn, Judged, draw, judged
 
 ONE = Drawn("e62", (), 512.5, 0.25, 9500.0, 0.011)
 TINY = np.finfo(float).tiny

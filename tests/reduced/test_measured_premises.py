@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from benchmarks import premises
-from benchmarks.premises import draw, judged
 from nipper_pin.hybrid.result.premise import Premise
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts/maintain/measure"))
+
+import measure_premise as premises
+from measure_premise import draw, judged
 
 
 @pytest.mark.slow
