@@ -220,7 +220,7 @@ def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleName
     note("nipper_pin.view.studies.speed_limit_plot.check_figure", lambda _: "json")
     note("nipper_pin.view.studies.speed_limit_report.print_speed_limit", lambda *_: None)
     note("benchmarks.run_time.benchmark.benchmark", lambda **_: report)
-    note("benchmarks.views.benchmark_files.write_benchmark",
+    note("benchmarks.views.benchmark_report.write_benchmark",
          lambda _result, folder: _write(Path(folder) / "all.json", done))  # fmt: skip
     note("benchmarks.views.benchmark_report.print_benchmark", lambda *_: None)
     note("benchmarks.stress.run_campaign", lambda _cases, seed, *_: Campaign(seed, (), 0.0))

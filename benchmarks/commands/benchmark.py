@@ -42,7 +42,7 @@ def _run(options: argparse.Namespace) -> None:
 
     result = benchmark(quick=options.quick, repeats=options.repeats, say=say)
     if options.out is not None:
-        from ..views.benchmark_files import write_benchmark
+        from ..views.benchmark_report import write_benchmark
 
         write_benchmark(result, options.out)
     if options.json is not None:

@@ -1,22 +1,41 @@
-"""A benchmark as tables, for a terminal and as Markdown."""
+"""A benchmark as tables, for a terminal and as Markdown, and as files."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import json
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
+from nipper_pin.outputs import complete_folder
 from nipper_pin.view.console import headline, say, show_table
 
 from ..run_time.benchmark import Benchmark
 from ..run_time.work_precision import Row
 
 _NONE = "-"
-# A narrower terminal shows the columns that matter most.
-_ROOMY = 140
-_LESS = ("held_energy_balance", "inertial_energy_balance", "cut_pins", "fastest_ms")
+_FILES = ("benchmark.json", "tables.md", "work_precision.png")
+_TIMES = {"ms": "wall_ms", "fastest": "fastest_ms", "spread": "spread_ms", "first": "first_ms",
+          "worst of four": "error_worst", "transition": "error_duration"}  # fmt: skip
+_ENGINES = {
+    "engine": "engine", "setting": "setting", **_TIMES, "times": "error_times",
+    "impulses": "error_impulses", "amplitudes": "error_amplitudes",
+    "trajectory": "error_trajectory", "evaluations": "evaluations",
+}  # fmt: skip
+_PEERS = {"peer": "engine", "version": "version", "setting": "setting", **_TIMES,
+          "evaluations": "evaluations"}  # fmt: skip
+_COSTS = {
+    "A whole turn, against the certified one": "cycle",
+    "Cost of the phases of a turn at 450 r/min": "phases",
+    "Parts of one transition at 650 r/min, tolerance 1e-9": "parts",
+    "Growth with the number of collisions: bouncing mass": "collisions",
+    "Growth with the number of turns at 650 r/min": "turns",
+    "Growth with the number of links: chain of N four-bars, one turn": "links",
+    "Peak memory": "memory",
+}
 
 
 @dataclass(frozen=True)
@@ -28,50 +47,29 @@ class Sheet:
         headings: Column headings.
         rows: Cells.
         text: Number of leading columns that hold words.
-        brief: Columns that a narrow terminal shows; all by default.
     """
 
     title: str
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     text: int = 1
-    brief: tuple[int, ...] = ()
 
 
 def print_benchmark(result: Benchmark, console: Console) -> None:
-    """Print a benchmark.
-
-    Args:
-        result: The benchmark.
-        console: Where to print, of any width.
-    """
+    """Print a benchmark on a terminal of any width."""
     for line in header(result):
         say(console, line)
     for sheet in sheets(result):
         headline(console, sheet.title)
-        _print(sheet, console)
+        rows, above = [], ""
+        for row in sheet.rows:
+            # A name that is repeated from row to row is printed once.
+            repeated = sheet.text > 1 and row[0] == above
+            rows.append(("", *row[1:]) if repeated else row)
+            above = row[0]
+        show_table(console, sheet.headings, rows, text=range(sheet.text), keys=max(1, sheet.text))
     for line in result.unavailable:
         say(console, f"Not measured: {line}")
-
-
-def _print(sheet: Sheet, console: Console) -> None:
-    """Print a table; a narrow terminal shows the columns that matter most, and says so."""
-    every = tuple(range(len(sheet.headings)))
-    columns = sheet.brief if console.width < _ROOMY and sheet.brief else every
-    rows, above = [], ""
-    for row in sheet.rows:
-        cells = [row[number] for number in columns]
-        # A name that is repeated from row to row is printed once.
-        if sheet.text > 1 and row[0] == above:
-            cells[0] = ""
-        above = row[0]
-        rows.append(cells)
-    text = [place for place, number in enumerate(columns) if number < sheet.text]
-    headings = [sheet.headings[number] for number in columns]
-    show_table(console, headings, rows, text=text, keys=max(1, len(text)))
-    left = [heading for number, heading in enumerate(sheet.headings) if number not in columns]
-    if left:
-        say(console, f"not shown, for want of room: {', '.join(left)} (all of them: --json, --out)")
 
 
 def markdown(result: Benchmark) -> str:
@@ -83,6 +81,28 @@ def markdown(result: Benchmark) -> str:
         parts.append(f"### {sheet.title}\n\n" + "\n".join(lines))
     parts += [f"Not measured: {line}" for line in result.unavailable]
     return "\n\n".join(parts) + "\n"
+
+
+def write_benchmark(result: Benchmark, folder: str | Path) -> list[Path]:
+    """Write ``benchmark.json``, ``tables.md`` and ``work_precision.png``.
+
+    Args:
+        result: The benchmark.
+        folder: Folder, made if it does not exist; files of the same names are replaced.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    from nipper_pin.view.figure_file import save_figure
+
+    from .work_precision_plot import work_precision_figure
+
+    with complete_folder(folder, _FILES) as new:
+        document = json.dumps(result.record(), indent=1, allow_nan=False) + "\n"
+        for name, text in zip(_FILES, (document, markdown(result)), strict=False):
+            (new / name).write_text(text, encoding="utf-8")
+        save_figure(work_precision_figure(result), new / _FILES[-1], "png")
+    return [Path(folder) / name for name in _FILES]
 
 
 def header(result: Benchmark) -> list[str]:
@@ -106,58 +126,26 @@ def header(result: Benchmark) -> list[str]:
 def sheets(result: Benchmark) -> list[Sheet]:
     """Return all tables of a benchmark."""
     found = [
-        _errors("Engines: one transition, 650 r/min, e = 0.2", result.engines),
-        _errors("Direct engine in every certified transition", result.accuracy),
+        _measured("Engines: one transition, 650 r/min, e = 0.2", _ENGINES, result.engines, 2),
+        _measured("Direct engine in every certified transition", _ENGINES, result.accuracy, 2),
+        _stated(result),
     ]
-    found.append(_stated(result))
     if result.peers:
-        found.append(_peers(result.peers))
+        found.append(_measured("Peers: the same transition", _PEERS, result.peers, 3))
     if result.reduced is not None:
-        rows = tuple((name, _any(value)) for name, value in result.reduced.items())
+        rows = tuple((name, _cell(name, value)) for name, value in result.reduced.items())
         found.append(Sheet("Reduced engine", ("what", "value"), rows))
-    found += [
-        Sheet(
-            title,
-            tuple(name.replace("_", " ") for name in rows[0]),
-            tuple(tuple(_any(value) for value in row.values()) for row in rows),
-            brief=tuple(place for place, name in enumerate(rows[0]) if name not in _LESS),
-        )
-        for title, rows in _costs(result.cost)
-    ]
+    for title, name in _COSTS.items():
+        costs: list[dict[str, Any]] = result.cost[name]
+        headings = tuple(key.replace("_", " ") for key in costs[0])
+        cells = tuple(tuple(_cell("", value) for value in row.values()) for row in costs)
+        found.append(Sheet(title, headings, cells))
     return found
 
 
-def _costs(cost: dict[str, Any]) -> list[tuple[str, list[dict[str, Any]]]]:
-    return [
-        ("A whole turn, against the certified one", cost["cycle"]),
-        ("Cost of the phases of a turn at 450 r/min", cost["phases"]),
-        ("Parts of one transition at 650 r/min, tolerance 1e-9", cost["parts"]),
-        ("Growth with the number of collisions: bouncing mass", cost["collisions"]),
-        ("Growth with the number of turns at 650 r/min", cost["turns"]),
-        ("Growth with the number of links: chain of N four-bars, one turn", cost["links"]),
-        ("Peak memory", cost["memory"]),
-    ]
-
-
-def _errors(title: str, rows: Iterable[Row]) -> Sheet:
-    return Sheet(
-        title,
-        (
-            "engine", "setting", "ms", "fastest", "spread", "first", "worst of four", "transition",
-            "times", "impulses", "amplitudes", "trajectory", "evaluations",
-        ),
-        tuple(
-            (
-                row.engine, row.setting, *_times(row), _error(row.error_worst),
-                _error(row.error_duration), _error(row.error_times),
-                _error(row.error_impulses), _error(row.error_amplitudes),
-                _error(row.error_trajectory), _any(row.evaluations),
-            )
-            for row in rows
-        ),
-        text=2,
-        brief=(0, 1, 2, 4, 6, 7, 11, 12),
-    )  # fmt: skip
+def _measured(title: str, columns: Mapping[str, str], rows: Iterable[Row], text: int) -> Sheet:
+    cells = (tuple(_cell(name, getattr(row, name)) for name in columns.values()) for row in rows)
+    return Sheet(title, tuple(columns), tuple(cells), text)
 
 
 def _stated(result: Benchmark) -> Sheet:
@@ -165,9 +153,8 @@ def _stated(result: Benchmark) -> Sheet:
     rows = []
     for tolerance in dict.fromkeys(item.tolerance for item in result.stated):
         chosen = [item for item in result.stated if item.tolerance == tolerance]
-        times = max(item.times for item in chosen)
-        impulses = max(item.impulses for item in chosen)
-        rows.append((f"{tolerance:.0e}", _number(times), _number(impulses)))
+        worst = (max(item.times for item in chosen), max(item.impulses for item in chosen))
+        rows.append((f"{tolerance:.0e}", *map(_number, worst)))
     return Sheet(
         "True over stated error of the direct engine, largest over all certified transitions",
         ("tolerance", "times", "impulses"),
@@ -176,43 +163,16 @@ def _stated(result: Benchmark) -> Sheet:
     )
 
 
-def _peers(rows: Sequence[Row]) -> Sheet:
-    return Sheet(
-        "Peers: the same transition",
-        (
-            "peer", "version", "setting", "ms", "fastest", "spread", "first", "worst of four",
-            "transition", "evaluations",
-        ),
-        tuple(
-            (
-                row.engine, row.version or _NONE, row.setting, *_times(row),
-                _error(row.error_worst), _error(row.error_duration), _any(row.evaluations),
-            )
-            for row in rows
-        ),
-        text=3,
-        brief=(0, 2, 3, 5, 7, 8, 9),
-    )  # fmt: skip
-
-
-def _times(row: Row) -> tuple[str, ...]:
-    return tuple(
-        _number(value) for value in (row.wall_ms, row.fastest_ms, row.spread_ms, row.first_ms)
-    )
-
-
-def _error(value: float | None) -> str:
-    return _NONE if value is None else f"{value:.1e}"
+def _cell(name: str, value: object) -> str:
+    """A value as it is shown; errors, and what is as small, by their power of ten."""
+    if isinstance(value, float):
+        small = 0.0 < abs(value) < 1e-3 and not name.endswith("_ms")
+        return f"{value:.1e}" if small or name.startswith("error_") else _number(value)
+    return _NONE if value is None else str(value)
 
 
 def _number(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
-
-
-def _any(value: object) -> str:
-    if isinstance(value, float):
-        return _error(value) if 0.0 < abs(value) < 1e-3 else _number(value)
-    return _NONE if value is None else str(value)
 
 
 def _line(cells: Iterable[str]) -> str:

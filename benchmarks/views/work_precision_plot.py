@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from nipper_pin.view.style import LINES, MARKERS, SMALL, TITLE, WIDTH_IN, tidy
 
+from ..run_time.benchmark import Benchmark
 from ..run_time.work_precision import Row
 from ..tolerances import LEAST_SHOWN_ERROR
 
@@ -24,6 +25,12 @@ _OWN = {
 _NAME_COLUMNS = 50
 _TASK = "One transition of the jaw of the E62 estimate, 650 r/min, restitution 0.2"
 _DRAWN = "fastest of the repeats; thick lines: this package, dashed ones: other solvers"
+
+
+def work_precision_figure(result: Benchmark) -> Figure:
+    """Draw the engines and peers of a benchmark."""
+    rows, found = (*result.engines, *result.peers), result.environment
+    return draw_rows(rows, found["date"][:10], found["processor"])
 
 
 def draw_rows(rows: Sequence[Row], date: str, processor: str) -> Figure:

@@ -19,7 +19,7 @@ from PIL import Image
 from rich.console import Console
 
 from benchmarks.commands import benchmark as benchmark_command
-from benchmarks.views import benchmark_files
+from benchmarks.views import benchmark_report
 from nipper_pin import Case, Mechanism, Solution
 from nipper_pin.cli import simulate as simulate_command
 from nipper_pin.errors import InputError, SingularConfigurationError
@@ -50,7 +50,7 @@ def test_folders_that_cannot_be_made(
     anything: Any = SimpleNamespace()
     for act in (
         lambda: export.export(anything, target),
-        lambda: benchmark_files.write_benchmark(anything, target),
+        lambda: benchmark_report.write_benchmark(anything, target),
         lambda: files.write_paper(study, target),
         lambda: write_optimum(anything, target),
     ):
@@ -483,18 +483,17 @@ def test_progress_of_turns(
 def test_what_a_benchmark_is_given(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, terminal: bool
 ) -> None:
-    """Pictures of a solution in a folder, and a line for each part on a terminal."""
+    """A line for each part on a terminal, and the result where it is asked for."""
     asked: list[Any] = []
     result = SimpleNamespace(record=lambda: {"a": 1})
 
     def benchmark(**words: Any) -> Any:
-        asked.append((words["quick"], words["repeats"], words["pictures"]("run", tmp_path)))
+        asked.append((words["quick"], words["repeats"]))
         words["say"]("engines")
         return result
 
     stderr = Terminal(terminal)
     monkeypatch.setattr("benchmarks.run_time.benchmark.benchmark", benchmark)
-    monkeypatch.setattr("nipper_pin.view.run.plots.plot_solution", lambda *words: ("plots", *words))
     monkeypatch.setattr(benchmark_command.sys, "stderr", stderr)
     file = tmp_path / "out.json"
     monkeypatch.setattr(
@@ -503,7 +502,7 @@ def test_what_a_benchmark_is_given(
     )
     options: Any = SimpleNamespace(quick=True, repeats=3, json=str(file), out=None)
     benchmark_command._run(options)
-    assert asked == [(True, 3, ("plots", "run", tmp_path)), result]
+    assert asked == [(True, 3), result]
     assert stderr.getvalue() == ("engines ...\n" if terminal else "")
     assert json.loads(file.read_text(encoding="utf-8")) == {"a": 1}
     options.repeats = 0

@@ -666,7 +666,10 @@ def test_tables_of_the_benchmark() -> None:
         "trajectory": "error_trajectory", "evaluations": "evaluations",
     }  # fmt: skip
     rows = (made_up_row(11), made_up_row(27))
-    for sheet in (benchmark_report._errors("", rows), benchmark_report._peers(rows)):
+    for sheet in (
+        benchmark_report._measured("", benchmark_report._ENGINES, rows, 2),
+        benchmark_report._measured("", benchmark_report._PEERS, rows, 3),
+    ):
         for cells, row in zip(sheet.rows, rows, strict=True):
             for heading, cell in zip(sheet.headings, cells, strict=True):
                 wanted = getattr(row, fields[heading])

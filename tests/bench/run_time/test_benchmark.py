@@ -41,9 +41,8 @@ from benchmarks.run_time.work_precision import (
     observe,
     trajectory_error,
 )
-from benchmarks.views.benchmark_files import work_precision_figure, write_benchmark
-from benchmarks.views.benchmark_report import markdown, print_benchmark, sheets
-from benchmarks.views.work_precision_plot import draw_rows
+from benchmarks.views.benchmark_report import markdown, print_benchmark, sheets, write_benchmark
+from benchmarks.views.work_precision_plot import draw_rows, work_precision_figure
 from nipper_pin import Case, Mechanism, Outcome, Resolution, Window, simulate
 from nipper_pin.errors import SimulationError, UnknownNameError
 

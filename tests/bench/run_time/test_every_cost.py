@@ -23,7 +23,7 @@ from benchmarks.run_time.scenes import bouncing_mass
 from benchmarks.run_time.timing import Timing
 from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
-from benchmarks.views.benchmark_files import work_precision_figure
+from benchmarks.views.work_precision_plot import work_precision_figure
 from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.hybrid.case import Resolution
 
