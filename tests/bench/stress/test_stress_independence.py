@@ -21,9 +21,7 @@ from nipper_pin import Solution, simulate
 from nipper_pin.mechanism import from_sources
 
 FOLDER = Path(stress.__file__).resolve().parent
-PACKAGE = FOLDER.parents[1]
-# Where a file that is made for a test is taken to stand.
-DEEP = ("bench", "stress", "checks")
+CHECKOUT = FOLDER.parents[1]
 # Those that run engines, hold what is run, or write it.
 RUNNING = {
     "__init__",
@@ -33,7 +31,6 @@ RUNNING = {
     "judging",
     "small_machines",
     "space",
-    "store",
 }
 RESULTS = {
     "segment": {"Segment"},
@@ -60,22 +57,23 @@ def judging() -> list[Path]:
         path = new.pop()
         found.add(path)
         files = {
-            PACKAGE.joinpath(*module.split(".")).with_suffix(".py") for module, _ in imports(path)
+            CHECKOUT.joinpath(*module.split(".")).with_suffix(".py") for module, _ in imports(path)
         }
         new |= {file for file in files if FOLDER in file.parents and file.exists()} - found
     return sorted(found)
 
 
 def imports(path: Path) -> list[tuple[str, str]]:
-    """Modules of the package, from its top, and the names imported, also within functions."""
-    folders = path.resolve().relative_to(PACKAGE).parts[:-1] if PACKAGE in path.parents else DEEP
-    nodes = ast.walk(ast.parse(path.read_text()))
+    """Modules by their whole names, and the names imported, also within functions."""
+    folders = path.resolve().relative_to(CHECKOUT).parts[:-1] if CHECKOUT in path.parents else ()
     found = []
-    for node in nodes:
-        if isinstance(node, ast.ImportFrom) and node.level:
-            above = folders[: len(folders) + 1 - node.level]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom):
+            above = folders[: len(folders) + 1 - node.level] if node.level else ()
             module = ".".join((*above, *filter(None, [node.module])))
             found += [(module, item.name) for item in node.names]
+        elif isinstance(node, ast.Import):
+            found += [(item.name, "") for item in node.names]
     return found
 
 
@@ -84,8 +82,12 @@ def foreign(path: Path) -> list[tuple[str, str]]:
     allowed = {"hybrid": RESULTS, "dynamics": DYNAMICS, "reduced": {}}
     found = []
     for module, name in imports(path):
-        room, _, rest = module.partition(".")
-        if room in allowed and name not in allowed[room].get(rest, set()):
+        package, _, inside = module.partition(".")
+        room, _, rest = inside.partition(".")
+        if package != "nipper_pin":
+            continue
+        # The door of the package opens every room.
+        if not room or (room in allowed and name not in allowed[room].get(rest, set())):
             found.append((module, name))
     return found
 
@@ -110,8 +112,14 @@ def test_the_judge_imports_nothing_of_the_engines_but_results(path: Path) -> Non
 def test_a_bound_of_the_engine_would_be_found(tmp_path: Path) -> None:
     """Also where it is imported within a function."""
     planted = tmp_path / "planted.py"
-    planted.write_text("def f():\n    from ....hybrid.motion.noise_floor import roughness\n")
-    assert foreign(planted) == [("hybrid.motion.noise_floor", "roughness")]
+    for line, module, name in (
+        ("from nipper_pin.hybrid.motion.noise_floor import roughness",
+         "nipper_pin.hybrid.motion.noise_floor", "roughness"),
+        ("from nipper_pin import simulate", "nipper_pin", "simulate"),
+        ("import nipper_pin.reduced", "nipper_pin.reduced", ""),
+    ):  # fmt: skip
+        planted.write_text(f"def f():\n    {line}\n")
+        assert foreign(planted) == [(module, name)]
 
 
 @pytest.fixture(scope="module")
