@@ -19,7 +19,6 @@ COMMENT, LINES, PARAMETERS, FILE = 2, 60, 7, 500
 # What remains above the limits. An entry that no longer exceeds its limit must go.
 LONG = {
     "benchmarks/peers/mujoco_shell.py prepare",
-    "benchmarks/peers/scipy_pinocchio.py prepare",
     "reduced/kernels/flight.py flight",
     "reduced/kernels/kernel.py _transition",
     "reduced/kernels/panel.py solve_panel",

@@ -35,12 +35,7 @@ _IMPEDANCE = 0.9999
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
-    """Build the model and the state just before the first collision.
-
-    Args:
-        mechanism: The E62, or another set of numbers for it.
-        speed_rpm: Cylinder speed [r/min].
-    """
+    """Build the model and the state just before the first collision."""
     p = planar_model(mechanism, speed_rpm)
     law, acceleration = shaft_accelerations(p), jaw_equation(p)
     model = compile_model(mjcf(mechanism, "Euler", "0 -1"))

@@ -31,12 +31,7 @@ _NEWTON = 8
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
-    """Build the model and the state just before the first collision.
-
-    Args:
-        mechanism: The E62, or another set of numbers for it.
-        speed_rpm: Cylinder speed [r/min].
-    """
+    """Build the model and the state just before the first collision."""
     p = planar_model(mechanism, speed_rpm)
     law = shaft_accelerations(p)
     model = compile_model(mjcf(mechanism, "RK4"))

@@ -49,7 +49,12 @@ class Peer(Protocol):
     SETTINGS: tuple[Setting, ...]
 
     def prepare(self, mechanism: Mechanism, speed_rpm: float) -> Run:
-        """Do everything that is done once (models, compilation); what is returned is timed."""
+        """Do everything that is done once (models, compilation); what is returned is timed.
+
+        Args:
+            mechanism: The E62, or another set of numbers for it.
+            speed_rpm: Cylinder speed [r/min].
+        """
         ...
 
 

@@ -110,11 +110,7 @@ class Flight:
         return t, motion(t), solver.nfev
 
     def amplitude(self, acceleration: Callable[[float, FloatArray], float]) -> float:
-        """Greatest jaw angle of the flight [rad].
-
-        Args:
-            acceleration: Of the jaw [rad/s^2], of time and state.
-        """
+        """Greatest jaw angle of the flight [rad]."""
         motion, t = self._rising, self._top
         if motion is None:
             return 0.0

@@ -18,12 +18,7 @@ __all__ = ["NAME", "PACKAGE", "SETTINGS", "prepare"]
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
-    """Read the numbers and compile the right-hand side.
-
-    Args:
-        mechanism: The E62, or another set of numbers for it.
-        speed_rpm: Cylinder speed [r/min].
-    """
+    """Read the numbers and compile the right-hand side."""
     p = planar_model(mechanism, speed_rpm)
     rate = first_rebound_rate(p)
     acceleration = jaw_equation(p)

@@ -29,12 +29,7 @@ __all__ = ["NAME", "PACKAGE", "SETTINGS", "prepare"]
 
 
 def prepare(mechanism: Mechanism, speed_rpm: float) -> Run:
-    """Build the system, bring it to the first collision and compile the drive laws.
-
-    Args:
-        mechanism: The E62, or another set of numbers for it.
-        speed_rpm: Cylinder speed [r/min].
-    """
+    """Build the system, bring it to the first collision and compile the drive laws."""
     law = shaft_accelerations(planar_model(mechanism, speed_rpm))
     angle = mechanism.cylinder.angle_at_touch_rad
     shaft = ShaftMotion(mechanism, rad_s_from_rpm(speed_rpm), angle)

@@ -11,10 +11,9 @@ from .certified import certified, certified_names
 from .cost import costs
 from .peer_work import PACKAGES, Say, peer_rows
 from .reduced_work import reduced_work
-from .stated import Stated, true_over_stated
 from .timing import environment
 from .turns import TurnRow, turn_rows
-from .work_precision import Row, accuracy, direct_rows
+from .work_precision import Row, Stated, accuracy, direct_rows, true_over_stated
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tempfile
 import tracemalloc
-from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,11 @@ import numpy as np
 
 from nipper_pin.dynamics.system import DriveMode
 from nipper_pin.errors import SimulationError
-from nipper_pin.hybrid.case import Case, Resolution, Window
-from nipper_pin.hybrid.result.solution import Solution
+from nipper_pin.hybrid.case import Case, Window
 from nipper_pin.hybrid.simulate import simulate
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.units import US_PER_MS
 
-from .certified import certified_cycle
 from .phase_cost import phase_cost, transition_parts
 from .scenes import bouncing_mass, bouncing_mass_rest, bouncing_mass_times, four_bar_chain
 from .timing import timed
@@ -35,16 +32,9 @@ _BUDGET_S, _QUICK_BUDGET_S = 5.0, 0.6
 
 
 def costs(mechanism: Mechanism, *, quick: bool, repeats: int) -> dict[str, Any]:
-    """Measure all costs.
-
-    Args:
-        mechanism: The E62.
-        quick: Smaller numbers of turns and links.
-        repeats: Runs after the first.
-    """
+    """Measure all costs; quick, smaller numbers of turns and links."""
     budget = _QUICK_BUDGET_S if quick else _BUDGET_S
     return {
-        "cycle": [cycle_cost(mechanism, speed, repeats, budget) for speed in ("450", "650")],
         "phases": phase_cost(mechanism, 450.0, repeats),
         "parts": transition_parts(mechanism, 650.0, repeats),
         "collisions": collision_cost(repeats, budget),
@@ -52,46 +42,6 @@ def costs(mechanism: Mechanism, *, quick: bool, repeats: int) -> dict[str, Any]:
         "links": link_cost(QUICK_CHAINS if quick else CHAINS, repeats, budget),
         "memory": memory(turns=10 if quick else 100),
     }
-
-
-def cycle_cost(
-    mechanism: Mechanism, speed: str, repeats: int, budget_s: float, tolerance: float = 1e-10
-) -> dict[str, Any]:
-    """One turn against the certified one: wall time and worst relative error of collision times."""
-    case = Case(
-        speed_rpm=float(speed), window=Window.CYCLE, resolution=Resolution(tolerance=tolerance)
-    )
-    timing = timed(lambda: simulate(mechanism, case), repeats, budget_s)
-    solution = simulate(mechanism, case)
-    return {
-        "speed_rpm": float(speed),
-        "tolerance": tolerance,
-        "wall_ms": timing.median_ms,
-        "fastest_ms": timing.fastest_ms,
-        "evaluations": solution.evaluations,
-        "collisions": len(solution.collisions),
-        "error_times": _cycle_error(solution, speed),
-    }
-
-
-def _cycle_error(solution: Solution, speed: str) -> float:
-    """Worst relative error of the collision times that both have, series by series."""
-    series: dict[tuple[int, str], list[float]] = defaultdict(list)
-    true: dict[tuple[int, str], list[float]] = defaultdict(list)
-    number, previous = 0, ""
-    for item in solution.collisions:
-        number, previous = number + (item.stop != previous), item.stop
-        series[number, item.stop].append(item.t)
-    for row in certified_cycle(speed):
-        true[row["series"], row["stop"]].append(float(row["time_s"]))
-    if series.keys() != true.keys():
-        message = "the cycle has other series of bounces than the certified one"
-        raise SimulationError(message, found=list(series), certified=list(true))
-    return max(
-        abs(t / t_true - 1.0)
-        for key in true
-        for t, t_true in zip(series[key], true[key], strict=False)
-    )
 
 
 def collision_cost(repeats: int, budget_s: float) -> Rows:
@@ -186,11 +136,7 @@ print(json.dumps(peak / 1024.0))
 
 
 def memory(turns: int) -> Rows:
-    """Peak resident memory of fresh processes, and what Python itself holds while it computes.
-
-    Args:
-        turns: Turns of the longest run, computed one by one.
-    """
+    """Peak resident memory of fresh processes, and what Python itself holds while it computes."""
     start = "from nipper_pin import *\nm = load()\n"
     many = f"Case(speed_rpm=650.0, window='cycle', cycles={turns}, reuse_cycles=False)"
     works = {
@@ -234,9 +180,6 @@ def certified_model() -> Mechanism:
 
 def run_python(code: str) -> str:
     """Run code in a fresh interpreter and return what it prints.
-
-    Args:
-        code: Python source.
 
     Raises:
         SimulationError: It fails; the message holds what it said.

@@ -24,12 +24,6 @@ def peer_rows(
 ) -> tuple[list[Row], list[str]]:
     """Time and grade the peers that are installed.
 
-    Args:
-        reference: The certified case.
-        quick: Only the settings marked for it.
-        repeats: Runs of each setting after the first, as far as its budget of time goes.
-        say: Told what is being measured.
-
     Returns:
         Rows, and what could not be measured and why.
     """
@@ -83,17 +77,7 @@ def graded_peer(
     evaluations: int,
     reference: Certified,
 ) -> Row:
-    """One row of the table.
-
-    Args:
-        name: The peer.
-        setting: Its step or tolerance.
-        version: Version of its package.
-        timing: Its wall time.
-        four: First and second rebound time [s], first amplitude [rad], transition time [s].
-        evaluations: Its evaluations or steps.
-        reference: What is true.
-    """
+    """One row: first and second rebound time [s], first amplitude [rad], transition time [s]."""
     true = (*reference.rebound_times[:2], reference.amplitudes[0], reference.transition_time)
     errors = [float(found / exact - 1.0) for found, exact in zip(four, true, strict=True)]
     # max() would pass over what is not a number.

@@ -33,11 +33,6 @@ def reduced_work(
 ) -> tuple[list[Row], dict[str, Any] | None]:
     """Measure the reduced engine: called from Python case by case, and in a batch.
 
-    Args:
-        reference: The certified case.
-        quick: A smaller batch and less time.
-        repeats: Runs after the first.
-
     Returns:
         Rows by tolerance, and what the engine is measured by: time to build its tables [ms] (the
         first time apart), first transition with its compilation [ms], one transition [ms], the

@@ -71,11 +71,7 @@ def timed(function: Callable[[], object], repeats: int, budget_s: float = inf) -
 
 
 def environment(more: Iterable[str] = ()) -> dict[str, Any]:
-    """Return versions, processor, cores and threads.
-
-    Args:
-        more: Further distributions whose versions are wanted, where they are installed.
-    """
+    """Return versions, also of more distributions where they are installed, and the processor."""
     return {
         "date": datetime.now(tz=UTC).isoformat(timespec="seconds"),
         "platform": platform.platform(),

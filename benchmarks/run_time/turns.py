@@ -48,11 +48,7 @@ class TurnRow:
 
 
 def turn_rows(*, repeats: int) -> list[TurnRow]:
-    """Measure one turn at each certified speed, engine beside engine.
-
-    Args:
-        repeats: Runs of each setting after the first, at least.
-    """
+    """Measure one turn at each certified speed, engine beside engine."""
     mechanism = load(MODEL)
     reduced = installed("numba")
     tables_ms = _tables_ms(mechanism, repeats) if reduced else None

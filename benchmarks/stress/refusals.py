@@ -51,11 +51,7 @@ def allowed_share(family: str) -> float:
 
 
 def excesses(verdicts: Iterable[Verdict]) -> list[Excess]:
-    """Families, and all together, of which more is refused than chance explains.
-
-    Args:
-        verdicts: The verdicts of a campaign.
-    """
+    """Families, and all together, of which more is refused than chance explains."""
     from scipy.special import bdtrc
 
     refused, cases = Counter[str](), Counter[str]()

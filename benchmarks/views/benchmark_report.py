@@ -14,7 +14,6 @@ from nipper_pin.outputs import complete_folder
 from nipper_pin.view.console import headline, say, show_table
 
 from ..run_time.benchmark import Benchmark
-from ..run_time.work_precision import Row
 
 _NONE = "-"
 _FILES = ("benchmark.json", "tables.md", "work_precision.png")
@@ -27,8 +26,11 @@ _ENGINES = {
 }  # fmt: skip
 _PEERS = {"peer": "engine", "version": "version", "setting": "setting", **_TIMES,
           "evaluations": "evaluations"}  # fmt: skip
+_TURNS = {
+    "engine": "engine", "setting": "setting", "ms": "wall_ms", "turns a second": "turns_per_s",
+    "tables ms": "tables_ms", "times": "error_times", "impulses": "error_impulses",
+}  # fmt: skip
 _COSTS = {
-    "A whole turn, against the certified one": "cycle",
     "Cost of the phases of a turn at 450 r/min": "phases",
     "Parts of one transition at 650 r/min, tolerance 1e-9": "parts",
     "Growth with the number of collisions: bouncing mass": "collisions",
@@ -135,6 +137,7 @@ def sheets(result: Benchmark) -> list[Sheet]:
     if result.reduced is not None:
         rows = tuple((name, _cell(name, value)) for name, value in result.reduced.items())
         found.append(Sheet("Reduced engine", ("what", "value"), rows))
+    found.append(_measured("A whole turn, against the certified one", _TURNS, result.turns, 2))
     for title, name in _COSTS.items():
         costs: list[dict[str, Any]] = result.cost[name]
         headings = tuple(key.replace("_", " ") for key in costs[0])
@@ -143,7 +146,7 @@ def sheets(result: Benchmark) -> list[Sheet]:
     return found
 
 
-def _measured(title: str, columns: Mapping[str, str], rows: Iterable[Row], text: int) -> Sheet:
+def _measured(title: str, columns: Mapping[str, str], rows: Iterable[object], text: int) -> Sheet:
     cells = (tuple(_cell(name, getattr(row, name)) for name in columns.values()) for row in rows)
     return Sheet(title, tuple(columns), tuple(cells), text)
 

@@ -12,12 +12,7 @@ _FAILURES = 20
 
 
 def print_campaign(campaign: Campaign, console: Console) -> None:
-    """Print what was tried, how often, and what happened.
-
-    Args:
-        campaign: The campaign.
-        console: Where to print, of any width.
-    """
+    """Print what was tried, how often, and what happened."""
     record, words = campaign.record(), ("right", "refused", "wrong")
     rows = [
         (family, *(str(found[word]) for word in words))

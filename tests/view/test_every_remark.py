@@ -205,7 +205,7 @@ def test_tables_of_narrow_and_wide_terminals() -> None:
         reduced=None, unavailable=("a peer: no bounce",), quick=False,
         environment={"date": "d", "platform": "p", "processor": "c", "cores": 6, "python": "3",
                      "cores_allowed": None, "load_average": None, "threads": {}, "versions": {}},
-        cost={name: costs for name in ("cycle", "phases", "parts", "collisions", "turns", "links",
+        turns=[], cost={name: costs for name in ("phases", "parts", "collisions", "turns", "links",
                                        "memory")},
     )  # fmt: skip
     found = cast("Benchmark", result)

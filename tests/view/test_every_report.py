@@ -22,8 +22,7 @@ from judge import Judge
 from matplotlib.collections import PolyCollection
 
 from benchmarks.run_time.benchmark import Benchmark
-from benchmarks.run_time.stated import Stated
-from benchmarks.run_time.work_precision import Row
+from benchmarks.run_time.work_precision import Row, Stated
 from benchmarks.views import benchmark_report
 from nipper_pin import Case, DriveMode, Mechanism, Window, load, simulate
 from nipper_pin.hybrid.event import Event

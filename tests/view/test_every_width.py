@@ -154,10 +154,11 @@ def test_benchmarks(width: int) -> None:
     costs = [{"what": "the kinetic energy of all links together", "wall_ms": 1.5, "cut_pins": 7,
               "fastest_ms": 1.25, "held_energy_balance": 2.5e-13,
               "inertial_energy_balance": 0.25}]  # fmt: skip
-    parts = ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
+    parts = ("phases", "parts", "collisions", "turns", "links", "memory")
     result: Any = SimpleNamespace(
         engines=[row("direct", 1.125), row("direct", 22.25), row("reduced, in batches", 333.5)],
-        accuracy=[], stated=[], peers=[row("an engine of others (by hand)", 4444.5)], reduced=None,
+        accuracy=[], stated=[], turns=[], reduced=None,
+        peers=[row("an engine of others (by hand)", 4444.5)],
         unavailable=("a peer: it cannot find a bounce of this machine, " * 3,), quick=False,
         environment={"date": "d", "platform": "p " * 50, "processor": "c", "cores": 6,
                      "python": "3", "cores_allowed": None, "load_average": None, "threads": {},

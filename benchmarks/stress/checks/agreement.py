@@ -37,10 +37,6 @@ def within_errors(coarse: Solution, fine: Solution) -> list[Violation]:
 
     Series that one run extrapolates earlier are compared as far as both have them, and then at
     their rest.
-
-    Args:
-        coarse: The solution.
-        fine: The same case at a smaller tolerance.
     """
     return list(_compared(coarse, fine, "tolerance", AGREED))
 
@@ -49,10 +45,6 @@ def mirror_images(solution: Solution, image: Solution) -> list[Violation]:
     """The events of a machine and of its mirror image agree within a part of their stated errors.
 
     Both runs leave the same unresolved, so that only round-off is different, if anything is.
-
-    Args:
-        solution: The solution.
-        image: The same case of the mirrored machine.
     """
     return list(_compared(solution, image, "mirror", MIRRORED))
 

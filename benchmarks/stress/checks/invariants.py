@@ -51,10 +51,7 @@ class Violation:
 
 
 def violations(solution: Solution) -> list[Violation]:
-    """Check everything that can be checked on one solution.
-
-    Args:
-        solution: The solution; of many segments and events evenly chosen ones are looked at.
+    """Check one solution; of many segments and events evenly chosen ones are looked at.
 
     Returns:
         The violations; none if all is right.

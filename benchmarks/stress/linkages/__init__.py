@@ -1,6 +1,5 @@
 """Random linkages, of a crank and dyads."""
 
-from .family import linkage, write_linkage
-from .random_linkage import random_linkage
+from .random_linkage import linkage, random_linkage, write_linkage
 
 __all__ = ["linkage", "random_linkage", "write_linkage"]

@@ -92,12 +92,7 @@ class Growing:
 
 
 def crank(rng: Generator, least: float) -> Growing:
-    """A driven crank about the origin.
-
-    Args:
-        rng: Where its numbers come from.
-        least: Least sine of the angles at which links of the dyads meet.
-    """
+    """A driven crank about the origin."""
     radius = float(rng.uniform(10.0, 40.0))
     found = Growing(radius, radius * float(rng.uniform(2.0, 4.0)), least)
     found.places = {"O": still(np.zeros(2)), "A": radius * unit(ANGLES)}

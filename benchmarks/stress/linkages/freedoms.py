@@ -146,11 +146,7 @@ def box_parts(
 
 
 def open_at(stops: list[Struck]) -> int | None:
-    """Place in ``ANGLES`` at which the smallest gap is largest; None if it is too small everywhere.
-
-    Args:
-        stops: The stops.
-    """
+    """Place in ``ANGLES`` where the smallest gap is largest; None if too small everywhere."""
     if not stops:
         return 0
     shares = np.min([stop.gap / np.ptp(stop.output.coordinate) for stop in stops], axis=0)

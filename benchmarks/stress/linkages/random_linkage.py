@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +22,13 @@ from nipper_pin.mechanism.drawing import (
     Spring,
     Stop,
     Tie,
+    drawn_sources,
+    write_drawing,
 )
 from nipper_pin.mechanism.drawing.masses import mass_of
 
-from ..machines.draws import Generator, log, one_of, sign
+from ..machines.draws import Draft, Generator, log, one_of, sign
+from ..machines.parts import Source
 from .dyads import KINDS, Growing, add_dyad, crank
 from .freedoms import Struck, box_parts, furthest, lever_parts, open_at, rod_parts, struck
 from .motion import ANGLES, NoAssemblyError
@@ -31,12 +36,42 @@ from .motion import ANGLES, NoAssemblyError
 _TRIES = 60
 
 
-def random_linkage(rng: Generator) -> Drawing:
-    """Draw a linkage that closes over the whole turn of its crank.
+def linkage(rng: Generator) -> Draft:
+    """A random linkage, and a turn or two of it with held or inertial shafts."""
+    drawing, case = _draft(rng)
+    urdf, description = drawn_sources(drawing)
+    return Source(drawing.name, urdf, description, "."), case
+
+
+def write_linkage(seed: int, number: int, folder: str | Path) -> dict[str, Any]:
+    """Write the machine of a trial of this family as a model folder.
 
     Args:
-        rng: Where all its numbers come from; the same state gives the same linkage.
+        seed: Seed of a campaign of this family alone.
+        number: Number of the trial in it.
+        folder: Folder to write; its name becomes the model's.
+
+    Returns:
+        What is done with the machine, as arguments of :class:`~nipper_pin.Case`.
+
+    Raises:
+        InputError: The folder cannot be written or is not empty.
     """
+    drawing, case = _draft(np.random.default_rng([seed, number]))
+    write_drawing(drawing, folder)
+    return case
+
+
+def _draft(rng: Generator) -> tuple[Drawing, dict[str, Any]]:
+    drawing = random_linkage(rng)
+    return drawing, {
+        "speed_rpm": drawing.speed_rpm, "window": "cycle", "cycles": int(rng.integers(1, 3)),
+        "drive": "inertial" if rng.random() < 0.4 else "held", "max_collisions": 200,
+    }  # fmt: skip
+
+
+def random_linkage(rng: Generator) -> Drawing:
+    """Draw a linkage that closes over the whole turn of its crank."""
     linkage = _grown(rng)
     step = int(sign(rng))
     freedoms = int(rng.integers(1, 4))

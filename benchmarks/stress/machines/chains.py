@@ -83,13 +83,7 @@ class Chain:
         self.links.append(("yoke", (radius, 0.0)))
 
     def add_link(self, rng: Generator, turns: bool, mass: float) -> None:
-        """Hang one link more on the last one.
-
-        Args:
-            rng: Where the numbers come from.
-            turns: True for a hinge, False for a slide.
-            mass: Of the link [kg].
-        """
+        """Hang one link more on the last one."""
         number = len(self.joints)
         parent, (x, z) = self.links[-1]
         dx, dz = rng.uniform(-0.4, 0.4, 2).tolist()

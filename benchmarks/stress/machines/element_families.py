@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, pi, sin, sqrt
+from math import atan2, cos, hypot, pi, sin, sqrt
 from typing import Any
 
 from .chains import Chain, spring_table
 from .draws import Draft, Generator, changed, log, one_of, restitution, sign, usual, window
-from .parts import Source, frame, hinge, link
-from .slotted import slotted_lever
+from .parts import SHAFT, Place, Source, frame, hinge, link
 
 _BASES = ("none", "swing", "turn", "lift", "yoke")
 
@@ -165,6 +164,45 @@ def _near_points(rng: Generator) -> Draft:
             machine.tables["dampers"]["strut"] = {**points, "damping_N_s_per_m": log(rng, 0.01, 10)}
     closed = machine.add_stops(rng, int(rng.integers(0, 3)), (1e-2, 3.0))
     return machine.source("near_points", _gravity(rng), closed), _turns(rng, 20.0, 300.0)
+
+
+def slotted_lever(rng: Generator, radius: float, axis: Place, block: float) -> Chain:
+    """A crank pin in the slot of a lever, with a flap hinged to the lever.
+
+    With the lever's axis just inside or outside the circle of the pin the lever turns over in no
+    time: the pin passes its axis, which is the dead centre of this machine.
+
+    Args:
+        rng: Where the numbers of the flap come from.
+        radius: Of the crank [m], which points along x at touch.
+        axis: Of the lever (x, z) [m].
+        block: Mass of the block in the slot [kg].
+    """
+    machine = Chain(freedom=1)
+    x, z = radius - axis[0], -axis[1]
+    machine.parts += [
+        link("crank", 2.0, 0.01, (0.01, 0.0)), hinge("shaft", "frame", "crank", (0.0, 0.0)),
+        frame("crank_pin", "crank", (radius, 0.0)),
+        link("lever", 1.0, 0.02, (0.05, 0.0)), hinge("lever_axis", "frame", "lever", axis),
+        frame("slot_line", "lever", (0.0, 0.0), atan2(z, x)),
+    ]  # fmt: skip
+    drive = {"joint": "shaft", "law": "constant_speed", "ratio": 1.0, **SHAFT}
+    machine.tables["drives"]["shaft"] = drive
+    machine.tables["closures"]["slot"] = {
+        "frame_a": "slot_line", "frame_b": "crank_pin", "slot_axis": "x", "block_mass_kg": block,
+    }  # fmt: skip
+    machine.links.append(("lever", axis))
+    mass = log(rng, 1e-2, 10.0)
+    arm = hypot(x, z)
+    machine.parts += [
+        link("flap", mass, mass * (0.3 * arm) ** 2, (0.5 * arm, 0.1 * arm)),
+        hinge("flap", "lever", "flap", (x, z)),
+    ]
+    machine.joints["flap"] = True
+    machine.links.append(("flap", (radius, 0.0)))
+    machine.freedom += 1
+    machine.mass = mass
+    return machine
 
 
 def _slots(rng: Generator) -> Draft:

@@ -17,11 +17,7 @@ _BODY = pin.FrameType.BODY
 
 
 class ChainSizes:
-    """Sizes of the terms of forces and closures.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """Sizes of the terms of forces and closures."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         """Find the chain of joints below every link and closure frame."""

@@ -34,11 +34,7 @@ class Pull(NamedTuple):
 
 
 class PlainTree:
-    """The tree of links of a mechanism with its loops cut.
-
-    Args:
-        mechanism: The mechanism.
-    """
+    """The tree of links of a mechanism with its loops cut."""
 
     def __init__(self, mechanism: Mechanism) -> None:
         """Copy the model and find the frames of closures and struts."""

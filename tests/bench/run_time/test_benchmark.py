@@ -31,12 +31,12 @@ from benchmarks.run_time.scenes import (
     bouncing_mass_times,
     four_bar_chain,
 )
-from benchmarks.run_time.stated import Stated
 from benchmarks.run_time.timing import Timing, environment, timed
 from benchmarks.run_time.turns import TurnRow, turn_rows
 from benchmarks.run_time.work_precision import (
     Observed,
     Row,
+    Stated,
     graded,
     observe,
     trajectory_error,
@@ -397,8 +397,7 @@ def made_up() -> Benchmark:
         reduced=None,
         turns=(TurnRow("direct", "450 r/min, 1e-09", 13.0, 1e-12, math.nan, 77.0, None),),
         cost={
-            name: [empty]
-            for name in ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
+            name: [empty] for name in ("phases", "parts", "collisions", "turns", "links", "memory")
         },
     )
 
@@ -424,7 +423,7 @@ def test_whole_turns_of_both_engines() -> None:
 def test_what_is_not_a_number_becomes_null(made_up: Benchmark) -> None:
     """The document is strict JSON: what is not a number is null, and all else survives."""
     document = json.loads(json.dumps(made_up.record(), allow_nan=False))
-    assert document["cost"]["cycle"][0]["wall_ms"] is None
+    assert document["cost"]["phases"][0]["wall_ms"] is None
     assert document["engines"][0]["error_worst"] == 7e-13
     assert document["reduced"] is None
 

@@ -14,9 +14,8 @@ from benchmarks.peers import Four, Setting
 from benchmarks.run_time import benchmark as module
 from benchmarks.run_time import cost, peer_work, phase_cost
 from benchmarks.run_time.certified import Certified, certified, certified_names
-from benchmarks.run_time.stated import Stated
 from benchmarks.run_time.turns import TurnRow
-from benchmarks.run_time.work_precision import Row
+from benchmarks.run_time.work_precision import Row, Stated
 from nipper_pin import Case, Mechanism, Window, simulate
 from nipper_pin.errors import SimulationError
 
@@ -171,14 +170,13 @@ def test_costs_in_their_places(
     monkeypatch: pytest.MonkeyPatch, e62: Mechanism, quick: bool
 ) -> None:
     """Every table under its own name, with the numbers of the short or of the long form."""
-    names = ("cycle_cost", "phase_cost", "transition_parts", "collision_cost", "turn_cost",
+    names = ("phase_cost", "transition_parts", "collision_cost", "turn_cost",
              "link_cost", "memory")  # fmt: skip
     for name in names:
         monkeypatch.setattr(cost, name, lambda *a, name=name, **k: (name, *a, *k.values()))
     found = cost.costs(e62, quick=quick, repeats=5)
-    (budget,) = {item[-1] for item in found["cycle"]}
+    budget = found["collisions"][-1]
     assert found == {
-        "cycle": [("cycle_cost", e62, speed, 5, budget) for speed in ("450", "650")],
         "phases": ("phase_cost", e62, 450.0, 5),
         "parts": ("transition_parts", e62, 650.0, 5),
         "collisions": ("collision_cost", 5, budget),

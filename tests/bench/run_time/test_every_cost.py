@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.run_time import cost
+from benchmarks.run_time import cost, turns
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import certified_cycle
 from benchmarks.run_time.scenes import bouncing_mass
@@ -25,7 +25,6 @@ from benchmarks.run_time.work_precision import Row
 from benchmarks.views import benchmark_report
 from benchmarks.views.work_precision_plot import work_precision_figure
 from nipper_pin import Case, Mechanism, Window, simulate
-from nipper_pin.hybrid.case import Resolution
 
 MEDIAN, FASTEST = 12.0, 7.0
 MIB = 2.0**20
@@ -103,28 +102,23 @@ def test_one_evaluation(clock: list[Any], tmp_path: Path) -> None:
     assert len(clock[-1][0]) == 20 or len(clock[-1]) == 20
 
 
-@pytest.mark.usefixtures("clock")
-def test_a_turn_against_the_certified_one() -> None:
-    """Counts and times of the run, and its worst collision by the certified table."""
-    mechanism = cost.certified_model()
-    row = cost.cycle_cost(mechanism, "650", 3, 0.1, tolerance=1e-4)
-    case = Case(speed_rpm=650.0, window=Window.CYCLE, resolution=Resolution(tolerance=1e-4))
-    run = simulate(mechanism, case)
-    hits = [event for event in run.events if event.kind.value == "collision"]
-    assert (row["wall_ms"], row["fastest_ms"], row["tolerance"]) == (MEDIAN, FASTEST, 1e-4)
-    assert (row["collisions"], row["evaluations"]) == (len(hits), run.evaluations)
-    worst, last = 0.0, (0, "")
-    rows = list(certified_cycle("650"))
-    place = 0
-    for event in hits:
-        if event.stops[0] != last[1]:
-            last, place = (last[0] + 1, event.stops[0]), 0
-        of_series = [r for r in rows if (int(r["series"]), r["stop"]) == last]
-        if place < len(of_series):
-            worst = max(worst, abs(event.t / float(of_series[place]["time_s"]) - 1.0))
-        place += 1
-    assert row["error_times"] == pytest.approx(worst, rel=1e-9)
-    assert worst > 0.0
+def test_errors_of_a_turn() -> None:
+    """The certified turn against itself, a collision of the second series later and harder.
+
+    A series that one has further than the other is compared as far as both have it.
+    """
+    rows = certified_cycle("650")
+    stops = [row["stop"] for row in rows]
+    times = np.array([float(row["time_s"]) for row in rows])
+    impulses = np.array([float(row.get("impulse_lip_N_s", row["impulse"])) for row in rows])
+    assert turns._errors("650", stops, times, impulses) == (0.0, 0.0)
+    place = next(n for n, stop in enumerate(stops) if stop != stops[0])
+    late, hard = times.copy(), impulses.copy()
+    late[place] += 1e-5
+    hard[place] *= 1.001
+    time, impulse = turns._errors("650", stops[:-1], late[:-1], hard[:-1])
+    assert time == pytest.approx(1e-5 * 650.0 / 60.0, rel=1e-6)
+    assert impulse == pytest.approx(1e-3, rel=1e-6)
 
 
 def test_memory_is_in_units_of_1024(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,7 +173,7 @@ def made_up() -> Benchmark:
         Row("a peer (by hand)", "1e-6", 50.0, 99.0, 40.0, 5.0, 30, 2e-5, 4e-5, evaluations=999),
         Row("a peer (by hand)", "0", 60.0, 99.0, 45.0, 5.0, 30, 0.0, 0.0, evaluations=999),
     )
-    names = ("cycle", "phases", "parts", "collisions", "turns", "links", "memory")
+    names = ("phases", "parts", "collisions", "turns", "links", "memory")
     return Benchmark(
         quick=True,
         environment={
@@ -203,7 +197,6 @@ def test_sheets_of_costs() -> None:
     result = made_up()
     found = {sheet.title: sheet for sheet in benchmark_report.sheets(result)}
     titles = {
-        "cycle": "A whole turn, against the certified one",
         "phases": "Cost of the phases of a turn at 450 r/min",
         "parts": "Parts of one transition at 650 r/min, tolerance 1e-9",
         "collisions": "Growth with the number of collisions: bouncing mass",

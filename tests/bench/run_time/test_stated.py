@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks.run_time import stated
+from benchmarks.run_time import work_precision
 from benchmarks.run_time.certified import certified
 from nipper_pin import Solution
 
@@ -34,10 +34,10 @@ def test_ratios_are_true_errors_over_stated_ones(monkeypatch: pytest.MonkeyPatch
         transition_time=right.transition_time * 1.001,
     )
     monkeypatch.setattr(Solution, "errors", property(errors))
-    monkeypatch.setattr(stated, "certified_names", lambda: (name,))
-    monkeypatch.setattr(stated, "certified", lambda _name: moved)
-    rows = stated.true_over_stated()
-    assert [row.case for row in rows] == [name] * len(stated.STATED_TOLERANCES)
+    monkeypatch.setattr(work_precision, "certified_names", lambda: (name,))
+    monkeypatch.setattr(work_precision, "certified", lambda _name: moved)
+    rows = work_precision.true_over_stated()
+    assert [row.case for row in rows] == [name] * len(work_precision.STATED_TOLERANCES)
     fine = min(rows, key=lambda row: row.tolerance)
     assert fine.times == pytest.approx(1.0, rel=1e-6)
     assert fine.impulses == pytest.approx(2.0, rel=1e-6)

@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.stress.machines import chains, draws
 from benchmarks.stress.machines.chains import Chain
-from benchmarks.stress.machines.slotted import slotted_lever
+from benchmarks.stress.machines.element_families import slotted_lever
 
 
 class Drawn:
