@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import tempfile
 import tracemalloc
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,27 +45,26 @@ def costs(mechanism: Mechanism, *, quick: bool, repeats: int) -> dict[str, Any]:
 def collision_cost(repeats: int, budget_s: float) -> Rows:
     """Growth with the number of collisions: the bouncing mass, whose motion is known exactly."""
     rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for e in RESTITUTIONS:
-            mechanism = bouncing_mass(Path(folder, str(e)), e)
-            case = Case(speed_rpm=60.0)
-            timing = timed(lambda: simulate(mechanism, case), repeats, budget_s)  # noqa: B023
-            solution = simulate(mechanism, case)
-            times = np.array([item.t for item in solution.collisions])
-            rest = bouncing_mass_rest(e)
-            shift = np.abs(times - bouncing_mass_times(e, len(times))).max()
-            rows.append(
-                {
-                    "restitution": e,
-                    "collisions": len(times),
-                    "wall_ms": timing.median_ms,
-                    "fastest_ms": timing.fastest_ms,
-                    "ms_per_collision": timing.median_ms / len(times),
-                    "evaluations": solution.evaluations,
-                    "error_duration": abs(solution.transitions[0].duration / rest - 1.0),
-                    "error_times": float(shift / rest),
-                }
-            )
+    for e in RESTITUTIONS:
+        mechanism = bouncing_mass(e)
+        case = Case(speed_rpm=60.0)
+        timing = timed(lambda: simulate(mechanism, case), repeats, budget_s)  # noqa: B023
+        solution = simulate(mechanism, case)
+        times = np.array([item.t for item in solution.collisions])
+        rest = bouncing_mass_rest(e)
+        shift = np.abs(times - bouncing_mass_times(e, len(times))).max()
+        rows.append(
+            {
+                "restitution": e,
+                "collisions": len(times),
+                "wall_ms": timing.median_ms,
+                "fastest_ms": timing.fastest_ms,
+                "ms_per_collision": timing.median_ms / len(times),
+                "evaluations": solution.evaluations,
+                "error_duration": abs(solution.transitions[0].duration / rest - 1.0),
+                "error_times": float(shift / rest),
+            }
+        )
     return rows
 
 
@@ -90,23 +87,22 @@ def link_cost(counts: tuple[int, ...], repeats: int, budget_s: float) -> Rows:
     has a degree of freedom, so that the same chain is integrated.
     """
     rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for count in counts:
-            mechanism = four_bar_chain(Path(folder, str(count)), count)
-            row: dict[str, Any] = {
-                "four_bars": count,
-                "links": 2 * count + 1,
-                "cut_pins": len(mechanism.closures),
-            }
-            for drive in DriveMode:
-                case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0, drive=drive)
-                timing = timed(lambda: simulate(mechanism, case), repeats, budget_s)  # noqa: B023
-                solution = simulate(mechanism, case)
-                row[f"{drive.value}_ms"] = timing.median_ms
-                row[f"{drive.value}_evaluations"] = solution.evaluations
-                row[f"{drive.value}_energy_balance"] = solution.checks.energy_balance
-            row["evaluation_us"] = US_PER_MS * _evaluation_ms(mechanism)
-            rows.append(row)
+    for count in counts:
+        mechanism = four_bar_chain(count)
+        row: dict[str, Any] = {
+            "four_bars": count,
+            "links": 2 * count + 1,
+            "cut_pins": len(mechanism.closures),
+        }
+        for drive in DriveMode:
+            case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0, drive=drive)
+            timing = timed(lambda: simulate(mechanism, case), repeats, budget_s)  # noqa: B023
+            solution = simulate(mechanism, case)
+            row[f"{drive.value}_ms"] = timing.median_ms
+            row[f"{drive.value}_evaluations"] = solution.evaluations
+            row[f"{drive.value}_energy_balance"] = solution.checks.energy_balance
+        row["evaluation_us"] = US_PER_MS * _evaluation_ms(mechanism)
+        rows.append(row)
     return rows
 
 

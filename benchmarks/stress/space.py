@@ -15,7 +15,6 @@ from xml.etree import ElementTree
 import numpy as np
 
 from nipper_pin.errors import UnknownNameError
-from nipper_pin.mechanism import from_sources
 from nipper_pin.mechanism.files.urdf import edit
 from nipper_pin.mechanism.mechanism import Mechanism
 
@@ -63,16 +62,12 @@ class Trial:
 
     def mechanism(self) -> Mechanism:
         """Build and validate the mechanism."""
-        return _built(self.source)
+        return self.source.mechanism()
 
     def mirror_image(self) -> Mechanism | None:
         """Build the mirrored mechanism; None if its model cannot be mirrored."""
         source = mirrored(self.source)
-        return None if source is None else _built(source)
-
-
-def _built(source: Source) -> Mechanism:
-    return from_sources(source.name, source.urdf, source.description, source.folder)
+        return None if source is None else source.mechanism()
 
 
 def trial(seed: int, number: int, families: Sequence[str] = ()) -> Trial:
@@ -208,8 +203,7 @@ def _grazing(rng: Generator) -> Draft:
 def _edges(rng: Generator) -> Draft:
     # The first contact is at the start, at the end of a panel or at that of the cycle.
     source = changed(usual(rng))
-    mechanism = from_sources(source.name, source.urdf, source.description, source.folder)
-    cylinder = mechanism.cylinder
+    cylinder = source.mechanism().cylinder
     touch = cylinder.index_from_angle(cylinder.angle_at_touch_rad)
     before = 40.0 * float(rng.integers(0, 13)) / 12.0
     off = float(rng.choice([0.0, 0.0, 1.0, -1.0])) * log(rng, 1e-14, 1e-6)

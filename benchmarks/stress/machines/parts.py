@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from nipper_pin.mechanism import Mechanism, from_sources
+
 Place = tuple[float, float]
 """(x, z) of a point [m], or a direction."""
 
@@ -27,6 +29,10 @@ class Source:
     urdf: str
     description: dict[str, Any]
     folder: str
+
+    def mechanism(self) -> Mechanism:
+        """Build and validate the mechanism."""
+        return from_sources(self.name, self.urdf, self.description, self.folder)
 
 
 def description(title: str, freedom: int, gravity: float) -> dict[str, Any]:

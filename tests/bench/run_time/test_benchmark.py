@@ -212,9 +212,9 @@ def test_unknown_case_is_refused() -> None:
 
 
 @pytest.mark.parametrize("e", [0.5, 0.95])
-def test_bouncing_mass_bounces_as_its_closed_form(tmp_path: Path, e: float) -> None:
+def test_bouncing_mass_bounces_as_its_closed_form(e: float) -> None:
     """Collision times and rest of the generated scene are the geometric series, to 1e-12 of it."""
-    solution = simulate(bouncing_mass(tmp_path, e), Case(speed_rpm=60.0))
+    solution = simulate(bouncing_mass(e), Case(speed_rpm=60.0))
     rest = bouncing_mass_rest(e)
     assert solution.outcome is Outcome.AT_REST
     times = [item.t for item in solution.collisions]
@@ -227,14 +227,14 @@ def test_bouncing_mass_bounces_as_its_closed_form(tmp_path: Path, e: float) -> N
     assert bouncing_mass_times(e, len(times)) == pytest.approx(expected, rel=1e-13)
 
 
-def test_bouncing_mass_strikes_with_its_own_mass(tmp_path: Path) -> None:
+def test_bouncing_mass_strikes_with_its_own_mass() -> None:
     """The slides that guide its 0.7 kg add 1 g each: the first impulse is m (1 + e) V."""
-    solution = simulate(bouncing_mass(tmp_path, 0.5), Case(speed_rpm=60.0))
+    solution = simulate(bouncing_mass(0.5), Case(speed_rpm=60.0))
     expected = (0.7 + 0.001 + 0.001) * 1.5 * 0.06
     assert solution.collisions[0].impulse == pytest.approx(expected, rel=1e-12)
 
 
-def test_chain_of_parallelograms_moves_as_one(tmp_path: Path) -> None:
+def test_chain_of_parallelograms_moves_as_one() -> None:
     """All cranks follow the drive, couplers stay level, and the energy is that of 2 N + 1 bars.
 
     N + 1 bars of 1 m and 1 kg turning about an end, J = 1/3, and N that move with the tip:
@@ -242,7 +242,7 @@ def test_chain_of_parallelograms_moves_as_one(tmp_path: Path) -> None:
     Closures meet to round-off, which the chain carries on from bar to bar: 1e-13.
     """
     count = 3
-    mechanism = four_bar_chain(tmp_path, count)
+    mechanism = four_bar_chain(count)
     case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0)
     solution = simulate(mechanism, case)
     assert len(mechanism.joints) == 2 * count + 1
@@ -259,10 +259,10 @@ def test_chain_of_parallelograms_moves_as_one(tmp_path: Path) -> None:
     assert energy == pytest.approx(expected, abs=1e-11)
 
 
-def test_integrated_chain_keeps_its_energy_balance(tmp_path: Path) -> None:
+def test_integrated_chain_keeps_its_energy_balance() -> None:
     """With an inertial shaft the chain is integrated, and work and energy agree to 1e-10."""
     case = Case(speed_rpm=60.0, window=Window.CYCLE, start_index=0.0, drive="inertial")  # type: ignore[arg-type]
-    solution = simulate(four_bar_chain(tmp_path, 2), case)
+    solution = simulate(four_bar_chain(2), case)
     assert not any(segment.kinematic for segment in solution.segments)
     assert solution.checks.energy_balance <= 1e-10
 

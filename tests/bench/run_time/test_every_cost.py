@@ -10,7 +10,6 @@ import ast
 import math
 from collections.abc import Callable
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,7 +43,7 @@ def made_up_clock(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 @pytest.mark.usefixtures("clock")
-def test_collisions_of_the_bouncing_mass(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_collisions_of_the_bouncing_mass(monkeypatch: pytest.MonkeyPatch) -> None:
     """Counts are those of runs, and a time that is off by a millisecond is so by its share."""
     true = cost.bouncing_mass_times
     late = 1e-3
@@ -56,7 +55,7 @@ def test_collisions_of_the_bouncing_mass(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert [row["restitution"] for row in rows] == [0.2, 0.5]
     for row in rows:
         e = row["restitution"]
-        run = simulate(bouncing_mass(tmp_path / str(e), e), Case(speed_rpm=60.0))
+        run = simulate(bouncing_mass(e), Case(speed_rpm=60.0))
         count = sum(event.kind.value == "collision" for event in run.events)
         assert row["collisions"] == count
         assert (row["wall_ms"], row["fastest_ms"]) == (MEDIAN, FASTEST)
@@ -95,9 +94,9 @@ def test_chains_of_four_bars(clock: list[Any], monkeypatch: pytest.MonkeyPatch) 
             assert row[f"{drive}_energy_balance"] == run.checks.energy_balance
 
 
-def test_one_evaluation(clock: list[Any], tmp_path: Path) -> None:
+def test_one_evaluation(clock: list[Any]) -> None:
     """The time of a batch by the number of its states."""
-    chain = cost.four_bar_chain(tmp_path / "chain", 1)
+    chain = cost.four_bar_chain(1)
     assert cost._evaluation_ms(chain, states=20) == MEDIAN / 20.0
     assert len(clock[-1][0]) == 20 or len(clock[-1]) == 20
 
