@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import astuple
 from typing import Any
 
 from ..peers import Four, available
 from .certified import Certified
-from .timing import Timing, timed
-from .work_precision import Row
+from .timing import timed
+from .work_precision import Row, graded_four
 
 # As they are known to package indices, for the header.
 PACKAGES = ("mujoco", "scikit-sundae")
@@ -53,45 +53,11 @@ def peer_rows(
                 # A setting that is too coarse to find the bounces is a result, too.
                 failed.append(f"{peer.NAME}, {setting.label}: {error}")
                 continue
-            found = last[0]
-            four = (
-                found.first_rebound_time_s,
-                found.second_rebound_time_s,
-                found.first_amplitude,
-                found.transition_time_s,
-            )
+            *four, evaluations = astuple(last[0])
             rows.append(
-                graded_peer(
-                    peer.NAME, setting.label, version, timing, four, found.evaluations, reference
+                graded_four(
+                    peer.NAME, setting.label, timing, four, reference,
+                    evaluations=evaluations, version=version,
                 )
-            )
+            )  # fmt: skip
     return rows, failed
-
-
-def graded_peer(
-    name: str,
-    setting: str,
-    version: str,
-    timing: Timing,
-    four: Sequence[float],
-    evaluations: int,
-    reference: Certified,
-) -> Row:
-    """One row: first and second rebound time [s], first amplitude [rad], transition time [s]."""
-    true = (*reference.rebound_times[:2], reference.amplitudes[0], reference.transition_time)
-    errors = [float(found / exact - 1.0) for found, exact in zip(four, true, strict=True)]
-    # max() would pass over what is not a number.
-    known = all(math.isfinite(item) for item in errors)
-    return Row(
-        engine=name,
-        setting=setting,
-        wall_ms=timing.median_ms,
-        first_ms=timing.first_ms,
-        fastest_ms=timing.fastest_ms,
-        spread_ms=timing.spread_ms,
-        runs=timing.runs,
-        error_duration=abs(errors[3]) if math.isfinite(errors[3]) else None,
-        error_worst=max(abs(item) for item in errors) if known else None,
-        evaluations=evaluations,
-        version=version,
-    )

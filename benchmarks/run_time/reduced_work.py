@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,44 +48,25 @@ def reduced_work(
     model = build(mechanism)
     summary: dict[str, Any] = {"build_ms": building.median_ms, "build_first_ms": building.first_ms}
     rows = [_rows(model, reference, tolerance, repeats, budget) for tolerance in _TOLERANCES]
-    singles = [item.single for item in rows]
-    default = rows[_TOLERANCES.index(REDUCED_DEFAULT)]
+    single, batch, bound = rows[_TOLERANCES.index(REDUCED_DEFAULT)]
     summary |= {
-        "transition_ms": default.single_time.median_ms,
-        "transition_in_batch_ms": default.batch_time.median_ms,
-        "error": default.single.error_worst,
-        "stated_error": default.error_bound,
-        "first_transition_ms": singles[0].first_ms,
+        "transition_ms": single.wall_ms,
+        "transition_in_batch_ms": batch.wall_ms,
+        "error": single.error_worst,
+        "stated_error": bound,
+        "first_transition_ms": rows[0][0].first_ms,
     }
     count = _QUICK_BATCH if quick else _BATCH
     sweep = np.linspace((1.0 - _SPAN) * speed, (1.0 + _SPAN) * speed, count)
     timing = timed(lambda: transitions(model, speed_rpm=sweep), repeats, budget)
     summary |= {"batch": count, "transitions_per_s": MS_PER_S * count / timing.median_ms}
-    return [*singles, *(item.batch for item in rows)], summary
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """Work of one tolerance, called case by case and in a batch.
-
-    Attributes:
-        single: Row of the calls.
-        batch: Row of the batch.
-        single_time: Time of a call.
-        batch_time: Time of a case of the batch.
-        error_bound: What the engine states of its error.
-    """
-
-    single: Row
-    batch: Row
-    single_time: Timing
-    batch_time: Timing
-    error_bound: float
+    return [*(item[0] for item in rows), *(item[1] for item in rows)], summary
 
 
 def _rows(
     model: ReducedModel, reference: Certified, tolerance: float, repeats: int, budget: float
-) -> _Rows:
+) -> tuple[Row, Row, float]:
+    """Work of one tolerance, called case by case and in a batch, and the error that is stated."""
     from nipper_pin.reduced import transition, transitions
 
     speed = reference.speed_rpm
@@ -105,11 +85,9 @@ def _rows(
         transition_time=found.duration,
     )
     name = f"{tolerance:.0e}"
-    return _Rows(
+    return (
         graded("reduced", name, single, observed, reference),
         graded("reduced, batch", name, batch, observed, reference),
-        single,
-        batch,
         found.error_bound,
     )
 

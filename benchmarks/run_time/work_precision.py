@@ -19,8 +19,9 @@ and second rebound time, first amplitude and transition time. The others:
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -162,21 +163,39 @@ def observe(solution: Solution) -> Observed:
 
 
 def graded(
-    engine: str,
-    setting: str,
-    timing: Timing,
-    observed: Observed,
-    certified: Certified,
+    engine: str, setting: str, timing: Timing, observed: Observed, certified: Certified
 ) -> Row:
     """One row of the table."""
-    times, late = observed.times, certified.times[1:]
+    times = observed.times
     # A setting with fewer than two rebounds has no errors to compare.
     rebounds = np.full(2, np.nan)
     rebounds[: len(times) - 1] = np.diff(times)[:2]
-    four = np.array([*rebounds, observed.amplitudes[0], observed.transition_time])
-    true = np.array(
-        [*certified.rebound_times[:2], certified.amplitudes[0], certified.transition_time]
+    return graded_four(
+        engine,
+        setting,
+        timing,
+        (*rebounds, observed.amplitudes[0], observed.transition_time),
+        certified,
+        error_times=relative(times[1:], certified.times[1:]),
+        error_impulses=relative(observed.impulses, certified.impulses),
+        error_amplitudes=relative(observed.amplitudes, certified.amplitudes),
+        error_trajectory=trajectory_error(observed, certified),
+        evaluations=observed.evaluations,
     )
+
+
+def graded_four(
+    engine: str,
+    setting: str,
+    timing: Timing,
+    four: Sequence[float],
+    certified: Certified,
+    **more: Any,
+) -> Row:
+    """One row: first and second rebound time [s], first amplitude [rad], transition time [s]."""
+    first, second = certified.rebound_times[:2]
+    true = np.array([first, second, certified.amplitudes[0], certified.transition_time])
+    found = np.array(four)
     return Row(
         engine=engine,
         setting=setting,
@@ -185,13 +204,9 @@ def graded(
         fastest_ms=timing.fastest_ms,
         spread_ms=timing.spread_ms,
         runs=timing.runs,
-        error_duration=relative(four[3:], true[3:]),
-        error_worst=relative(four, true),
-        error_times=relative(times[1:], late),
-        error_impulses=relative(observed.impulses, certified.impulses),
-        error_amplitudes=relative(observed.amplitudes, certified.amplitudes),
-        error_trajectory=trajectory_error(observed, certified),
-        evaluations=observed.evaluations,
+        error_duration=relative(found[3:], true[3:]),
+        error_worst=relative(found, true),
+        **more,
     )
 
 

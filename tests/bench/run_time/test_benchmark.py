@@ -23,7 +23,6 @@ from rich.console import Console
 from benchmarks.run_time.benchmark import Benchmark
 from benchmarks.run_time.certified import Certified, certified, certified_names
 from benchmarks.run_time.cost import run_python
-from benchmarks.run_time.peer_work import graded_peer
 from benchmarks.run_time.phase_cost import again, transition_parts
 from benchmarks.run_time.scenes import (
     bouncing_mass,
@@ -38,6 +37,7 @@ from benchmarks.run_time.work_precision import (
     Row,
     Stated,
     graded,
+    graded_four,
     observe,
     trajectory_error,
 )
@@ -174,7 +174,7 @@ def test_worst_of_four_is_the_worst(reference: Certified, place: int, error: flo
     row = graded("engine", "setting", TIMING, observed, reference)
     # The second rebound is the difference of two times: their round-off by its length, 1e-15.
     assert row.error_worst == pytest.approx(abs(error), abs=1e-13)
-    peer = graded_peer("peer", "setting", "1.0", TIMING, four, 7, reference)
+    peer = graded_four("peer", "setting", TIMING, four, reference)
     assert peer.error_worst == pytest.approx(abs(error), abs=1e-13)
     expected = abs(error) if place == 3 else 0.0
     assert row.error_duration == pytest.approx(expected, abs=1e-15)
@@ -186,7 +186,7 @@ def test_an_answer_that_is_missing_is_no_answer(reference: Certified) -> None:
     short = replace(true, times=true.times[:2], motion=None)
     assert graded("engine", "setting", TIMING, short, reference).error_worst is None
     four = [math.nan, 1.0, 1.0, 1.0]
-    assert graded_peer("peer", "", "", TIMING, four, 1, reference).error_worst is None
+    assert graded_four("peer", "", TIMING, four, reference).error_worst is None
 
 
 def test_direct_engine_is_graded_as_accurate() -> None:
