@@ -131,9 +131,7 @@ def _written(home: Path) -> Facts:
         name = path.relative_to(home).as_posix()
         found[f"file {name}"] = True
         if path.name == "case.json":
-            # The digest follows from all else.
-            saved = json.loads(path.read_text(encoding="utf-8"))
-            found |= facts({key: saved[key] for key in saved if key != "sha256"}, "saved case")
+            found |= facts(json.loads(path.read_text(encoding="utf-8")), "saved case")
         elif path.suffix == ".npz":
             found |= facts(load_solution(path), "saved run")
         elif path.suffix == ".json":

@@ -70,9 +70,7 @@ def test_what_is_whole(
     assert out.endswith("\nwhole\n")
 
 
-@pytest.mark.parametrize(
-    "name", ["run/case.json", "sweep/plan.json", "sweep/chunks/0000001.parquet"]
-)
+@pytest.mark.parametrize("name", ["sweep/plan.json", "sweep/chunks/0000001.parquet"])
 def test_every_byte_of_a_sealed_file_counts(
     name: str, saved: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -187,15 +185,20 @@ def test_a_sweep_that_is_not_finished(saved: Path, capsys: pytest.CaptureFixture
     assert "0000001.parquet: holds scenarios of another chunk" in answer(saved / "sweep", capsys)[2]
 
 
-def test_an_edited_case_is_read_and_told(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_may_be_edited(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is a text that is checked as models are; the run beside it is of another one then."""
     file = saved / "run/case.json"
     document = json.loads(file.read_text())
     document["case"]["speed_rpm"] = 600.0
     file.write_text(json.dumps(document))
     assert main(["simulate", "--case", str(file)]) == 0
-    status, _, err = answer(file, capsys)
+    assert answer(file, capsys)[0] == 0
+    status, _, err = answer(saved / "run", capsys)
     assert status == 1
-    assert "not as it was written" in err
+    assert "solution.npz is a run of another case than case.json" in err
+    document["case"]["speed_rpm"] = -600.0
+    file.write_text(json.dumps(document))
+    assert answer(file, capsys)[0] == 1
 
 
 def test_json_says_the_same(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:

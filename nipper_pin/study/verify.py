@@ -6,7 +6,6 @@ run is held against its own closures and energy balance, and a sweep against its
 
 from __future__ import annotations
 
-import json
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from ..hybrid.files.npz import load_case, load_solution, made_by
 from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..outputs.seal import is_as_written
-from ..texts import MOST_JSON, opened, read_text
+from ..texts import opened
 from .sweep.results.chunk_file import about, read_file
 from .sweep.results.chunk_table import DamageError
 from .sweep.results.record import read_document
@@ -99,11 +98,10 @@ def _case(file: Path) -> Verified:
     version = made_by(file)
     try:
         mechanism, case = load_case(file)
-        whole = is_as_written(json.loads(read_text(file, MOST_JSON)))
     except NipperError as error:
         return Verified(file, "case", version, "", (error.message,))
     text = f"{mechanism.name}, {case.speed_rpm:g} r/min, {case.window.value}"
-    return Verified(file, "case", version, text, (_EDITED,) if whole is False else ())
+    return Verified(file, "case", version, text, ())
 
 
 def _agreeing(folder: Path, found: tuple[Verified, ...]) -> tuple[Verified, ...]:

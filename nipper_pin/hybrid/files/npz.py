@@ -25,7 +25,6 @@ from ...dynamics.shaft import ShaftMotion
 from ...errors import InputError
 from ...mechanism import Mechanism, from_sources, model_folder, need_as_written
 from ...outputs import complete_file
-from ...outputs.seal import sealed
 from ...texts import MOST_JSON, opened, read_text
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
 from ..case import Case, Resolution
@@ -145,8 +144,7 @@ def save_case(mechanism: Mechanism, case: Case, path: str | Path) -> Path:
         InputError: It cannot be written, or parts of the mechanism were replaced.
     """
     with complete_file(Path(path)) as partial:
-        document = sealed(_setting(mechanism, case))
-        partial.write_text(json.dumps(document, indent=1), encoding="utf-8")
+        partial.write_text(json.dumps(_setting(mechanism, case), indent=1), encoding="utf-8")
     return Path(path)
 
 

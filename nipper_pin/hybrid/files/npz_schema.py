@@ -81,7 +81,7 @@ class SavedCase(Setting, frozen=True, kw_only=True):
     """A case by itself.
 
     Attributes:
-        sha256: Digest of all else, from format 3 on; a case that was edited is read all the same.
+        sha256: Digest of all else, which cases once had; they may be edited.
         stress: What a campaign has found of it, in files of its failures.
     """
 
