@@ -63,9 +63,9 @@ IMPACT_RESIDUAL = 1e-13
 MAX_IMPACT_RESIDUAL = 1e-9
 """[1] The same, beyond which an impact is refused. A choice: four digits above ``IMPACT_RESIDUAL``,
 so that only a failure exceeds it, such as a rank-deficient system."""
-EQUAL_APPROACH = 1e-10
-"""[1] By the fastest approach: contacts that are as fast and struck at the same time. A choice, far
-above the round-off of rates that symmetric machines have."""
+EQUAL_APPROACH = 1e-4
+"""[1] By the fastest approach: contacts that are as fast and struck at the same time. A choice:
+five digits of a symmetric machine differ by less."""
 DEPENDENT_PIVOT = 1e-12
 """[1] By the response of a stop alone: what other stops leave of it, below which it depends on
 them. A choice: it is 4500 eps, and masses that differ by 1e8 leave 1e-8."""
