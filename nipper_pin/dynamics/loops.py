@@ -78,13 +78,14 @@ class Loops:
     def closures(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Closure gaps and their Jacobian, as :meth:`Multibody.closures`."""
         turned = self._turned(q, q.take(self._slid, 1))
-        count = len(q)
-        apart = turned.dot(self._matrix).reshape(count, -1, 1 + self._nv)
+        # There may be no configuration, and no closure.
+        count, cuts = len(q), len(self._owners)
+        apart = turned.dot(self._matrix).reshape(count, cuts, 1 + self._nv)
         apart *= turned.take(self._owners, 1).conj()[:, :, None]
-        rows = np.empty((count, len(self._owners), 2, 1 + self._nv))
+        rows = np.empty((count, cuts, 2, 1 + self._nv))
         np.multiply(apart.imag, self._signs, rows[:, :, 0])
         rows[:, :, 1] = apart.real
-        both: FloatArray = rows.reshape(count, -1, 1 + self._nv)
+        both: FloatArray = rows.reshape(count, 2 * cuts, 1 + self._nv)
         return both[:, :, 0], both[:, :, 1:]
 
     def accelerations(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
@@ -101,7 +102,7 @@ class Loops:
         apart = (turned * whirl).dot(self._gaps) * owners
         rows = np.empty((*apart.shape, 2))
         rows[:, :, 0], rows[:, :, 1] = apart.imag * self._signs[:, 0], apart.real
-        return rows.reshape(len(q), -1)
+        return rows.reshape(len(q), 2 * len(self._owners))
 
     def _turned(self, q: FloatArray, slid: FloatArray | float) -> NDArray[np.complex128]:
         """Units turned with the bodies, then lengths turned with the slides.

@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.stress.space import trial
 from nipper_pin import Mechanism
+from nipper_pin.dynamics.loops import Loops
 from nipper_pin.dynamics.multibody import Multibody
 from nipper_pin.mechanism.drawing import drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, drawn
@@ -52,3 +53,14 @@ def test_of_random_machines(number: int) -> None:
 
 def test_of_the_e62(e62: Mechanism) -> None:
     _agree(e62)
+
+
+def test_of_no_configuration(e62: Mechanism) -> None:
+    """A motion that the drives determine has no tangent to follow."""
+    body = Multibody(e62)
+    none = np.empty((0, body.nv))
+    loops = Loops(e62.model, body.cuts)
+    gaps, jacobians = loops.closures(none)
+    rows = (0, body.closure_rows)
+    assert (gaps.shape, jacobians.shape) == (rows, (*rows, body.nv))
+    assert loops.accelerations(none, none, none).shape == rows
