@@ -176,9 +176,7 @@ def _say(text: str) -> None:
     sys.stderr.write(f"{line}\n")
 
 
-def _parser(
-    command: str | None = None, commands: Commands = NIPPER_PIN
-) -> argparse.ArgumentParser:
+def _parser(command: str | None = None, commands: Commands = NIPPER_PIN) -> argparse.ArgumentParser:
     """Return the parser of one command or of all; only the modules of that command are imported."""
     parser = argparse.ArgumentParser(prog=commands.program, description=commands.description)
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")

@@ -25,7 +25,7 @@ def impact_condition(
         system: The system; held drives do not yield.
         q: Configuration, shape (nv,).
         jacobian: Closure Jacobian G at q, shape (m, nv).
-        stops: Coordinates of the closed stops.
+        stops: Coordinates of the closed stops; with any, the matrix is that of their parts.
 
     Returns:
         The condition number in the 2-norm; infinite if rows depend on one another, or the mass
@@ -33,6 +33,10 @@ def impact_condition(
     """
     moving, mass = moving_mass(system, q)
     rows = np.vstack([jacobian, np.eye(system.body.nv)[list(stops)]])[:, moving]
+    if stops:
+        # What other parts are is nothing to them.
+        own = np.isin(system.parts[moving], system.parts[list(stops)])
+        rows, mass = rows[rows[:, own].any(axis=1)][:, own], mass[np.ix_(own, own)]
     if not len(rows):
         return 1.0
     try:

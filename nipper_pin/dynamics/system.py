@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, product
 from ..mechanism import Mechanism, Stop
@@ -65,7 +66,7 @@ class System:
         self.good_condition = GOOD_CONDITION * max(self.body.closure_rows, 1)
         self.elements = elements(mechanism, self.body)
         self._sets: dict[frozenset[str], ConstraintSet] = {}
-        self.parts, self._together, self.whole = parts(mechanism, self.held)
+        self.parts, self._members, self._together, self.whole = parts(mechanism, self.held)
         self._all = frozenset(self._together)
         self._splits: dict[tuple[tuple[int, ...], tuple[int, ...]], Partition] = {}
         self._checked: tuple[FloatArray | None, tuple[int, ...]] = (None, ())
@@ -85,6 +86,10 @@ class System:
         for stop in stops:
             groups.setdefault(int(self.parts[stop.index]), []).append(stop)
         return list(groups.values())
+
+    def members(self, index: int) -> NDArray[np.intp]:
+        """Coordinates of the part of one of them, and of held shafts that move it, in order."""
+        return self._members[int(self.parts[index])]
 
     def coupled(self, names: Collection[str]) -> frozenset[str]:
         """Names of all stops in the parts of some stops, by their names; these among them."""

@@ -80,9 +80,9 @@ def curves(mechanism: Mechanism) -> str:
     """
     told = (
         f"the smooth curve of spring {item.name} leaves the straight line after row {row} by "
-        f"{100.0 * share:.0f} % of the range of its forces: interpolation = \"linear\" joins "
+        f'{100.0 * share:.0f} % of the range of its forces: interpolation = "linear" joins '
         "rows by lines, more rows beside a kink keep the curve near them, and "
-        "interpolation = \"smooth\" says that it is meant so"
+        'interpolation = "smooth" says that it is meant so'
         for item in mechanism.tabulated_springs
         if item.characteristic.interpolation is None
         for share, row in [item.characteristic.departure]

@@ -15,7 +15,9 @@ from small_machines import link, machine, slide
 
 from benchmarks.stress.checks.agreement import within_errors
 from nipper_pin import Case, EventKind, Resolution, Solution, Window, simulate
+from nipper_pin.hybrid.error_estimate.by_part import part_of
 from nipper_pin.hybrid.error_estimate.linear_maps import LinearMaps
+from nipper_pin.hybrid.error_estimate.panel_maps import PanelMaps
 from nipper_pin.hybrid.error_estimate.truncated_bounces import left_out
 
 TOLERANCES = (1e-6, 1e-8, 1e-10, 1e-12)
@@ -58,7 +60,8 @@ def test_it_is_the_difference_to_a_run_of_more_bounces(tolerance: float, exact: 
     found = left_out(solution.system, rest, rest.t - lying.t_start)
     t = rest.t + 0.01
     lying = replace(lying, t_end=t, panels=lying.panels[:1])
-    later = LinearMaps(solution.system, solution.events).flight(lying).matrix @ found
+    panels = PanelMaps(solution.system, solution.events)
+    later = LinearMaps(part_of(solution.system, "floor"), panels).flight(lying).matrix @ found
     states = [item.trajectory.evaluate(np.array([t])) for item in (solution, exact)]
     q, v = (np.diff([getattr(state, name)[0] for state in states], axis=0)[0] for name in "qv")
     assert later[[1, 3]] == pytest.approx([q[1], v[1]], rel=0.1)

@@ -160,7 +160,10 @@ def four_bar(follower: float, elsewhere: float = 0.0) -> Mechanism:
     stops = {
         "crank": {"joint": "crank", "at_deg": math.degrees(-0.5), "restitution": 0.4},
         "rocker": {
-            "joint": "rocker", "at_deg": math.degrees(follower), "side": "upper", "restitution": 0.4
+            "joint": "rocker",
+            "at_deg": math.degrees(follower),
+            "side": "upper",
+            "restitution": 0.4,
         },
     }
     closures = {"pin": {"frame_a": "end", "frame_b": "tip"}}

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from nipper_pin import Case, Resolution, Solution, Window, load, simulate
-from nipper_pin.hybrid.error_estimate.variational import flight_map, free_coordinates
+from nipper_pin.hybrid.error_estimate.freedoms import free_coordinates
+from nipper_pin.hybrid.error_estimate.variational import flight_map
 from nipper_pin.hybrid.motion.chebyshev import evaluate
 
 BENCHMARKS = Path(__file__).parents[2] / "models" / "benchmarks"

@@ -1,11 +1,12 @@
 """Estimated errors of event times and impulses, from what a run has left unresolved.
 
-What flights leave unresolved (``unresolved.py``) and round-off are the sources of deviations
-(``deviations.py``) of the computed motion. The variational equation carries them over flights
-(``propagation.py``), the saltation matrix over collisions (``saltation.py``). A deviation (dq, dv)
+What flights leave unresolved (``local_error.py``) and round-off are the sources of deviations
+(``zonotope.py``) of the computed motion. The variational equation carries them over flights
+(``variational.py``), the saltation matrix over collisions (``saltation.py``). A deviation (dq, dv)
 reaches a stop of the coordinate x late by dt = -dx/v-, with a rate that is wrong by dv + a- dt and
 an impulse that is wrong by the derivative of the impact law. A phase without freedom forgets the
-past: only the round-off of its closures and of time is left.
+past: only the round-off of its closures and of time is left. Each part of a machine is followed
+from event to event of its own (``by_part.py``).
 """
 
 from __future__ import annotations
@@ -23,11 +24,13 @@ from ...tolerances.hybrid import (
     ROOT_RESOLUTION,
     SERIES_ERROR_SAFETY,
 )
-from ..event import Event, EventKind, found_after
+from ..event import Event, EventKind
 from ..segment import Segment
+from .by_part import of_all_parts, parts_of
 from .determined import at_start
 from .linear_maps import ImpactMap, LinearMaps, pushing
 from .local_error import round_off
+from .panel_maps import PanelMaps
 from .release_time import release_error
 from .together import StrikeError, after_all, beside, stated, still_apart
 from .zonotope import Deviations
@@ -41,10 +44,11 @@ class EventError:
         time: Of its time [s]; of stops that are struck together the largest.
         impulse: Of the rates and the impulse of its first stop, ``event.stops[0]``, relative [-].
             At a release, of the collision before.
-        since: Of the time since the event before it [s].
+        since: Of the time since the event before it in the part of that stop [s].
         impulses: Of every impulse that the event lists in ``P_N``, by stop and in its unit
-            [N m s or N s]. An impulse beside a much larger one has at least the round-off of that.
-        strikes: Of each stop, by name, where it strikes several.
+            [N m s or N s]. An impulse beside a much larger one of its part has at least the
+            round-off of that.
+        strikes: Of each stop, by name, where it strikes several or is one of several parts.
     """
 
     time: float
@@ -55,7 +59,7 @@ class EventError:
 
     def at(self, stop: str) -> StrikeError:
         """Errors of one of the stops that it strikes, by name."""
-        return self.strikes.get(stop, StrikeError(self.time, self.impulse))
+        return self.strikes.get(stop, StrikeError(self.time, self.impulse, self.since))
 
 
 # Where drives determine the motion, or nothing has happened yet.
@@ -74,37 +78,53 @@ def event_errors(
     """
     if not events:
         return ()
-    maps = LinearMaps(system, events)
-    state, place = _State(_at_start(system, segments, events[0]), _FRESH), 0
+    panels, start = PanelMaps(system, events), _at_start(system, segments, events[0])
+    found: list[list[tuple[Event, EventError]]] = [[] for _ in events]
+    for part in parts_of(system):
+        own = [part.event(event) for event in events if not part.stops.isdisjoint(event.stops)]
+        maps = LinearMaps(part, panels)
+        errors = _of_part(maps, segments, own, _State(part.of(start.states), _FRESH))
+        for event, error in zip(own, errors, strict=True):
+            found[event.number - 1].append((event, error))
+    return tuple(of_all_parts(*item) for item in zip(events, found, strict=True))
+
+
+def _of_part(
+    maps: LinearMaps, segments: Sequence[Segment], events: Sequence[Event], state: _State
+) -> list[EventError]:
+    """Errors of the events of a part, from what is known of it at the start."""
+    place = 0
     last: dict[int, _Step] = {}
     found: list[EventError] = []
-    # A rest is found at the last bounce: what other parts do until its time comes afterwards.
-    order = sorted(events, key=lambda item: found_after(events, item).number)
-    for event in order:
-        first = place
+    for event in events:
+        first, flights, forgotten = place, list[Segment](), False
         # A rest lies beyond the end of the motion before it.
         while (
             event.kind is not EventKind.REST
             and place < len(segments)
             and segments[place].t_end <= event.t
         ):
-            if segments[place].kinematic:
-                state = _State(maps.end(segments[place]), _FRESH)
+            segment = segments[place]
             place += 1
+            if maps.determined(segment):
+                state, forgotten = _State(maps.end(segment), _FRESH), True
+                flights.clear()
+            elif segment.t_end > segment.t_start:
+                flights.append(segment)
         step = last.get(event.source)
         if step is None or not step.starts_from(state):
-            arrival = _Arrival(event, segments[max(first - 1, 0) : place], place - first)
-            step = last[event.source] = _stepped(system, maps, state, arrival)
+            flown = sum(segment.t_end - segment.t_start for segment in segments[first:place])
+            arrival = _Arrival(event, segments[place - 1] if place else None, flown, flights)
+            step = last[event.source] = _stepped(maps, state, arrival)
         state = step.after
         # What a copy is wrong by is what it is a copy of, and round-off of its time.
         shifted = CLOCK_ROUND_OFF * (event.t - step.t)
         stated = replace(step.stated, time=step.stated.time + shifted)
-        if found and any(segment.kinematic for segment in segments[first:place]):
+        if found and forgotten:
             # Nothing that makes the event before late goes on.
             stated = replace(stated, since=stated.time + found[-1].time)
         found.append(stated)
-    stated_of = {event.number: stated for event, stated in zip(order, found, strict=True)}
-    return tuple(stated_of[event.number] for event in events)
+    return found
 
 
 def _at_start(system: System, segments: Sequence[Segment], first: Event) -> Deviations:
@@ -150,46 +170,22 @@ class _Step(NamedTuple):
 
 
 class _Arrival(NamedTuple):
-    """Motion of a run from one event to the next.
+    """Motion of a part from one event to the next.
 
     Attributes:
         event: The event.
-        segments: The last segments before it.
-        new: How many of them there are since the event before.
+        last: The segment that ends there, if there is one.
+        flown: Time since the event before [s].
+        flights: Flights of some length since then, or since a segment without freedom.
     """
 
     event: Event
-    segments: Sequence[Segment]
-    new: int
-
-    @property
-    def last(self) -> Segment | None:
-        """The segment that ends there, if there is one."""
-        return self.segments[-1] if self.segments else None
-
-    @property
-    def since(self) -> Sequence[Segment]:
-        """The segments since the event before."""
-        return self.segments[len(self.segments) - self.new :]
-
-    @property
-    def flown(self) -> float:
-        """Time since the event before [s]."""
-        return sum(segment.t_end - segment.t_start for segment in self.since)
-
-    @property
-    def flights(self) -> list[Segment]:
-        """Flights of some length since the event before, or since a segment without freedom."""
-        found: list[Segment] = []
-        for segment in self.since:
-            if segment.kinematic:
-                found.clear()
-            elif segment.t_end > segment.t_start:
-                found.append(segment)
-        return found
+    last: Segment | None
+    flown: float
+    flights: Sequence[Segment]
 
 
-def _stepped(system: System, maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
+def _stepped(maps: LinearMaps, before: _State, arrival: _Arrival) -> _Step:
     """From one event to the next."""
     event, (deviations, error) = arrival.event, before
     for place, segment in enumerate(arrival.flights):
@@ -199,50 +195,52 @@ def _stepped(system: System, maps: LinearMaps, before: _State, arrival: _Arrival
         deviations = deviations.through(flight.matrix).joined(flight.own).merged()
     arrived = _State(deviations, error)
     if event.kind is EventKind.REST:
-        deviations, stated = _rested(system, maps, arrived, arrival)
+        deviations, stated = _rested(maps, arrived, arrival)
         return _Step(event.t, before, _State(deviations, error), stated)
     if event.kind is EventKind.COLLISION:
-        deviations, error = _struck(system, maps, arrived, arrival)
+        deviations, error = _struck(maps, arrived, arrival)
     else:
-        error = _released(system, arrived, arrival)
+        error = _released(maps, arrived, arrival)
     return _Step(event.t, before, _State(deviations, error), error)
 
 
-def _struck(
-    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
-) -> tuple[Deviations, EventError]:
+def _struck(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviations, EventError]:
     """Deviations after a collision and its errors, from the deviations before it."""
-    event, nv, flown = arrival.event, system.body.nv, arrival.flown
+    system, part, event, flown = maps.system, maps.part, arrival.event, arrival.flown
     index = system.mechanism.stop(event.stops[0]).index
+    place, n = part.place(index), part.size
     rate = float(event.v_before[index])
     if rate == 0.0:
         impulses = {name: before.error.impulse * abs(P) for name, P in event.P_N.items()}
         return before.deviations, replace(before.error, impulses=impulses)
     impact = maps.impact(event)
-    found = still_apart(system, event, arrival.last, before.deviations)
+    found = still_apart(system, part, maps.whole(event), arrival.last, before.deviations)
     # Linear maps know nothing of flights that miss the stop: no collision is off by all its flight.
     most = max(before.error.time + flown, 0.0)
-    late = -found.states[index] / rate
+    late = -found.states[place] / rate
     total = float(np.abs(late).sum())
     if total > most:
         late *= most / total
-    seen = min(_seen_late(system, maps, arrival, index), most) if flown > 0.0 else 0.0
+    seen = 0.0
+    if flown > 0.0 and arrival.last is not None:
+        seen = min(_seen_late(maps, event, arrival.last, index), most)
     found = found.later(late, impact.rates)
     found = found.joined(Deviations((seen * impact.rates)[:, None], np.array([seen]), np.zeros(1)))
     time = float(np.abs(found.late).sum())
     since = float(np.abs(found.late - found.before).sum()) if flown > 0.0 else 0.0
-    found = found.within(index, 0.0)
-    relative = found.size(nv + index) / abs(rate)
-    found = found.within(nv + index, abs(rate))
-    found, others = beside(system, event, impact.rates[nv:], found)
+    found = found.within(place, 0.0)
+    relative = found.size(n + place) / abs(rate)
+    found = found.within(n + place, abs(rate))
+    found, others = beside(system, part, event, impact.rates[n:], found)
     impulses = dict.fromkeys(event.P_N, 0.0)
     if stops := pushing(system, event):
         pushed = _pushed(system, event, impact, found)
         first, size = stops[0].name, abs(event.P_N[stops[0].name])
         relative = max(relative, pushed[first] / size) + impact.lost * (impact.beside[first] / size)
         impulses = _with_round_off(event, impact, pushed)
-        found = after_all(system, event, others, found.through(impact.matrix)).joined(impact.own)
-    own = StrikeError(time, min(relative, 1.0))
+        found = after_all(system, part, event, others, found.through(impact.matrix))
+        found = found.joined(impact.own)
+    own = StrikeError(time, min(relative, 1.0), since)
     strikes = stated(own, others, event, impulses)
     time = max([time, *(item.time for item in strikes.values())])
     return found.merged(), EventError(time, own.relative, since, impulses, strikes)
@@ -262,24 +260,22 @@ def _with_round_off(event: Event, impact: ImpactMap, pushed: dict[str, float]) -
     return {name: pushed.get(name, 0.0) + impact.lost * impact.beside[name] for name in event.P_N}
 
 
-def _seen_late(system: System, maps: LinearMaps, arrival: _Arrival, index: int) -> float:
+def _seen_late(maps: LinearMaps, event: Event, segment: Segment, index: int) -> float:
     """By how much a gap is seen to close late [s]: round-off of time, and of a dependent gap."""
-    event, segment, wrong = arrival.event, arrival.segments[-1], 0.0
-    split = segment.panels[-1].split
+    system, split, wrong = maps.system, segment.panels[-1].split, 0.0
     if segment.kinematic:
         return (CLOCK_ROUND_OFF + ROOT_RESOLUTION) * event.t
     if index in split.dependent:
         wrong = float(round_off(system, split, event.q)[index])
-        wrong += float(maps.flight(segment).position[index])
+        wrong += maps.unresolved(segment, index)
     return CLOCK_ROUND_OFF * event.t + wrong / abs(float(event.v_before[index]))
 
 
-def _rested(
-    system: System, maps: LinearMaps, before: _State, arrival: _Arrival
-) -> tuple[Deviations, EventError]:
+def _rested(maps: LinearMaps, before: _State, arrival: _Arrival) -> tuple[Deviations, EventError]:
     """Deviations after a rest and its errors, from the deviations after the last collision."""
     event, deviations, late = arrival.event, before.deviations, before.deviations.late
     left = late - deviations.before if arrival.flown > 0.0 else np.zeros_like(late)
+    system, part = maps.system, maps.part
     columns = [system.mechanism.stop(name).index for name in event.stops]
     rates = event.v_before[columns]
     impulses = dict.fromkeys(event.P_N, 0.0)
@@ -287,7 +283,8 @@ def _rested(
         # What is left of the series lasts in proportion to its rate; of several stops the one that
         # is known least tells.
         beyond = event.t - (arrival.last.t_end if arrival.last is not None else 0.0)
-        wrong = deviations.states[[system.body.nv + index for index in columns]] / rates[:, None]
+        wrong = deviations.states[[part.size + part.place(index) for index in columns]]
+        wrong = wrong / rates[:, None]
         shorter = beyond * wrong[int(np.abs(wrong).sum(axis=1).argmax())]
         late, left = late + shorter, left + shorter
         impact = maps.impact(event)
@@ -299,15 +296,16 @@ def _rested(
     return deviations, EventError(time, before.error.impulse, since, impulses)
 
 
-def _released(system: System, before: _State, arrival: _Arrival) -> EventError:
+def _released(maps: LinearMaps, before: _State, arrival: _Arrival) -> EventError:
     """Errors of a release, from the deviations there; it changes none of them."""
     event, segment, flown = arrival.event, arrival.last, arrival.flown
     if segment is None or flown <= 0.0:
         return replace(before.error, impulses={})
-    phase = system.constraint_set(segment.closed)
+    system, phase = maps.system, maps.system.constraint_set(segment.closed)
     index = system.mechanism.stop(event.stops[0]).index
     if index not in phase.stops:
         return replace(before.error, impulses={})
-    late = release_error(system, phase, segment.panels[-1], event.t, before.deviations, index)
+    panel = segment.panels[-1]
+    late = release_error(system, maps.part, phase, panel, event.t, before.deviations, index)
     late = min(late, flown) + CLOCK_ROUND_OFF * event.t
     return EventError(late, before.error.impulse, late + before.error.time, {})

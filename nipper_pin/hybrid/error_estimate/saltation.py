@@ -18,7 +18,7 @@ from ...arrays import FloatArray
 from ...dynamics.assembly import Partition
 from ...dynamics.system import System
 from ...mechanism import Stop
-from ...tolerances.hybrid import DIFFERENCE_STEP
+from .freedoms import Freedoms
 from .variational import lifts, tangents
 
 
@@ -36,14 +36,15 @@ def impact_map(
         system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
-        struck: The stops.
+        struck: The stops, all of one part of the machine.
         restitution: e_N of each; zero takes their rates away.
         slopes: -d(rate after)/d(rate before) of each, where a law makes e_N depend on the rate;
             None if all are constant.
 
     Returns:
         Deviations (dq, dv) after by those before, both at the time at which the neighbouring motion
-        strikes, shape (2 nv, 2 nv); and those of the impulses, shape (struck, 2 nv).
+        strikes, shape (2 nv, 2 nv); and those of the impulses, shape (struck, 2 nv). By those of
+        other parts there are none.
 
     Raises:
         SingularConfigurationError: The closures do not determine the dependent coordinates.
@@ -52,10 +53,10 @@ def impact_map(
     _, jacobian = system.body.closures(q[None])
     columns = tuple(stop.index for stop in struck)
     split = system.split(jacobian[0], system.held_coordinates, columns)
-    y = list(split.independent)
-    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
-    sizes = np.abs(units / system.body.units).max(axis=1, keepdims=True)
-    steps = DIFFERENCE_STEP / np.maximum(sizes, 1.0 / system.body.units[y, None])
+    along = Freedoms.struck(system, split, struck)
+    y = list(along.columns)
+    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, along))
+    steps = along.steps(units[:, None])
     aside = np.vstack([q, q + steps * units])
     laws, impulses = _laws(system, aside, split, struck, restitution)
     neighbours = np.vstack([v, v + steps * turned])[:, :, None]
@@ -91,7 +92,7 @@ def pushed_by(system: System, q: FloatArray, stop: Stop, impulse: float) -> Floa
     """
     _, jacobian = system.body.closures(q[None])
     split = system.split(jacobian[0], system.held_coordinates, (stop.index,))
-    mass, units = _free_mass(system, q[None], jacobian, split)
+    mass, units = _free_mass(system, q[None], jacobian, split, [stop])
     pushed = stop.sense * impulse * units[0, stop.index]
     return np.asarray(units[0] @ np.linalg.solve(mass[0], pushed))
 
@@ -109,7 +110,7 @@ def _laws(
         Shapes (N, nv, nv) and (N, struck, nv).
     """
     nv = system.body.nv
-    mass, units = _free_mass(system, q, system.body.closures(q)[1], split)
+    mass, units = _free_mass(system, q, system.body.closures(q)[1], split, struck)
     gaps = np.zeros((len(struck), nv))
     gaps[range(len(struck)), [stop.index for stop in struck]] = [stop.sense for stop in struck]
     rows = gaps @ units
@@ -120,15 +121,20 @@ def _laws(
 
 
 def _free_mass(
-    system: System, q: FloatArray, jacobian: FloatArray, split: Partition
+    system: System,
+    q: FloatArray,
+    jacobian: FloatArray,
+    split: Partition,
+    struck: Sequence[Stop],
 ) -> tuple[FloatArray, FloatArray]:
-    """Mass matrices of the coordinates that impulses move, and what these lift to.
+    """Mass matrices of the coordinates that impulses at stops move, and what these lift to.
 
     Returns:
         Shapes (N, K, K) and (N, nv, K).
     """
-    free = [k for k in split.independent if k not in system.held_coordinates]
-    units = np.moveaxis(lifts(jacobian, split, free), 0, 2)
+    reached = Freedoms.struck(system, split, struck).columns
+    free = [k for k in reached if k not in system.held_coordinates]
+    units = np.moveaxis(lifts(jacobian, split, np.eye(system.body.nv)[free]), 0, 2)
     mass = system.body.mass_matrices(q)
     if not system.held:
         mass += np.diag(system.drive_armature)

@@ -11,6 +11,7 @@ from ...dynamics.strike import strike
 from ...dynamics.system import System
 from ...mechanism import Stop
 from ...tolerances.hybrid import DIFFERENCE_STEP
+from .freedoms import Freedoms
 from .variational import tangents
 
 # Strikes of one impact that are followed at its neighbours; more are a series without an end.
@@ -30,7 +31,7 @@ def sequence_map(
         system: The system.
         q: Configuration, shape (nv,).
         v: Velocity before, shape (nv,).
-        contacts: Stops in contact.
+        contacts: Stops in contact, all of one part of the machine.
         pushed: Those whose impulses are asked for.
 
     Returns:
@@ -50,12 +51,12 @@ def sequence_map(
     _, jacobian = system.body.closures(q[None])
     columns = tuple(stop.index for stop in contacts)
     split = system.split(jacobian[0], system.held_coordinates, columns)
-    y = list(split.independent)
-    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, y))
+    along = Freedoms.struck(system, split, contacts)
+    units, turned = (part[:, 0] for part in tangents(system, q[None], v[None], split, along))
     after, impulses = outcome(q, v)
     whole, pushes = np.zeros((2 * nv, 2 * nv)), np.zeros((len(pushed), 2 * nv))
-    step = DIFFERENCE_STEP * float(np.abs(v).max())
-    for k, unit, turn in zip(y, units, turned, strict=True):
+    step = DIFFERENCE_STEP * float(np.abs(v[along.members[0]]).max())
+    for k, unit, turn in zip(along.columns, units, turned, strict=True):
         size = max(float(np.abs(unit).max()), 1.0)
         aside, quick = DIFFERENCE_STEP / size, step / size
         moved = outcome(q + aside * unit, v + aside * turn)

@@ -3,7 +3,7 @@
 A neighbouring motion strikes each of them at a time of its own: by dt after the first one, until
 when it goes on without the change of velocity u that this stop makes, with the accelerations from
 before. At the time of the first one it deviates by -u dt, and what u moves has struck with other
-rates. So the errors of parts that are not coupled are those of each part alone.
+rates. Parts that do not touch are followed apart (``by_part.py``).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ...dynamics.system import System
 from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
 from ..event import Event
 from ..segment import Segment
+from .by_part import Part
 from .saltation import pushed_by
 from .zonotope import Deviations
 
@@ -29,10 +30,12 @@ class StrikeError(NamedTuple):
     Attributes:
         time: Of the time at which it is struck [s].
         relative: Of its rates and its impulse [-].
+        since: Of the time since the event before, of the first stops of its part [s].
     """
 
     time: float
     relative: float
+    since: float
 
 
 class Beside(NamedTuple):
@@ -41,20 +44,22 @@ class Beside(NamedTuple):
     Attributes:
         name: Its name.
         late: By how much later than the first one each source has it struck [s], shape (K,).
-        moved: What its impulse adds to the velocities, shape (nv,).
-        along: True where it does, shape (nv,).
-        error: Errors of its time and rates.
+        moved: What its impulse adds to the velocities of the part, shape (n,).
+        along: True where it does, shape (n,).
+        time: Error of the time at which it is struck [s].
+        relative: Relative error of its rates [-].
     """
 
     name: str
     late: FloatArray
     moved: FloatArray
     along: FloatArray
-    error: StrikeError
+    time: float
+    relative: float
 
 
 def still_apart(
-    system: System, event: Event, segment: Segment | None, found: Deviations
+    system: System, part: Part, event: Event, segment: Segment | None, found: Deviations
 ) -> Deviations:
     """Add what the gaps of stops that are struck together were at the time of their event.
 
@@ -62,9 +67,10 @@ def still_apart(
 
     Args:
         system: The system.
-        event: The event.
+        part: The part of the stops.
+        event: The event, with the stops of all parts.
         segment: The motion to it; None if a run begins with it.
-        found: Deviations before it.
+        found: Deviations of the part before it.
     """
     struck = event.struck(system.mechanism)
     if len(struck) == 1 or segment is None or segment.t_end <= segment.t_start:
@@ -73,43 +79,48 @@ def still_apart(
     gaps = np.zeros(len(q))
     for stop in struck:
         gaps[stop.index] = stop.gap(q)
+    gaps = gaps[part.coordinates]
     return found.joined(Deviations.independent(gaps, np.zeros_like(gaps)))
 
 
 def beside(
-    system: System, event: Event, a: FloatArray, before: Deviations
+    system: System, part: Part, event: Event, a: FloatArray, before: Deviations
 ) -> tuple[Deviations, list[Beside]]:
     """Deviations where stops are struck in the event of another one.
 
     Args:
         system: The system.
+        part: The part of the stops.
         event: The event.
-        a: Accelerations before it, shape (nv,).
+        a: Accelerations of the part before it, shape (n,).
         before: Deviations at the times at which the first stop is struck.
 
     Returns:
         The deviations, of each part when it is struck itself, and the stops.
     """
-    nv, states = len(a), before.states.copy()
+    states = before.states.copy()
     stops: list[Beside] = []
     for stop in event.struck(system.mechanism)[1:]:
-        rate = float(event.v_before[stop.index])
-        late = -before.states[stop.index] / rate
-        moved = pushed_by(system, event.q, stop, event.P_N[stop.name])
+        rate, place = float(event.v_before[stop.index]), part.place(stop.index)
+        late = -before.states[place] / rate
+        moved = pushed_by(system, event.q, stop, event.P_N[stop.name])[part.coordinates]
         size = np.abs(moved)
         along = size > NEGLIGIBLE_DEVIATION * size.max()
-        states[nv:][along] += np.outer(a[along], late)
+        states[part.size :][along] += np.outer(a[along], late)
         time = float(np.abs(before.late + late).sum())
-        relative = float(np.abs(states[nv + stop.index]).sum()) / abs(rate)
-        stops.append(Beside(stop.name, late, moved, along, StrikeError(time, relative)))
+        relative = float(np.abs(states[part.size + place]).sum()) / abs(rate)
+        stops.append(Beside(stop.name, late, moved, along, time, relative))
     return replace(before, states=states), stops
 
 
-def after_all(system: System, event: Event, stops: list[Beside], after: Deviations) -> Deviations:
+def after_all(
+    system: System, part: Part, event: Event, stops: list[Beside], after: Deviations
+) -> Deviations:
     """Deviations after an event, back at the times at which its first stop is struck.
 
     Args:
         system: The system.
+        part: The part of the stops.
         event: The event.
         stops: The stops that it strikes beside that one.
         after: Deviations after the impacts, of each part when it is struck itself.
@@ -117,11 +128,11 @@ def after_all(system: System, event: Event, stops: list[Beside], after: Deviatio
     if not stops:
         return after
     phase, motion = system.constraint_set(event.closed_after), system.shaft.driven_at(event.t)
-    a = system.accelerations(motion, event.q[None], event.v_after[None], phase)[0]
-    states, nv = after.states.copy(), len(a)
+    a = system.accelerations(motion, event.q[None], event.v_after[None], phase)
+    a, states, n = a[0, part.coordinates], after.states.copy(), part.size
     for stop in stops:
-        states[:nv] -= np.outer(stop.moved, stop.late)
-        states[nv:][stop.along] -= np.outer(a[stop.along], stop.late)
+        states[:n] -= np.outer(stop.moved, stop.late)
+        states[n:][stop.along] -= np.outer(a[stop.along], stop.late)
     return replace(after, states=states)
 
 
@@ -139,6 +150,6 @@ def stated(
     found = {event.stops[0]: first} if stops else {}
     for stop in stops:
         size = abs(event.P_N[stop.name])
-        relative = stop.error.relative + (impulses[stop.name] / size if size > 0.0 else 0.0)
-        found[stop.name] = StrikeError(stop.error.time, min(relative, 1.0))
+        relative = stop.relative + (impulses[stop.name] / size if size > 0.0 else 0.0)
+        found[stop.name] = StrikeError(stop.time, min(relative, 1.0), first.since)
     return found

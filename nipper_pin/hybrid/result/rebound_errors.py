@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...tolerances.hybrid import CLOCK_ROUND_OFF
+from ..error_estimate.by_part import part_of
 from ..error_estimate.event_errors import EventError
 from ..error_estimate.linear_maps import LinearMaps
+from ..error_estimate.panel_maps import PanelMaps
 from ..event import EventKind
 from ..segment import Segment
 from .solution import Solution
@@ -49,15 +51,21 @@ def rebound_error(solution: Solution, hit: Collision) -> ReboundError:
     error = solution.errors[hit.event.number - 1]
     if left_out is not None:
         return _left_out(solution, hit, left_out, error)
-    later = solution.errors[hit.event.number : end.number]
-    relative, late = error.at(hit.stop).relative, float(sum(item.since for item in later))
-    if end.kind is EventKind.COLLISION and later:
-        relative = max(relative, later[-1].at(hit.stop).relative)
-    # What lies between two events is that between their first stops.
-    events = solution.events[hit.event.number - 1 : end.number]
-    for event, item in zip(events, (error, *later), strict=True):
-        if hit.stop in item.strikes and hit.stop != event.stops[0]:
+    part = solution.system.coupled([hit.stop])
+    relative, late = error.at(hit.stop).relative, 0.0
+    for event in solution.events[hit.event.number - 1 : end.number]:
+        own, item = (
+            [name for name in event.stops if name in part],
+            solution.errors[event.number - 1],
+        )
+        if not own:
+            continue
+        late += item.at(own[0]).since if event is not hit.event else 0.0
+        # What lies between two events of a part is that between their first stops.
+        if hit.stop in item.strikes and hit.stop != own[0]:
             late += item.strikes[hit.stop].time
+    if end.kind is EventKind.COLLISION and end is not hit.event:
+        relative = max(relative, solution.errors[end.number - 1].at(hit.stop).relative)
     return ReboundError(2.0 * relative * height, late)
 
 
@@ -66,11 +74,13 @@ def _left_out(
 ) -> ReboundError:
     """Errors of a rebound that the run did not follow: those of its rate, and of its own flight."""
     index = solution.mechanism.stop(hit.stop).index
-    maps, last = LinearMaps(solution.led_system, solution.led_events), flown[-1]
+    part = part_of(solution.led_system, hit.stop)
+    maps, last = LinearMaps(part, PanelMaps(solution.led_system, solution.led_events)), flown[-1]
     own = [maps.flight(segment).own for segment in flown if segment.t_end > segment.t_start]
     _, v = last.panels[-1].interpolate_at(last.t_end)
     rate = abs(float(v[index]))
-    slower, off = (sum(item.size(row) for item in own) for row in (len(v) + index, index))
+    place = part.place(index)
+    slower, off = (sum(item.size(row) for item in own) for row in (part.size + place, place))
     relative = error.at(hit.stop).relative + slower / rate
     duration = last.t_end - flown[0].t_start
     late = off / rate + CLOCK_ROUND_OFF * (hit.t + duration)
