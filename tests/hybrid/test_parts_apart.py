@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import cProfile
+import pickle
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+import pytest
 from small_machines import link, machine, slide
 
 from nipper_pin import Case, Mechanism, Solution, Window, simulate
+from nipper_pin.view.run.sampling import sample_forces
 
 GRAVITY = 9.81
 FEW, MANY = 4, 12
@@ -45,3 +49,20 @@ def test_a_run_costs_what_its_parts_cost() -> None:
     assert len(together.segments) <= MANY / FEW * len(alone.segments)
     assert together.evaluations < GROWTH * alone.evaluations
     assert calls(lambda: run(many)) < GROWTH * calls(lambda: run(few))
+
+
+def test_forces_of_all_stops_are_sampled_together() -> None:
+    """A picture asks each piece of the motion once, and for no joint: stops are what it shows."""
+    few, many = run(balls(FEW)), run(balls(MANY))
+    first, second = (
+        calls(lambda run=run: sample_forces(run, *run.trajectory.span)) for run in (few, many)
+    )
+    assert second < GROWTH * first
+    t = np.linspace(*many.trajectory.span, 10)
+    forces = many.trajectory.reactions(t)
+    weight = np.array([forces.joints[f"z{i}"][-1, 1] for i in range(MANY)])
+    assert weight == pytest.approx(np.full(MANY, GRAVITY), rel=1e-12)
+    again = pickle.loads(pickle.dumps(many.trajectory.reactions(t)))
+    assert [again.joints[name].tolist() for name in again.joints] == [
+        forces.joints[name].tolist() for name in forces.joints
+    ]

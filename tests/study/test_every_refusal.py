@@ -488,7 +488,9 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
         return [SimpleNamespace(feasible=False, violation=0.25)]
 
     asked: Any = SimpleNamespace(
-        limits=limits, units={"a": "", "b": "N", "c": ""}, numbers=lambda z: {"x": float(z[0])},
+        limits=limits,
+        units={"a": "", "b": "N", "c": ""},
+        numbers=lambda z: {"x": float(z[0])},
         bounds_at=lambda z: (f"x <= {z[0]:g}",),
     )
     scales: Any = infeasible.Scales(1.0, (1.0, 8.0, 2.0))

@@ -116,7 +116,7 @@ def test_a_run_of_the_transition_is_drawn_in_the_unit_of_rebounds(transition: So
 
 
 def test_samples_hold_both_limits_at_a_jump_of_force(cycle: Solution) -> None:
-    t, force = sample_forces(cycle, "jaw", *cycle.trajectory.span)
+    t, force = sample_forces(cycle, *cycle.trajectory.span)["jaw"]
     closed = next(item for item in cycle.phases if item.number == 2)
     finite = np.isfinite(force)
     assert t[finite][-1] == pytest.approx(closed.t_end, abs=1e-15)

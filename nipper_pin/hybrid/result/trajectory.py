@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,15 +41,11 @@ class Motion:
 class Reactions:
     """Forces at K times; every force is the one on the child link or on the side of frame a.
 
+    Those of joints and cut joints are found when they are first asked for.
+
     Attributes:
         t: Times [s], shape (K,).
         a: Accelerations, shape (K, nv).
-        joints: By tree joint: force x, force z [N] and moment counter-clockwise about the joint
-            [N m] that the parent link exerts on the child, world axes, shape (K, 3). Along a
-            joint's own coordinate this contains springs, dampers and drives that act there, and
-            stops without a contact point. Lips of stops with one, and springs and dampers between
-            two points, act past the joints.
-        closures: By cut joint: force x, force z [N] on the link of frame a, shape (K, 2).
         drives: By drive: torque on the driven joint [N m], shape (K,).
         stops: By stop: force along its gap, positive when it pushes [N m or N], zero while open,
             shape (K,).
@@ -57,11 +55,53 @@ class Reactions:
 
     t: FloatArray
     a: FloatArray
-    joints: dict[str, FloatArray]
-    closures: dict[str, FloatArray]
     drives: dict[str, FloatArray]
     stops: dict[str, FloatArray]
     contacts: dict[str, FloatArray]
+    _wrenches: Callable[[], tuple[dict[str, FloatArray], dict[str, FloatArray]]] = field(repr=False)
+
+    @property
+    def joints(self) -> dict[str, FloatArray]:
+        """By tree joint what the parent link exerts on the child, shape (K, 3).
+
+        Force x, force z [N] and moment counter-clockwise about the joint [N m], world axes. Along a
+        joint's own coordinate this contains springs, dampers and drives that act there, and stops
+        without a contact point. Lips of stops with one, and springs and dampers between two points,
+        act past the joints.
+        """
+        return self._found[0]
+
+    @property
+    def closures(self) -> dict[str, FloatArray]:
+        """By cut joint: force x, force z [N] on the link of frame a, shape (K, 2)."""
+        return self._found[1]
+
+    @cached_property
+    def _found(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        return self._wrenches()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All forces; Pinocchio's objects, which find them, cannot be pickled."""
+        found = self._found
+        return {**self.__dict__, "_wrenches": partial(tuple, found)}
+
+
+class _States(NamedTuple):
+    """States at K times, with the forces that act on them.
+
+    Attributes:
+        q: Configurations, shape (K, nv).
+        v: Velocities, shape (K, nv).
+        a: Accelerations, shape (K, nv).
+        la_g: Closure forces as of :class:`.Multipliers`, shape (K, m) [N].
+        stops: Forces of the stops along their gaps, shape (K, stops) [N m or N].
+    """
+
+    q: FloatArray
+    v: FloatArray
+    a: FloatArray
+    la_g: FloatArray
+    stops: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,37 +170,46 @@ class Trajectory:
         mechanism, body = self.system.mechanism, self.system.body
         times = _times(t)
         count = len(times)
-        a = np.empty((count, body.nv))
-        wrenches = np.empty((count, len(mechanism.joints), 3))
-        cuts = np.empty((count, len(mechanism.closures), 2))
         torques = np.empty((count, len(mechanism.drives)))
         stops = np.zeros((count, len(mechanism.stops)))
+        la_g = np.empty((count, body.closure_rows))
+        q, v, a = np.empty((3, count, body.nv))
+        states = _States(q, v, a, la_g, stops)
         places = {stop.name: i for i, stop in enumerate(mechanism.stops)}
-        lips, levers = _with_point(mechanism)
         for segment, panel, chosen in self._groups(times, left):
             phase = self.system.constraint_set(segment.closed)
-            q, v, a_chosen, forces = forces_at(self.system, phase, panel, times[chosen])
-            a[chosen] = a_chosen
+            found = forces_at(self.system, phase, panel, times[chosen])
+            (q[chosen], v[chosen], a[chosen]), forces = found[:3], found[3]
+            la_g[chosen] = forces.la_g
             torques[chosen] = forces.drive
             for column, stop in enumerate(phase.shut):
                 for name, share in force_shares(mechanism.stops, stop.name).items():
                     stops[chosen, places[name]] = share * forces.la_N[:, column]
-            pulls = self.system.point_forces(q, v)
-            for row, place in enumerate(chosen):
-                wrenches[place], cuts[place] = body.joint_wrenches(
-                    q[row], v[row], a_chosen[row], forces.la_g[row], pulls[row],
-                    stops[place, lips] / levers,
-                )  # fmt: skip
         return Reactions(
             t=times,
             a=a,
-            joints={joint.name: wrenches[:, i] for i, joint in enumerate(mechanism.joints)},
-            closures={closure.name: cuts[:, i] for i, closure in enumerate(mechanism.closures)},
             drives={drive.name: torques[:, i] for i, drive in enumerate(mechanism.drives)},
             stops={stop.name: stops[:, i] for i, stop in enumerate(mechanism.stops)},
             contacts={
                 stop.name: stops[:, i] / stop.lever for i, stop in enumerate(mechanism.stops)
             },
+            _wrenches=partial(self._wrenches, states),
+        )
+
+    def _wrenches(self, states: _States) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Forces of the joints and of the cut joints, each by name."""
+        mechanism, body = self.system.mechanism, self.system.body
+        lips, levers = _with_point(mechanism)
+        pulls = self.system.point_forces(states.q, states.v)
+        wrenches = np.empty((len(pulls), len(mechanism.joints), 3))
+        cuts = np.empty((len(pulls), len(mechanism.closures), 2))
+        for row, (q, v, a, la_g, stops) in enumerate(zip(*states, strict=True)):
+            wrenches[row], cuts[row] = body.joint_wrenches(
+                q, v, a, la_g, pulls[row], stops[lips] / levers
+            )
+        return (
+            {joint.name: wrenches[:, i] for i, joint in enumerate(mechanism.joints)},
+            {closure.name: cuts[:, i] for i, closure in enumerate(mechanism.closures)},
         )
 
     def impulses(self, event: Event) -> Impulses:

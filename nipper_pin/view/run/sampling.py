@@ -10,7 +10,6 @@ import numpy as np
 from ...arrays import FloatArray
 from ...hybrid.event import Event
 from ...hybrid.result.solution import Solution
-from ...hybrid.result.tables import PhaseInterval
 from ...hybrid.segment import Segment
 from ..reading import shown_phases, shown_until
 
@@ -72,26 +71,35 @@ def lift(solution: Solution, event: Event) -> tuple[float, float] | None:
 
 
 def sample_forces(
-    solution: Solution, stop: str, t_start: float, t_end: float
-) -> tuple[FloatArray, FloatArray]:
-    """Times [s] and normal forces [N or N m] of a stop while it is closed, shape (K,).
+    solution: Solution, t_start: float, t_end: float
+) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Times [s] and normal forces [N or N m] of every stop while it is closed, shape (K,) each.
 
     Stretches are separated by a NaN, so that a line through them breaks at jumps.
     """
-    times, forces = [np.empty(0)], [np.empty(0)]
+    trajectory, nothing = solution.trajectory, np.empty(0)
+    times = {stop.name: [nothing] for stop in solution.mechanism.stops}
+    forces = {stop.name: [nothing] for stop in solution.mechanism.stops}
     for segment, t in _pieces(solution, t_start, t_end):
-        if stop in segment.closed:
-            times += [t, t[-1:]]
-            forces += [_contact(solution, stop, t), np.array([np.nan])]
-    return np.concatenate(times), np.concatenate(forces)
+        if not segment.closed:
+            continue
+        inner = trajectory.reactions(t[:-1]).contacts
+        last = trajectory.reactions(t[-1:], left=True).contacts
+        for name in segment.closed:
+            times[name] += [t, t[-1:]]
+            forces[name] += [inner[name], last[name], np.array([np.nan])]
+    return {name: (np.concatenate(times[name]), np.concatenate(forces[name])) for name in times}
 
 
 def force_ranges(solution: Solution) -> tuple[ForceRange, ...]:
     """Ranges of the forces of closed stops, by phase, over the turns shown."""
     samples: dict[tuple[frozenset[str], str], list[tuple[FloatArray, FloatArray]]] = {}
     for phase in shown_phases(solution):
+        if not phase.closed:
+            continue
+        sampled = sample_forces(solution, phase.t_start, min(phase.t_end, shown_until(solution)))
         for stop in sorted(phase.closed):
-            samples.setdefault((phase.closed, stop), []).append(_phase_force(solution, phase, stop))
+            samples.setdefault((phase.closed, stop), []).append(sampled[stop])
     found = []
     for (closed, stop), parts in samples.items():
         t = np.concatenate([part[0] for part in parts])
@@ -128,19 +136,6 @@ def shaft_rates(solution: Solution) -> dict[str, tuple[float, float]]:
         drive.name: (float(lowest[drive.index]), float(highest[drive.index]))
         for drive in solution.mechanism.drives
     }
-
-
-def _phase_force(
-    solution: Solution, phase: PhaseInterval, stop: str
-) -> tuple[FloatArray, FloatArray]:
-    return sample_forces(solution, stop, phase.t_start, min(phase.t_end, shown_until(solution)))
-
-
-def _contact(solution: Solution, stop: str, t: FloatArray) -> FloatArray:
-    trajectory = solution.trajectory
-    inner = trajectory.reactions(t[:-1]).contacts[stop]
-    last = trajectory.reactions(t[-1:], left=True).contacts[stop]
-    return np.concatenate([inner, last])
 
 
 def _pieces(

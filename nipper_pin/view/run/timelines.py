@@ -100,8 +100,9 @@ def force_figure(solution: Solution) -> Figure:
         1.3 + _PANEL_IN * len(mechanism.stops),
     )  # fmt: skip
     panels = _panels(figure, len(mechanism.stops))
+    sampled = sample_forces(solution, 0.0, shown_until(solution))
     for axes, stop in zip(panels, mechanism.stops, strict=True):
-        t, force = sample_forces(solution, stop.name, 0.0, shown_until(solution))
+        t, force = sampled[stop.name]
         axes.plot(MS_PER_S * t, force, color=line_colour(mechanism, stop.name), linewidth=1.4)
         tidy(axes, "", f"{stop.name}:\n{force_name(mechanism, stop.name)}")
         axes.set_ylim(0.0, 1.2 * float(np.nanmax(force, initial=0.0)) or 1.0)
