@@ -28,6 +28,7 @@ from ...tolerances.mechanics import EPS
 from ..motion.chebyshev import Series, interpolant, nodes
 from ..motion.panel import Panel, one_state_at, stop_forces_at
 from .roots import first_descent, polish
+from .soonest import by_soonest, may_vanish
 
 # A double integral over the unit interval, by the largest value at the nodes: a polynomial exceeds
 # that by a factor of no more than 1 + 2 log(N) / pi, which is 3.7 for 64 of them.
@@ -73,15 +74,19 @@ def triggers(
         forces: Forces of the closed stops at its nodes, shape (N, closed).
         watched: Names of the stops that count; all if there are none.
     """
-    found = []
-    for stop in phase.open:
-        if watched is not None and stop.name not in watched:
-            continue
+    found, instant = [], SIMULTANEOUS * system.shaft.period
+    flying = [stop for stop in phase.open if watched is None or stop.name in watched]
+    latest = panel.t + panel.h
+    for soonest, stop in by_soonest(system, panel, flying):
+        if soonest > latest:
+            break
         t = _gap_root(system, phase, panel, stop)
         if t is not None:
+            latest = min(latest, t + instant)
             found.append(Trigger(t, TriggerKind.GAP, stop.name))
+    vanishing = may_vanish(forces).tolist()
     for column, stop in enumerate(phase.shut):
-        if watched is not None and stop.name not in watched:
+        if (watched is not None and stop.name not in watched) or not vanishing[column]:
             continue
         t = _force_root(system, phase, panel, forces[:, column], column)
         if t is not None and not _is_nothing(system, panel, stop, forces[:, column]):
@@ -89,7 +94,7 @@ def triggers(
     if not found:
         return ()
     earliest = min(trigger.t for trigger in found)
-    limit = earliest + SIMULTANEOUS * system.shaft.period
+    limit = earliest + instant
     return tuple(
         trigger if trigger.t == earliest else trigger._replace(t=earliest)
         for trigger in sorted(found, key=lambda item: item.stop)
