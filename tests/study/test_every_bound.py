@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +10,6 @@ import msgspec
 import pytest
 
 from nipper_pin.errors import InputError
-from nipper_pin.study import processes
 from nipper_pin.study.identify.problem import problem
 from nipper_pin.study.optimise.problem import problem_file
 from nipper_pin.study.sweep import estimate, run, study_file
@@ -146,41 +144,6 @@ def test_workers_of_a_sweep(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="and --scheduler has its own") as caught:
         run.run_sweep(plan, tmp_path, workers=1, scheduler="tcp://a")
     assert caught.value.evidence == {"workers": 1, "scheduler": "tcp://a"}
-
-
-TIMED = estimate.Timed(blocks=50, block_s=3.0, scenario_s=0.25, engines={"direct": 9})
-
-
-@pytest.mark.parametrize(("workers", "count"), [(2, 2), (None, 3), (99, 4)])
-def test_time_of_a_sweep(monkeypatch: pytest.MonkeyPatch, workers: int | None, count: int) -> None:
-    """Mechanisms and scenarios, the share of the chunks that are chosen, and the processes."""
-    asked: list[Any] = []
-
-    class Pool:
-        def __enter__(self) -> Pool:
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            """Nothing is left."""
-
-        def map(self, task: Any, items: Any, **_: Any) -> Any:
-            asked.append((task.func, *task.args, *items))
-            return iter([TIMED])
-
-    sizes = (10, 20, 40, 30)
-    chunks = [SimpleNamespace(start=100, stop=100 + size) for size in sizes]
-    monkeypatch.setattr(estimate.os, "cpu_count", lambda: 3)
-    monkeypatch.setattr(estimate, "chosen", lambda chunks, which: (chunks, which)[0])
-    monkeypatch.setattr(processes, "fresh_processes", lambda *words: asked.append(words) or Pool())
-    plan: Any = SimpleNamespace(scenarios=400, chunks=lambda: chunks)
-    found = estimate.estimate(plan, workers=workers, chunks=(0, 3))
-    assert asked[0][0] == 1
-    assert asked[1] == (estimate.timed, plan, 40)
-    work = 0.25 * (50 * 3.0 + 400 * 0.25)
-    assert found.seconds == pytest.approx(estimate._START_S + work / count)
-    assert (found.workers, found.mechanism_s, found.scenario_s) == (count, 3.0, 0.25)
-    assert found.engines == {"direct": 9}
-    assert math.isfinite(found.seconds)
 
 
 @pytest.mark.parametrize("chunks", [None, (1, 2)])

@@ -21,7 +21,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from benchmarks.run_time import certified, cost
+from benchmarks.run_time import certified
 from nipper_pin import Mechanism
 from nipper_pin.errors import InputError, ModelError, SimulationError
 from nipper_pin.hybrid.result.solution import Outcome
@@ -66,27 +66,6 @@ def test_a_reference_that_is_missing() -> None:
     with pytest.raises(InputError, match=r"nothing\.json is missing: get the checkout") as caught:
         certified._document("nothing.json")
     assert caught.value.evidence == {"file": "nothing.json"}
-
-
-def test_a_cycle_of_other_bounces(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Series change with the stop; times are compared series by series, and the worst counts."""
-    told = [("jaw", 1.0), ("jaw", 2.0), ("steeve", 3.0), ("jaw", 4.0)]
-    solution: Any = SimpleNamespace(collisions=[SimpleNamespace(stop=s, t=t) for s, t in told])
-    rows = [
-        {"series": 1, "stop": "jaw", "time_s": "1.0"},
-        {"series": 1, "stop": "jaw", "time_s": "2.5"},
-        {"series": 1, "stop": "jaw", "time_s": "99"},
-        {"series": 2, "stop": "steeve", "time_s": "3.0"},
-        {"series": 3, "stop": "jaw", "time_s": "3.9"},
-    ]
-    monkeypatch.setattr(cost, "certified_cycle", lambda _: rows)
-    assert cost._cycle_error(solution, "650") == pytest.approx(0.2)
-    monkeypatch.setattr(cost, "certified_cycle", lambda _: rows[:-1])
-    with pytest.raises(SimulationError, match="other series") as caught:
-        cost._cycle_error(solution, "650")
-    assert caught.value.evidence == {
-        "found": [(1, "jaw"), (2, "steeve"), (3, "jaw")], "certified": [(1, "jaw"), (2, "steeve")],
-    }  # fmt: skip
 
 
 def test_folders_that_cannot_be_made(tmp_path: Path) -> None:

@@ -341,20 +341,23 @@ def test_runs_without_motion_have_no_shaft_speeds() -> None:
 def test_forces_that_are_not_known_have_no_range(monkeypatch: pytest.MonkeyPatch) -> None:
     """The least and the largest of each phase and stop, of all its intervals together."""
     closed, other = frozenset({"b", "a"}), frozenset({"c"})
-    phases = [SimpleNamespace(closed=item, number=n) for n, item in
+    phases = [SimpleNamespace(closed=item, t_start=n, t_end=n + 1) for n, item in
               enumerate([closed, other, closed])]  # fmt: skip
     forces = {
         ("a", 0): [3.0, 1.0, 2.0], ("a", 2): [5.0, np.nan, 0.5], ("b", 0): [np.nan] * 3,
         ("b", 2): [np.nan, -4.0, -1.0], ("c", 1): [np.nan] * 3,
     }  # fmt: skip
     monkeypatch.setattr(sampling, "shown_phases", lambda _: phases)
+    monkeypatch.setattr(sampling, "shown_until", lambda _: 3)
     monkeypatch.setattr(
         sampling,
-        "_phase_force",
-        lambda _, phase, stop: (
-            10.0 * phase.number + np.arange(3.0), np.array(forces[stop, phase.number])
-        ),
-    )  # fmt: skip
+        "sample_forces",
+        lambda _, start, end: {
+            stop: (10.0 * start + np.arange(3.0), np.array(values))
+            for (stop, number), values in forces.items()
+            if start <= number < end
+        },
+    )
     run: Any = None
     found = [(item.closed, item.stop, item.lowest, item.t_lowest, item.highest, item.t_highest)
              for item in sampling.force_ranges(run)]  # fmt: skip

@@ -58,7 +58,9 @@ class Reactions:
     drives: dict[str, FloatArray]
     stops: dict[str, FloatArray]
     contacts: dict[str, FloatArray]
-    _wrenches: Callable[[], tuple[dict[str, FloatArray], dict[str, FloatArray]]] = field(repr=False)
+    _wrenches: Callable[[], tuple[dict[str, FloatArray], dict[str, FloatArray]]] = field(
+        repr=False, compare=False
+    )
 
     @property
     def joints(self) -> dict[str, FloatArray]:
