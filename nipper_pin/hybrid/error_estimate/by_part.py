@@ -78,11 +78,8 @@ def parts_of(system: System) -> Iterator[Part]:
     Args:
         system: The system.
     """
-    left = [stop.name for stop in system.mechanism.stops]
-    while left:
-        part = part_of(system, left[0])
-        yield part
-        left = [name for name in left if name not in part.stops]
+    for first, *_ in system.apart(system.mechanism.stops):
+        yield part_of(system, first.name)
 
 
 def of_all_parts(event: Event, found: Sequence[tuple[Event, EventError]]) -> EventError:

@@ -101,11 +101,8 @@ class PanelMaps:
         That is the round-off of closures, of stops that have just opened nothing, and the round-off
         of the coordinate in a part that the event there does not reach.
         """
-        system, panel, events = (
-            self.system,
-            segment.panels[0],
-            self._at.get(segment.t_start, []),
-        )
+        system, panel = self.system, segment.panels[0]
+        events = self._at.get(segment.t_start, [])
         reached = np.zeros(system.body.nv, dtype=np.bool_)
         reached[:] = not events
         for event in events:

@@ -54,12 +54,10 @@ def rebound_error(solution: Solution, hit: Collision) -> ReboundError:
     part = solution.system.coupled([hit.stop])
     relative, late = error.at(hit.stop).relative, 0.0
     for event in solution.events[hit.event.number - 1 : end.number]:
-        own, item = (
-            [name for name in event.stops if name in part],
-            solution.errors[event.number - 1],
-        )
+        own = [name for name in event.stops if name in part]
         if not own:
             continue
+        item = solution.errors[event.number - 1]
         late += item.at(own[0]).since if event is not hit.event else 0.0
         # What lies between two events of a part is that between their first stops.
         if hit.stop in item.strikes and hit.stop != own[0]:
