@@ -75,7 +75,7 @@ pictures: $(DEV)
 	$(SIMULATE) --window cycle --out out/pictures/cycle
 	cp out/pictures/cycle/motion.png $(IMAGES)/cycle_650.png
 	cp out/pictures/cycle/transition.png out/pictures/cycle/impulses.png out/pictures/cycle/phases.png $(IMAGES)/
-	$(BIN)/nipper-pin study speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
+	$(BIN)/nipper-pin speed-limit --from 300 --to 2000 --speeds 1000 --plot $(IMAGES)/speed_limit.png
 	$(BIN)/nipper-pin view --window transition --speed 650 --exaggerate 10 --gif $(IMAGES)/rebounds.gif
 	$(BIN)/python scripts/maintain/measure/measure_conditioning.py --out $(IMAGES)/conditioning.svg
 	$(BIN)/nipper-pin optimise scripts/optimise_rebound.toml --format png --out out/pictures/front

@@ -347,7 +347,7 @@ TABLE = {
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "compare": COMPARE, "live": LIVE,
         "new": NEW, "check": CHECK,
-        "study paper": PAPER, "study speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
+        "study paper": PAPER, "speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
         "optimise": OPTIMISE, "sweep": SWEEP,
         "plot": PLOT, "verify": VERIFY, "stress": STRESS, "run": BENCHMARK,
     }.items()

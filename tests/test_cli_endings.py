@@ -285,6 +285,7 @@ def test_what_check_ends_with(
         ("sweep {sweep} --dry-run --out here", "--out changes nothing beside --dry-run"),
         ("sweep {sweep} --dry-run --scheduler tcp://a:1", "--scheduler changes nothing beside"),
         ("study paper --json - --identification x.json", "give --out DIR as well"),
+        ("study speed-limit e62 --plot x.svg", "a command of its own: nipper-pin speed-limit"),
         ("new", "name the folder to write"),
         ("new --list a", "MODEL changes nothing beside --list"),
         ("new --list --from a", "--from changes nothing beside --list"),

@@ -72,7 +72,7 @@ def test_links_are_followed(tmp_path: Path) -> None:
 @pytest.mark.parametrize("words", [
     "simulate --json", "simulate --out", "simulate --case", "new", "check", "verify", "sweep",
     "optimise", "identify", "plot", "view --solution", "view --html", "view --gif",
-    "check --drawing", "compare e62", "study speed-limit --plot",
+    "check --drawing", "compare e62", "speed-limit --plot",
 ])  # fmt: skip
 def test_links_in_a_circle_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], words: str, end: str

@@ -78,7 +78,7 @@ COMMANDS = {
     "comparison": "compare {m} --speed 60 80 --json document.json",
     "page of two": "compare {m} --speed 60 80 --window cycle --html page.html",
     "curves": "compare {m} --speed 60 80 --window cycle --out compared",
-    "speed limit": "study speed-limit {m}",
+    "speed limit": "speed-limit {m}",
     "live page": "live {m} --no-browser --port 0",
 }
 # What a machine lacks, by command; where nothing stands here the command runs.

@@ -1,4 +1,4 @@
-"""``nipper-pin study speed-limit``."""
+"""``nipper-pin speed-limit``."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="change a number of the model; may be repeated",
     )
     parser.add_argument(
-        "--from", dest="low", type=float, metavar="RPM", help="least speed; half the rated one"
+        "--from", dest="low", type=float, metavar="RPM", help="least speed; half the rated"
     )
     parser.add_argument(
-        "--to", dest="high", type=float, metavar="RPM", help="largest speed; four times that"
+        "--to", dest="high", type=float, metavar="RPM", help="largest speed; four times the rated"
     )
     parser.add_argument(
         "--speeds", type=int, default=241, metavar="N", help="number of speeds (default 241)"

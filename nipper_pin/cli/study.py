@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ..extras import require
-from . import speed_limit
 from .arguments import check_outputs, load_mechanism, write_json
 
 if TYPE_CHECKING:
@@ -59,11 +58,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     paper.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
     # Restitution and spring rate are what the study varies.
     paper.set_defaults(run=_run, restitution=None, stiffness=None)
-    speed_limit.add_arguments(
-        studies.add_parser(
-            "speed-limit", help="how fast a machine can run: where it settles, and turns repeat"
-        )
-    )
 
 
 def _run(options: argparse.Namespace) -> None:

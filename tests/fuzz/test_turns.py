@@ -25,7 +25,7 @@ from nipper_pin.view.studies.speed_limit_plot import plot_speed_limit
 from nipper_pin.view.studies.speed_limit_report import _sentence
 
 BYTES, SECONDS = 10**9, 10.0
-STUDY = ["study", "speed-limit"]
+STUDY = ["speed-limit"]
 FEW = [*STUDY, "--from", "600", "--to", "700", "--speeds", "2", "--turns", "2"]
 
 

@@ -101,7 +101,7 @@ def test_the_command_says_what_it_found(
 ) -> None:
     """The sentence, the table, the figure and the document agree."""
     monkeypatch.setenv("COLUMNS", "80")
-    given = ["study", "speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5",
+    given = ["speed-limit", "--from", "1500", "--to", "1600", "--speeds", "5",
              "--turns", "20"]  # fmt: skip
     figure = tmp_path / "limit.svg"
     figure.write_text("of before", encoding="utf-8")
