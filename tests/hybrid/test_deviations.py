@@ -28,7 +28,7 @@ def test_a_merged_set_contains_the_one_that_it_stands_for(seed: int) -> None:
     columns *= 10.0 ** random.uniform(-4.0, 0.0, 400)
     whole = Deviations(columns[:-2], columns[-2], columns[-1])
     merged = whole.merged()
-    assert merged.states.shape[1] <= 64
+    assert merged.states.shape[1] <= 16 * rows
     growth = []
     for direction in random.normal(size=(300, rows)) / sizes.T:
         exact, found = _extent(whole, direction), _extent(merged, direction)
@@ -48,6 +48,26 @@ def test_signs_are_kept_through_maps() -> None:
         found = found.through(turn).merged()
     assert found.size(0) == pytest.approx(1.0, rel=1e-14)
     assert found.size(1) == pytest.approx(2.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("rows", [8, 24, 40])
+def test_sets_of_many_dimensions_stay_close_to_the_deviations_that_they_stand_for(
+    rows: int,
+) -> None:
+    """Sixty maps, each of which brings two deviations of every row: a long flight of a chain.
+
+    All of them together may make the set larger by what one merging into a box may, as above.
+    """
+    random = np.random.default_rng(rows)
+    whole = merged = Deviations.of(np.zeros((rows, 0)))
+    for _ in range(60):
+        turn, _ = np.linalg.qr(random.normal(size=(rows, rows)))
+        own = Deviations.of(np.hstack([np.eye(rows), 0.1 * random.normal(size=(rows, rows))]))
+        whole = whole.through(turn).joined(own)
+        merged = merged.through(turn).joined(own).merged()
+    for row in range(rows):
+        exact, found = whole.size(row), merged.size(row)
+        assert exact * (1.0 - 1e-12) <= found <= np.sqrt(rows) * 1.5 * exact
 
 
 def test_what_grows_beyond_all_motion_is_unknown_and_does_not_overflow() -> None:

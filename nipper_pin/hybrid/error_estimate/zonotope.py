@@ -19,8 +19,9 @@ import numpy as np
 from ...arrays import FloatArray
 from ...tolerances.hybrid import NEGLIGIBLE_DEVIATION
 
-# Columns before some are merged, and how many of them are kept as they are.
-_MOST, _KEPT = 64, 32
+# Columns for each row before half of them are merged: every merging makes the set a little larger,
+# and a chain of twenty hinges brings two columns a row with every panel.
+_ORDER = 16
 NOTHING_KNOWN = 1e100
 """Beyond any motion: a deviation that has grown to this says nothing, and may not overflow."""
 
@@ -101,14 +102,15 @@ class Deviations:
 
     def merged(self) -> Deviations:
         """Return a set that contains this one and has few columns."""
-        count = self.states.shape[1]
-        if count <= _MOST:
-            return self
         columns = np.vstack([self.states, self.late, self.before])
+        rows, count = columns.shape
+        if count <= _ORDER * rows:
+            return self
         sizes = np.abs(columns).sum(axis=1, keepdims=True)
         scaled = columns / np.where(sizes > 0.0, sizes, 1.0)
         order = np.argsort(-np.abs(scaled).sum(axis=0), kind="stable")
-        kept, small = columns[:, order[:_KEPT]], scaled[:, order[_KEPT:]]
+        most = _ORDER * rows // 2
+        kept, small = columns[:, order[:most]], scaled[:, order[most:]]
         directions, lengths, _ = np.linalg.svd(small, full_matrices=False)
         # The closures leave only some: the others are round-off.
         directions = directions[:, lengths > NEGLIGIBLE_DEVIATION * lengths[0]]
