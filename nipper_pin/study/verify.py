@@ -18,8 +18,7 @@ from ..hybrid.result.self_check import need_sound
 from ..hybrid.result.solution import Solution
 from ..outputs.seal import is_as_written
 from ..texts import opened
-from .sweep.results.chunk_file import about, read_file
-from .sweep.results.chunk_table import DamageError
+from .sweep.results.chunk_file import DamageError, about, read_file
 from .sweep.results.record import read_document
 from .sweep.results.store import CHUNKS, PLAN, need_pyarrow
 
@@ -157,7 +156,7 @@ def _chunks(folder: Path, identity: str) -> Iterator[tuple[str, int | str]]:
     last = 0
     for file in sorted((folder / CHUNKS).glob("*.parquet")):
         try:
-            table = read_file(file, ["scenario"])
+            table = read_file(file)
             plan = about(table).get("plan")
         except DamageError as error:
             yield file.name, error.message.removeprefix(f"{file}: ")

@@ -264,7 +264,7 @@ def chunk(folder: Path) -> Path:
     for place in range(chunk_file.MOST_BYTES // (8 * rows) - 4):
         columns[f"x{place}"] = noise.random(rows)
     path = folder / "0000000.parquet"
-    path.write_bytes(chunk_file.encode(columns, words=(), units={}, about={}))
+    path.write_bytes(chunk_file.encode(columns, units={}, about={}))
     return path
 
 

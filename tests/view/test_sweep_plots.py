@@ -160,7 +160,7 @@ def test_thinned_reading_is_even(folder: Path, tmp_path: Path) -> None:
     for number, (start, stop) in enumerate([(0, 5), (5, 6), (6, 18)]):
         part = table.slice(start, stop - start)
         columns = {name: part[name] for name in part.column_names}
-        content = encode(columns, words=(), units={}, about=about(table))
+        content = encode(columns, units={}, about=about(table))
         (copy / "chunks" / f"{number:07d}.parquet").write_bytes(content)
     thin = read_sweep(copy, 5)
     assert thin.stored == 18

@@ -132,7 +132,6 @@ class _Columns:
                 **dict(zip(("turns", "repeats_after"), self.turns, strict=False)),
                 **self.values,
             },
-            words=("engine", "outcome", "message"),
             units=job.units,
             about={
                 "model": job.name,

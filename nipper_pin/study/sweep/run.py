@@ -16,8 +16,7 @@ from .local import check_workers, on_this_machine
 from .plan import Chunk, Plan, chosen
 from .report import SweepReport
 from .results import Store, Tally
-from .results.chunk_file import read
-from .results.chunk_table import DamageError
+from .results.chunk_file import DamageError, read
 from .results.extremes import Extremes
 
 Progress = Callable[[int, int, int], None]
@@ -133,7 +132,7 @@ class _Run:
     def _take_up(self, chunk: Chunk) -> bool:
         """Count a chunk that is on disk; a damaged one is as good as none."""
         try:
-            table = self._store.rows(chunk, self.extremes.columns)
+            table = self._store.rows(chunk)
         except DamageError as error:
             self.damaged[chunk.number] = Path(error.evidence["file"]).name
             return False

@@ -34,8 +34,7 @@ class Store:
             rows=lambda chunks: ((chunk, f"rows {chunk.number}") for chunk in chunks),
         )  # fmt: skip
 
-    def rows(self, chunk: Any, columns: Any) -> Any:
-        assert columns == COLUMNS
+    def rows(self, chunk: Any) -> Any:
         if chunk.number in self.damaged:
             message = "it is damaged"
             raise DamageError(message, file=f"/somewhere/{chunk.number}.parquet")

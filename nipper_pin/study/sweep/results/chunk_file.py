@@ -1,15 +1,13 @@
-"""One chunk as the bytes of a Parquet file that shows any damage.
+"""One chunk as a Parquet file: plain columns of few types, whose pages carry checksums.
 
-Pages carry checksums, which every reader of Parquet can verify. They say nothing of the footer,
-where one bit turned gives a column another name or another column's pages. So the footer holds a
-checksum of the whole file, too, taken with zeros in its own place.
+Sizes in a file may be wrong, and a word that repeats is stored once: rows and columns decide what a
+table takes, and text is counted before it is written out.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,8 +16,8 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
+from ....errors import InputError
 from ....texts import opened
-from .chunk_table import DamageError, plain_table
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -27,10 +25,13 @@ if TYPE_CHECKING:
 MOST_BYTES = 2**28
 """Most that a chunk may have, or hold after decompression [byte]: 65,536 rows, the most that a plan
 puts into one by itself, of five hundred columns."""
-_ABOUT, _CRC = "nipper_pin", "nipper_pin.crc32"
-# A word before it, so that no other eight zeros of a file are taken for its place.
-_MARK = b"crc32:"
-_BLANK = _MARK + b"0" * 8
+_ABOUT, _NUMBER = "nipper_pin", "scenario"
+_WORDS = ("engine", "outcome", "message")
+_WIDEST = 8  # bytes of a number in a table
+
+
+class DamageError(InputError):
+    """A chunk on disk that is not what was written. Evidence: ``file`` where it is known."""
 
 
 class _About(msgspec.Struct, frozen=True):
@@ -46,17 +47,12 @@ class _About(msgspec.Struct, frozen=True):
 
 
 def encode(
-    columns: Mapping[str, Any],
-    *,
-    words: Sequence[str],
-    units: Mapping[str, str],
-    about: Mapping[str, Any],
+    columns: Mapping[str, Any], *, units: Mapping[str, str], about: Mapping[str, Any]
 ) -> bytes:
     """The file of one chunk.
 
     Args:
         columns: Values by name, all of one length.
-        words: Columns of text that repeats.
         units: Unit of each column that has one, kept as metadata ``unit`` of its field.
         about: What the rows are of, kept as JSON under ``nipper_pin`` in the file's metadata.
 
@@ -79,16 +75,12 @@ def encode(
         sink,
         schema,
         compression="zstd",
-        use_dictionary=list(words),
+        use_dictionary=list(_WORDS),
         use_byte_stream_split=split,
         write_page_checksum=True,
     ) as writer:
         writer.write_table(table.cast(schema))
-        # Only here: metadata of the schema is stored a second time, in the schema of Arrow.
-        writer.add_key_value_metadata({_CRC: _BLANK.decode()})
-    content = bytes(sink.getvalue())
-    place = _place(content)
-    return content[:place] + b"%08x" % zlib.crc32(content) + content[place + 8 :]
+    return bytes(sink.getvalue())
 
 
 def check(table: pa.Table, name: str, start: int, stop: int, plan: str) -> None:
@@ -133,28 +125,105 @@ def about(table: pa.Table) -> dict[str, Any]:
 
 
 def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
-    """Rows of a chunk whose every bit is as it was written.
+    """Rows of a chunk whose pages are as they were written.
 
     Args:
         content: The file.
         columns: Names of columns, or None for all.
 
     Raises:
-        DamageError: A bit is not as it was written.
+        DamageError: It is damaged, is no chunk, lacks a column, or would take too much.
     """
-    place = _place(content)
-    # Without a copy of what may be large.
-    whole = memoryview(content)
-    found = zlib.crc32(whole[place + 8 :], zlib.crc32(b"0" * 8, zlib.crc32(whole[:place])))
-    if content[place : place + 8] != b"%08x" % found:
-        message = "damaged: its checksum is not that of its bytes"
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    source, longest = pa.BufferReader(content), max(len(content), 1)
+    try:
+        metadata = pq.ParquetFile(
+            source, thrift_string_size_limit=longest, thrift_container_size_limit=longest
+        ).metadata
+        _check_size(metadata)
+        file = pq.ParquetFile(
+            source,
+            metadata=metadata,
+            read_dictionary=[name for name in _WORDS if name in metadata.schema.names],
+            page_checksum_verification=True,
+        )
+        _check_columns(file.schema_arrow, columns)
+        names = file.schema_arrow.names
+        table = file.read([name for name in names if columns is None or name in columns])
+        _check_text(table)
+        for place, item in enumerate(table.schema):
+            if pa.types.is_dictionary(item.type):
+                table = table.set_column(
+                    place, item.with_type(pa.string()), table[place].cast(pa.string())
+                )
+        table.validate(full=True)
+        _check_numbers(table)
+    except (pa.ArrowException, OSError, LookupError, ValueError, RuntimeError) as error:
+        # pyarrow gives errors of its C++ that it has no word for as RuntimeError.
+        message = f"damaged, or no chunk of a sweep ({' '.join(str(error).split())})"
+        raise DamageError(message) from error
+    return table
+
+
+def _check_size(metadata: Any) -> None:
+    """Refuse a file that would take too much, by the metadata in its footer."""
+    groups = [metadata.row_group(place) for place in range(metadata.num_row_groups)]
+    rows, sizes = [x.num_rows for x in groups], [x.total_byte_size for x in groups]
+    if min([metadata.num_rows, *rows, *sizes]) < 0:
+        message = "a size is below zero"
+        raise ValueError(message)
+    numbers = max(metadata.num_rows, sum(rows)) * metadata.num_columns
+    size = max(numbers * _WIDEST, sum(sizes))
+    if size > MOST_BYTES:
+        message = f"it would take {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
         raise DamageError(message)
-    return plain_table(content, columns, MOST_BYTES)
 
 
-def _place(content: bytes) -> int:
-    """Position of the checksum: after the last mark, since all other metadata precede it."""
-    return content.rfind(_MARK) + len(_MARK)
+def _check_columns(schema: pa.Schema, columns: Sequence[str] | None) -> None:
+    """Refuse columns that stand there twice, are missing, or hold neither numbers nor text."""
+    import pyarrow as pa
+
+    text, whole, real = pa.dictionary(pa.int32(), pa.string()), pa.int32(), pa.float64()
+    known = {
+        _NUMBER: (pa.int64(),), "engine": (text,), "outcome": (text,), "message": (text,),
+        "collisions": (whole,), "premise_holds": (pa.bool_(),),
+        # A parameter of a sweep of transitions may have these names.
+        "turns": (whole, real), "repeats_after": (whole, real),
+    }  # fmt: skip
+    for item in schema:
+        once = schema.names.count(item.name) == 1 and item.name.isprintable()
+        if not once or item.type not in known.get(item.name, (real,)):
+            message = f"its column {item.name!r} is not the one of that name of a sweep"
+            raise DamageError(message)
+    for name in {*(columns or ())} - {*schema.names}:
+        message = f"its column {name!r} is missing"
+        raise DamageError(message)
+
+
+def _check_numbers(table: pa.Table) -> None:
+    """Refuse a chunk without rows, and gaps among their numbers."""
+    if _NUMBER in table.column_names and (not len(table) or table[_NUMBER].null_count):
+        message = "it has no rows, or rows without a number"
+        raise DamageError(message)
+
+
+def _check_text(table: pa.Table) -> None:
+    """Refuse text that would take too much when it is written out."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    size = 0
+    for column in table.columns:
+        if not pa.types.is_dictionary(column.type):
+            continue
+        for part in column.chunks:
+            lengths = pc.binary_length(part.dictionary).take(part.indices)
+            size += pc.sum(lengths.cast(pa.int64())).as_py() or 0
+    if size > MOST_BYTES:
+        message = f"its text would take {size:.3g} bytes; at most {MOST_BYTES:.3g} are read"
+        raise DamageError(message)
 
 
 def _content(file: Path) -> bytes:
@@ -175,7 +244,7 @@ def read_file(file: Path, columns: Sequence[str] | None = None) -> pa.Table:
         columns: Names of columns, or None for all.
 
     Raises:
-        DamageError: It cannot be read, or a bit is not as it was written.
+        DamageError: It cannot be read, is damaged, or is no chunk.
     """
     try:
         return read(_content(file), columns)

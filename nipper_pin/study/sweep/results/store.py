@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,7 +47,9 @@ class Store:
         self._locks = Locks(self._folder / _LOCKS, needed=locks)
         with self._locks.folder():
             self.plan = self._taken_up(plan)
-        self._identity = self.plan.job.identity
+        job = self.plan.job
+        self._identity = job.identity
+        self._columns = (*job.columns, *(axis.name for axis in job.axes), *job.quantities)
 
     def __enter__(self) -> Store:
         """Use it."""
@@ -58,8 +59,8 @@ class Store:
         """Leave chunks that are not finished to others."""
         self._locks.close()
 
-    def rows(self, chunk: Chunk, columns: Sequence[str]) -> pa.Table | None:
-        """Columns of the rows of a chunk; None if it is not on disk.
+    def rows(self, chunk: Chunk) -> pa.Table | None:
+        """Rows of a chunk; None if it is not on disk.
 
         Raises:
             DamageError: It is there, and is not what was written.
@@ -67,7 +68,7 @@ class Store:
         path = self._path(chunk)
         if not path.is_file():
             return None
-        table = read_file(path, columns)
+        table = read_file(path, self._columns)
         check(table, path.name, chunk.start, chunk.stop, self._identity)
         return table
 

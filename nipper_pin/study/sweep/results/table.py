@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
 from ....given import whole
-from .chunk_file import read_file
-from .chunk_table import DamageError
+from .chunk_file import DamageError, read_file
 from .record import columns_of, read_document
 from .store import CHUNKS, PLAN, need_pyarrow
 
@@ -93,17 +92,16 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     while math.gcd(step, sizes) > 1:
         step += 1
     named = (axis["name"] for axis in document["axes"])
-    wanted = {*columns_of(document), *named, *document["quantities"]}
+    wanted = [*columns_of(document), *named, *document["quantities"]]
     parts: list[pa.Table] = []
     stored = 0
     for file in files:
         try:
-            part = read_file(file)
+            part = read_file(file, wanted)
         except DamageError as error:
             message = f"{error.message}; run the sweep again: it computes this chunk anew"
             raise InputError(message, file=str(file)) from error
-        other = parts and not part.schema.equals(parts[0].schema)
-        if other or not wanted <= {*part.column_names}:
+        if parts and not part.schema.equals(parts[0].schema):
             message = f"{file}: has other columns than its sweep; run it with another --out"
             raise InputError(message, file=str(file))
         stored += len(part)
