@@ -6,7 +6,7 @@
 # make check   lint, types, site and all tests
 # make benchmark   the benchmark of this machine (some minutes), and its pages in docs/
 # make stress    a thousand random and extreme cases, each judged (minutes)
-# make pictures    the pictures of the documents and the pages of tolerances and quantities, made anew (some minutes; needs Chromium)
+# make pictures    the pictures of the documents and the page of quantities, made anew (some minutes; needs Chromium)
 # make clean   removes .venv, out and what the tools leave behind
 
 PYTHON ?= python3
@@ -67,7 +67,7 @@ benchmark: $(DEV)
 stress: $(DEV)
 	$(BIN)/python -m benchmarks stress
 
-# All pictures of docs/images but those in before/, which an earlier version drew.
+# All pictures of docs/images.
 pictures: $(DEV)
 	rm -rf out/pictures
 	$(FIGURES)/draw_gallery.py docs
@@ -86,9 +86,7 @@ pictures: $(DEV)
 	cp out/pictures/sweep_plots/*.png $(IMAGES)/
 	$(FIGURES)/draw_recorded_benchmark.py docs
 	$(FIGURES)/shrink_pictures.py $(PLOTS)
-	$(BIN)/nipper-pin study paper --out out/pictures/paper
 	$(BIN)/python scripts/maintain/in_browser/draw_view_pictures.py $(IMAGES)
-	$(FIGURES)/write_tolerance_pages.py docs
 	$(FIGURES)/write_quantity_page.py docs
 
 $(VIEW): pyproject.toml constraints.txt

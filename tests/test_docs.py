@@ -102,7 +102,7 @@ def test_every_picture_is_shown():
 
 
 def test_every_picture_is_drawn_by_one_command():
-    """But for those of an earlier version, and the gallery, whose program draws what it lists."""
+    """But for those of the gallery, whose program draws what it lists."""
     done = subprocess.run(
         ["make", "--dry-run", "pictures"], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -27,7 +27,6 @@ SPEED, EXAGGERATE = 650.0, 10.0
 VIEW, LIVE = (1120, 860), (1400, 900)  # pixels
 LIVE_SPEEDS = (675.0, 700.0)  # r/min, one after the other, beside the pinned curves of SPEED
 COMPARED = (450.0, 520.0)  # r/min
-FIRST_PAGE = (794, 945)  # pixels: the width of A4, down to the figure
 COLOURS = 256  # of the palette of a file
 # Stops the film where the arrow of the first collision is still at its full length.
 STOP_EARLY = """() => {
@@ -137,21 +136,6 @@ def live_picture(browser: Browser, path: Path) -> None:
         page.close()
 
 
-def report_picture(browser: Browser, path: Path) -> None:
-    """The first page of the report, as it is printed."""
-    report = ROOT / "out/pictures/paper/report.html"
-    if not report.is_file():
-        print(f"{report} is not there, so {path.name} stays: nipper-pin study paper writes it")
-        return
-    page = browser.new_page(viewport={"width": FIRST_PAGE[0], "height": FIRST_PAGE[1]})
-    page.emulate_media(media="print")
-    page.goto(report.as_uri())
-    page.add_style_tag(content="body { padding: 15mm }")
-    page.wait_for_timeout(500)
-    save(page, path)
-    page.close()
-
-
 def main(folder: str | None = None) -> None:
     """Write all pictures."""
     target = Path(folder) if folder else ROOT / "docs" / "images"
@@ -159,7 +143,6 @@ def main(folder: str | None = None) -> None:
         view_pictures(browser, target)
         comparison_picture(browser, target / "compare.png")
         live_picture(browser, target / "live.png")
-        report_picture(browser, target / "report.png")
 
 
 if __name__ == "__main__":
