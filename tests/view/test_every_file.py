@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from PIL import Image
 from rich.console import Console
 
 from benchmarks.commands import benchmark as benchmark_command
@@ -30,7 +29,6 @@ from nipper_pin.view.live import serve, shapes
 from nipper_pin.view.paper import files, kinematic_figures
 from nipper_pin.view.paper.terms import terms
 from nipper_pin.view.run import csv_tables, export, lead, remarks, sampling
-from nipper_pin.view.scene import gif
 from nipper_pin.view.studies import front_plot
 
 # The package has a function of the same name.
@@ -405,49 +403,6 @@ def test_gaps_that_cannot_be_drawn_larger(
     with pytest.raises(InputError, match="e62 has no transition stop whose gap") as caught:
         film.exaggerated(transition, t, q, 12.0)
     assert caught.value.evidence == {"exaggerate": 12.0}
-
-
-def test_struts_and_solids_of_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Polygons in their shade, edges of two corners as lines, and each strut between its ends."""
-    drawn: list[Any] = []
-    draw = SimpleNamespace(
-        polygon=lambda points, fill: drawn.append(("polygon", points, fill)),
-        line=lambda points, fill, width: drawn.append(("line", points, fill, width)),
-    )
-    monkeypatch.setattr(gif.ImageDraw, "Draw", lambda _: draw)
-    monkeypatch.setattr(
-        gif, "moved", lambda _seen, _shown, frame: [f"p{frame}{k}" for k in range(4)]
-    )
-    painter: Any = SimpleNamespace(
-        _base=Image.new("RGB", (8 * gif._SHARP, 4 * gif._SHARP)), _phases={7: "phase"},
-        _shown=SimpleNamespace(phase=[None, 7]), _pixels=lambda points: points,
-        _seen=SimpleNamespace(items=[(0, 1, 2), (2, 3)]), _colours={"phase": ["red", "blue"]},
-        _struts=[[], ["one", "two"]], _lips=None, _arrows=lambda *words: drawn.append(words[1:]),
-        _say=lambda *words: drawn.append(words[1:]),
-    )  # fmt: skip
-    picture = gif._Painter.picture(painter, 1)
-    assert picture.size == (8, 4)
-    assert drawn == [
-        ("polygon", ["p10", "p11", "p12"], "red"), ("line", ["p12", "p13"], gif._EDGE, gif._SHARP),
-        ("line", "one", gif.LINE, 2 * gif._SHARP), ("line", "two", gif.LINE, 2 * gif._SHARP),
-        (1,), (1, "phase"),
-    ]  # fmt: skip
-
-
-def test_texts_of_a_picture_stand_where_they_are_put() -> None:
-    """In the large picture, which is shrunk."""
-    told: list[Any] = []
-    draw: Any = SimpleNamespace(text=lambda *words, **named: told.append((words, named)))
-    font: Any = "font"
-    painter: Any = None
-    gif._Painter._put(painter, draw, (3.0, 5.0), "text", font, "red", "ra")
-    gif._Painter._put(painter, draw, (7.0, 2.0), "other", font)
-    sharp = gif._SHARP
-    assert told == [
-        (((3.0 * sharp, 5.0 * sharp), "text"), {"fill": "red", "font": "font", "anchor": "ra"}),
-        (((7.0 * sharp, 2.0 * sharp), "other"),
-         {"fill": gif._INK, "font": "font", "anchor": "la"}),
-    ]  # fmt: skip
 
 
 # Commands.

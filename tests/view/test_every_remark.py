@@ -32,9 +32,9 @@ from nipper_pin.view.console import paste, say
 from nipper_pin.view.live.settings import knobs
 from nipper_pin.view.run import plots, table
 from nipper_pin.view.run.csv_tables import _motion
-from nipper_pin.view.scene import Look, film
-from nipper_pin.view.scene.flat import colours, flat
+from nipper_pin.view.scene import Look
 from nipper_pin.view.scene.framing import _reach
+from nipper_pin.view.scene.meshes import mesh_of
 from nipper_pin.view.scene.solids import FIXED, Solid, solids
 from nipper_pin.view.studies import optimise_report
 from nipper_pin.view.studies.front_plot import front_figure
@@ -374,49 +374,17 @@ def block(turned: float, depth: float = 0.0, body: int = FIXED) -> Solid:
     return Solid("block", body, "box", (2.0, 4.0, 6.0), None, place, np.ones(3), (0.2, 0.4, 0.8))
 
 
-def test_light_and_edges_of_a_solid(transition: Solution) -> None:
-    """Seen along y: 55 % of the colour where a face is seen from its edge, all of it in front.
-
-    Edges have only one of the faces that are seen, and are black; what is behind comes first.
-    """
-    shown = film(transition, Look(slow=20.0))
-    angle = math.radians(30.0)
-    found = flat(shown, [block(angle)])
-    faces = [k for k, item in enumerate(found.items) if len(item) == 3]
-    wanted = sorted([0.55 + 0.45 * math.cos(angle), 0.55 + 0.45 * math.sin(angle)] * 2)
-    assert sorted(found.light[faces]) == pytest.approx(wanted, rel=1e-12)
-    edges = [item for item in found.items if len(item) == 2]
-    assert len(edges) == 6
-    assert all(found.light[k] == 0.0 for k in range(len(found.items)) if k not in faces)
-    # Flat in front: one face, its edges drawn after it.
-    front = flat(shown, [block(0.0)])
-    assert [len(item) for item in front.items] == [3, 3, 2, 2, 2, 2]
-    assert sorted(front.light) == pytest.approx([0.0] * 4 + [1.0] * 2)
-    # A face that turns by less than 2 % of its normal to the eye is seen from its edge.
-    for turn, count in ((math.asin(0.019), 2), (math.asin(0.021), 4)):
-        both = flat(shown, [block(turn)])
-        assert sum(len(item) == 3 for item in both.items) == count
-    pair = flat(shown, [block(0.0, depth=-3.0), block(0.0, depth=3.0)])
-    assert list(pair.solid) == [1] * 6 + [0] * 6
-    assert list(pair.body) == [FIXED] * 16
-    shades = colours(front, [block(0.0)], [], (1.0, 1.0, 1.0))
-    assert shades == ["#3366cc"] * 2 + ["#000000"] * 4
-    assert colours(front, [block(0.0)], [FIXED], (1.0, 0.5, 0.0))[0] == "#ff8000"
-
-
-def test_corners_of_round_solids(transition: Solution) -> None:
+def test_corners_of_round_solids() -> None:
     """Cylinders of 32 corners an end and spheres of nine rings have their radius and length."""
-    shown = film(transition, Look(slow=20.0))
-    rod = replace(block(0.0), kind="cylinder", sizes=(0.5, 3.0))
-    points = flat(shown, [rod]).points
+    points, _ = mesh_of(replace(block(0.0), kind="cylinder", sizes=(0.5, 3.0)))
     assert len(points) == 64
-    assert points.max(axis=0) == pytest.approx([0.5, 1.5])
-    assert points.min(axis=0) == pytest.approx([-0.5, -1.5])
-    points = flat(shown, [replace(block(0.0), kind="sphere", sizes=(0.7,))]).points
+    assert points.max(axis=0) == pytest.approx([0.5, 0.5, 1.5])
+    assert points.min(axis=0) == pytest.approx([-0.5, -0.5, -1.5])
+    points, _ = mesh_of(replace(block(0.0), kind="sphere", sizes=(0.7,)))
     assert len(points) == 9 * 32 + 2
-    assert points.max(axis=0) == pytest.approx([0.7, 0.7])
+    assert points.max(axis=0) == pytest.approx([0.7, 0.7, 0.7])
     assert np.linalg.norm(points, axis=1).max() == pytest.approx(0.7)
-    heights = np.unique(points[:, 1].round(9))
+    heights = np.unique(points[:, 2].round(9))
     assert heights == pytest.approx(0.7 * np.cos(np.pi * np.arange(10, -1, -1) / 10.0), abs=1e-9)
 
 

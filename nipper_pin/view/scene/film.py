@@ -107,7 +107,7 @@ def film(solution: Solution, look: Look, frames: Pace | None = None) -> Film:
     t = np.clip(frames.machine, 0.0, shown_until(solution))
     motion = solution.trajectory.evaluate(t)
     drawn = exaggerated(solution, t, motion.q, look.exaggerate)
-    position, angle = _poses(solution, drawn)
+    position, angle = poses(solution, drawn)
     cylinder = mechanism.cylinder
     starts = [item.t_start for item in solution.phases]
     return Film(
@@ -181,8 +181,16 @@ def exaggerated(solution: Solution, t: FloatArray, q: FloatArray, factor: float)
         raise InputError(message, exaggerate=factor) from error
 
 
-def _poses(solution: Solution, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Origins (x, z) and continuous angles of the links in every frame."""
+def poses(solution: Solution, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where links stand.
+
+    Args:
+        solution: The solution.
+        q: Configurations, shape (K, nv).
+
+    Returns:
+        Origins (x, z), shape (K, links, 2) [m], and angles that go on, shape (K, links) [rad].
+    """
     body = solution.system.body
     position = np.empty((len(q), len(solution.mechanism.joints), 2))
     angle = np.empty(position.shape[:2])
@@ -192,3 +200,21 @@ def _poses(solution: Solution, q: FloatArray) -> tuple[FloatArray, FloatArray]:
             # About -y, which is counter-clockwise in the side view.
             angle[row, link] = math.atan2(placement.rotation[2, 0], placement.rotation[0, 0])
     return position, np.unwrap(angle, axis=0)
+
+
+def worlds(position: FloatArray, angle: FloatArray) -> FloatArray:
+    """From the axes of each link, and of the frame, to those of the world, in side view.
+
+    Args:
+        position: Origins (x, z), shape (K, links, 2) [m].
+        angle: Rotations, shape (K, links) [rad].
+
+    Returns:
+        Matrices, shape (K, links + 1, 3, 3); that of the frame comes last.
+    """
+    count, links = angle.shape
+    found = np.tile(np.eye(3), (count, links + 1, 1, 1))
+    cos, sin = np.cos(angle), np.sin(angle)
+    found[:, :-1, :2, :2] = np.stack([cos, -sin, sin, cos], axis=-1).reshape(count, links, 2, 2)
+    found[:, :-1, :2, 2] = position
+    return found

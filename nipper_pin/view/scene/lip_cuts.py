@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...dynamics.multibody import Multibody
-from .flat import mesh_of
+from .meshes import mesh_of
 from .sections import section
 from .solids import FIXED, Solid
 

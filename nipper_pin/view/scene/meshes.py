@@ -8,10 +8,15 @@ from pathlib import Path
 import coal
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from ...arrays import FloatArray
 from ...errors import InputError
 from ...mechanism.files.meshes import check_corners, check_size
+from .solids import Solid
+
+_CORNERS = 32  # of a circle
+_RINGS = 9  # of a sphere, from pole to pole
 
 # A face in a binary STL file: normal, three corners, and two bytes that nobody uses.
 _FACE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
@@ -43,6 +48,43 @@ def read_mesh(path: Path) -> tuple[FloatArray, NDArray[np.intp]]:
     corners, same = np.unique(corners.round(9), axis=0, return_inverse=True)
     faces = np.array([[item[0], item[1], item[2]] for item in triangles])
     return corners, same.reshape(-1)[faces]
+
+
+def mesh_of(solid: Solid) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Corners, shape (N, 3) [m], and faces, shape (F, 3), counter-clockwise from outside.
+
+    Args:
+        solid: The solid.
+
+    Raises:
+        InputError: Its mesh cannot be read.
+    """
+    if solid.path is not None:
+        return read_mesh(solid.path)
+    corners = _surface(solid)
+    hull = ConvexHull(corners)
+    faces = hull.simplices.astype(np.intp)
+    a, b, c = (corners[faces[:, place]] for place in range(3))
+    inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces[inwards] = faces[inwards, ::-1]
+    return corners, faces
+
+
+def _surface(solid: Solid) -> FloatArray:
+    """Points whose convex hull is a plain shape, shape (N, 3) [m]."""
+    if solid.kind == "box":
+        signs = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5])).reshape(3, -1).T
+        return np.asarray(signs * solid.sizes)
+    turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(_CORNERS)])
+    if solid.kind == "cylinder":
+        radius, length = solid.sizes
+        lift = np.array([0.0, 0.0, 0.5 * length])
+        return np.concatenate([radius * circle - lift, radius * circle + lift])
+    polar = np.linspace(0.0, np.pi, _RINGS + 2)[1:-1]
+    rings = [np.sin(item) * circle + [0.0, 0.0, np.cos(item)] for item in polar]
+    poles = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    return np.asarray(solid.sizes[0] * np.concatenate([*rings, poles]))
 
 
 def as_stl(corners: FloatArray, faces: NDArray[np.intp]) -> bytes:

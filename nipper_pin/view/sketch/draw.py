@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import textwrap
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon, Rectangle
-from matplotlib.transforms import Affine2D
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Polygon
 from scipy.spatial import ConvexHull, QhullError
 
 from ...arrays import FloatArray
@@ -26,7 +28,7 @@ from .places import Node, Sketch, sketch
 
 FORMATS = ("svg", "png", "pdf")
 """Suffixes of files that a drawing can be written to."""
-_INK, _STOP, _DRIVE, _SPRING = "#1c2430", "#D55E00", "#0072B2", "#B00020"
+_INK, _STOP, DRIVE, _SPRING = "#1c2430", "#D55E00", "#0072B2", "#B00020"
 # Sizes of symbols by that of the mechanism.
 _PIN, _BAR, _COIL, _ARROW = 0.013, 9.0, 0.09, 0.07
 
@@ -68,6 +70,23 @@ def drawing_format(path: Path) -> str:
     return kind
 
 
+@dataclass
+class Symbols:
+    """What is drawn of a sketch, in mm.
+
+    Attributes:
+        labels: Names, and what they name.
+        links: Bar or plate of each link.
+        struts: Line of each spring or damper between two points.
+        carried: All others that move, each with the place of the link that carries it.
+    """
+
+    labels: list[Label] = field(default_factory=list)
+    links: list[Polygon] = field(default_factory=list)
+    struts: list[Line2D] = field(default_factory=list)
+    carried: list[tuple[int, Artist]] = field(default_factory=list)
+
+
 def drawn(shown: Sketch) -> Figure:
     """The figure of a sketch.
 
@@ -87,10 +106,8 @@ def drawn(shown: Sketch) -> Figure:
     # A machine without any length is drawn in a square of one metre, as it is viewed.
     extent = float(np.ptp(points, axis=0).max())
     size = extent or MM_PER_M
-    labels = [*_links(axes, shown), *_crank(axes, shown), *_struts(axes, shown, size)]
-    for node in shown.nodes:
-        labels += _node(axes, node, size)
-    labels += _stops(axes, shown, size)
+    labels = symbols(axes, shown, size).labels
+    _opening(axes, shown, size)
     room = (0.16 if extent else 0.5) * size
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     axes.set_xlim(low[0], high[0])
@@ -116,9 +133,33 @@ def drawn(shown: Sketch) -> Figure:
     return figure
 
 
-def _links(axes: Axes, shown: Sketch) -> list[Label]:
+def symbols(axes: Axes, shown: Sketch, size: float) -> Symbols:
+    """Draw links, joints, springs and stops.
+
+    Args:
+        axes: Where, in mm.
+        shown: What is drawn.
+        size: Size of the drawing [mm].
+    """
+    made = Symbols()
+    _links(axes, shown, made)
+    _crank(axes, shown, made)
+    for name, ends in shown.struts:
+        begin, end = MM_PER_M * ends
+        made.struts.append(_coil(axes, begin, end, _PIN * size))
+        made.labels.append(Label(name, 0.5 * (begin + end), _SPRING))
+    for node in shown.nodes:
+        _node(axes, node, size, made)
+    for stop in shown.stops:
+        at = MM_PER_M * stop.place
+        cross = axes.plot(*at, marker="x", color=_STOP, ms=7, mew=2, zorder=6)
+        made.carried.append((stop.body, cross[0]))
+        made.labels.append(Label(f"stop: {stop.name}", at, _STOP))
+    return made
+
+
+def _links(axes: Axes, shown: Sketch, made: Symbols) -> None:
     """Bars and plates through the points of each link."""
-    found = []
     for link in shown.links:
         colour = link_colour(link.body)
         corners = MM_PER_M * np.unique(link.points.round(9), axis=0)
@@ -131,46 +172,43 @@ def _links(axes: Axes, shown: Sketch) -> list[Label]:
                 corners = corners[np.argsort(corners @ along)][[0, -1]]
         # Paler by itself: what is transparent would show where the edge covers the face.
         pale = tuple(0.45 + 0.55 * part for part in colour)
-        axes.add_patch(Polygon(corners, closed=len(corners) > 2, fc=pale, ec=pale, lw=_BAR,
-                               joinstyle="round", capstyle="round", zorder=1))  # fmt: skip
-        found.append(Label(link.name.replace("_", " "), corners.mean(axis=0), _INK))
-    return found
+        made.links.append(Polygon(corners, closed=len(corners) > 2, fc=pale, ec=pale, lw=_BAR,
+                                  joinstyle="round", capstyle="round", zorder=1))  # fmt: skip
+        axes.add_patch(made.links[-1])
+        made.labels.append(Label(link.name.replace("_", " "), corners.mean(axis=0), _INK))
 
 
-def _node(axes: Axes, node: Node, size: float) -> list[Label]:
+def _node(axes: Axes, node: Node, size: float, made: Symbols) -> None:
     """The symbol of a joint, and of what acts on it."""
     at, radius = MM_PER_M * node.place, _PIN * size
-    colour = _DRIVE if node.driven else _INK
+    colour = DRIVE if node.driven else _INK
     if node.ground:
         foot = np.array([[0.0, 0.0], [-2.0, -3.0], [2.0, -3.0]]) * radius + at
         axes.add_patch(Polygon(foot, fc="white", ec=_INK, lw=0.8, hatch="////", zorder=3))
+    symbol: Patch
     if node.kind in ("slide", "slot"):
-        _box(axes, at, node.along, radius, colour)
+        # A block that slides along a direction.
+        across = np.array([-node.along[1], node.along[0]])
+        corners = np.array([[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]) * radius
+        symbol = Polygon(at + corners @ [node.along, across], fc="white", ec=colour, lw=1.4,
+                         zorder=5)  # fmt: skip
     else:
         style = "--" if node.kind == "cut pin" else "-"
-        axes.add_patch(
-            Circle((at[0], at[1]), radius, fc="white", ec=colour, lw=1.4, ls=style, zorder=5)
-        )
+        symbol = Circle((at[0], at[1]), radius, fc="white", ec=colour, lw=1.4, ls=style, zorder=5)
+    axes.add_patch(symbol)
+    made.carried.append((node.body, symbol))
     if node.spring and node.along.any():
-        _coil(axes, at, at + _COIL * size * node.along, radius)
+        coil = _coil(axes, at, at + _COIL * size * node.along, radius)
+        made.carried.append((node.body, coil))
     name = node.name.replace("_", " ")
     if node.driven:
         name = f"{name}\ndriven: {node.driven}"
     if node.spring:
         name = f"{name}\nspring: {node.spring}"
-    return [Label(name, at, colour)]
+    made.labels.append(Label(name, at, colour))
 
 
-def _box(axes: Axes, at: FloatArray, along: FloatArray, radius: float, colour: str) -> None:
-    """A block that slides along a direction."""
-    turned = Affine2D().rotate(float(np.arctan2(along[1], along[0]))).translate(*at)
-    box = Rectangle((-2.0 * radius, -radius), 4.0 * radius, 2.0 * radius, fc="white", ec=colour,
-                    lw=1.4, zorder=5)  # fmt: skip
-    box.set_transform(turned + axes.transData)
-    axes.add_patch(box)
-
-
-def _coil(axes: Axes, begin: FloatArray, end: FloatArray, radius: float) -> None:
+def _coil(axes: Axes, begin: FloatArray, end: FloatArray, radius: float) -> Line2D:
     """A zigzag between two points."""
     share = np.linspace(0.0, 1.0, 14)
     along = end - begin
@@ -178,40 +216,27 @@ def _coil(axes: Axes, begin: FloatArray, end: FloatArray, radius: float) -> None
     swing = np.where(np.arange(14) % 2 == 0, 1.0, -1.0)
     swing[[0, -1]] = 0.0
     line = begin + share[:, None] * along + 0.8 * radius * swing[:, None] * across
-    axes.plot(*line.T, color=_SPRING, lw=1.0, zorder=4)
+    return axes.plot(*line.T, color=_SPRING, lw=1.0, zorder=4)[0]
 
 
-def _struts(axes: Axes, shown: Sketch, size: float) -> list[Label]:
-    """Springs and dampers between two points."""
-    found = []
-    for name, ends in shown.struts:
-        begin, end = MM_PER_M * ends
-        _coil(axes, begin, end, _PIN * size)
-        found.append(Label(name, 0.5 * (begin + end), _SPRING))
-    return found
-
-
-def _stops(axes: Axes, shown: Sketch, size: float) -> list[Label]:
-    """Contact points of stops, and how they open."""
-    found = []
+def _opening(axes: Axes, shown: Sketch, size: float) -> None:
+    """How stops open."""
     for stop in shown.stops:
         at = MM_PER_M * stop.place
-        axes.plot(*at, marker="x", color=_STOP, ms=7, mew=2, zorder=6)
         if stop.along.any():
             tip = at + _ARROW * size * stop.along / np.hypot(*stop.along)
             arrow = {"arrowstyle": "->", "color": _STOP, "lw": 1.4}
             axes.annotate("", (tip[0], tip[1]), (at[0], at[1]), arrowprops=arrow, zorder=6)
-        found.append(Label(f"stop: {stop.name}", at, _STOP))
-    return found
 
 
-def _crank(axes: Axes, shown: Sketch) -> list[Label]:
+def _crank(axes: Axes, shown: Sketch, made: Symbols) -> None:
     """The circle of the cylinder's crank pin."""
     if shown.crank is None:
-        return []
+        return
     axis, radius = MM_PER_M * shown.crank[0], MM_PER_M * shown.crank[1]
     axes.add_patch(
-        Circle((axis[0], axis[1]), radius, fc="none", ec=_DRIVE, lw=0.9, ls=":", zorder=2)
+        Circle((axis[0], axis[1]), radius, fc="none", ec=DRIVE, lw=0.9, ls=":", zorder=2)
     )
-    axes.plot(*axis, marker="+", color=_DRIVE, ms=8, zorder=2)
-    return [Label("crank pin of the cylinder", axis + radius * np.array([0.7, -0.7]), _DRIVE)]
+    axes.plot(*axis, marker="+", color=DRIVE, ms=8, zorder=2)
+    at = axis + radius * np.array([0.7, -0.7])
+    made.labels.append(Label("crank pin of the cylinder", at, DRIVE))

@@ -11,6 +11,7 @@ from ...arrays import FloatArray
 from ...mechanism import Mechanism
 from ...mechanism.build.placements import joint_axis, joint_placements
 from ...mechanism.drives import OscillatingGuide
+from ..scene.arrows import arrow_body
 
 # A joint may have the name of a link.
 _LINK = pin.FrameType.BODY
@@ -39,6 +40,7 @@ class Node:
         name: Its name.
         kind: "pin", "slide", "slot" or "cut pin": a pin that the tree leaves open and a closure
             closes.
+        body: Place in ``mechanism.joints`` of the link that carries it.
         place: Its place, shape (2,) [m].
         along: Direction of a slide or slot, shape (2,); zero for a pin.
         ground: Whether one of its links is the frame.
@@ -48,6 +50,7 @@ class Node:
 
     name: str
     kind: str
+    body: int
     place: FloatArray
     along: FloatArray
     ground: bool
@@ -57,15 +60,17 @@ class Node:
 
 @dataclass(frozen=True)
 class Mark:
-    """A stop, or an end of the crank.
+    """A stop.
 
     Attributes:
         name: Its name.
+        body: Place in ``mechanism.joints`` of the link that carries it; ``FIXED`` for the frame.
         place: Its place, shape (2,) [m].
         along: Direction in which the stop opens, shape (2,); zero for a hinge without contact.
     """
 
     name: str
+    body: int
     place: FloatArray
     along: FloatArray
 
@@ -147,6 +152,7 @@ def _tree_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
     return Node(
         joint.name,
         "pin" if joint.kind == "revolute" else "slide",
+        place,
         at,
         along,
         model.parents[identity] == 0,
@@ -166,23 +172,26 @@ def _cut_node(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Node:
         frame = model.frames[model.getFrameId(closure.slot_frame, _LINK)]
         rotation = (world[frame.parentJoint] * frame.placement).rotation
         along = rotation[[0, 2], 0 if closure.slot_axis == "x" else 2]
-    return Node(closure.name, kind, _frame(model, closure.frame_a, world)[[0, 2]], along,
+    order = [model.getJointId(joint.name) for joint in mechanism.joints]
+    body = order.index(next(item for item in parents if item))
+    return Node(closure.name, kind, body, _frame(model, closure.frame_a, world)[[0, 2]], along,
                 0 in parents)  # fmt: skip
 
 
 def _mark(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> Mark:
     """A stop at its contact point, or at its joint."""
     stop = mechanism.stops[place]
+    body = arrow_body(mechanism, stop)
     if stop.contact is not None:
-        return Mark(stop.name, stop.contact.point[[0, 2]], stop.contact.normal[[0, 2]])
+        return Mark(stop.name, body, stop.contact.point[[0, 2]], stop.contact.normal[[0, 2]])
     number, joint = next(
         (number, item) for number, item in enumerate(mechanism.joints) if item.index == stop.index
     )
     if joint.kind == "prismatic":
         along, at = _slide(mechanism, number, world)
-        return Mark(stop.name, at, stop.sense * along)
+        return Mark(stop.name, body, at, stop.sense * along)
     at = world[mechanism.model.getJointId(joint.name)].translation[[0, 2]]
-    return Mark(stop.name, at, np.zeros(2))
+    return Mark(stop.name, body, at, np.zeros(2))
 
 
 def _slide(mechanism: Mechanism, place: int, world: list[pin.SE3]) -> tuple[FloatArray, FloatArray]:

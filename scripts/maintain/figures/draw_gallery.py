@@ -1,6 +1,6 @@
 """Draw every machine of the gallery as a small SVG, and write the pages that show them.
 
-Each is drawn in its touch configuration from what the viewer draws, with the path of one point
+Each is drawn in its touch configuration by the symbols of a sketch, with the path of one point
 over a turn, as the links move where nothing is struck.
 
 Run: python scripts/maintain/figures/draw_gallery.py [FOLDER]
@@ -14,17 +14,22 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import nipper_pin as nip
 from nipper_pin.arrays import FloatArray
 from nipper_pin.errors import SimulationError
-from nipper_pin.mechanism.drawing import Drawing, Slot, Spring, Stop, drawn_mechanism
+from nipper_pin.mechanism.drawing import Drawing, Spring, Stop, drawn_mechanism
 from nipper_pin.mechanism.gallery import GALLERY, GROUPS
-from nipper_pin.view.scene import Look, film
-from nipper_pin.view.scene.flat import Flat, colours, flat, moved
-from nipper_pin.view.scene.solids import Solid, solids
+from nipper_pin.units import M_PER_MM, MM_PER_M
+from nipper_pin.view.figure_file import save_figure
+from nipper_pin.view.scene.film import Look, film, poses, worlds
+from nipper_pin.view.sketch.draw import symbols
+from nipper_pin.view.sketch.places import sketch
 
-_SIZE = 240.0  # of the longer side [px]
+_SIZE_IN = 3.6  # of the longer side
+_ROOM = 0.05  # around the machine, by its size
 _SLOW_RPM = 1.0  # so slow that springs hold everything on its stop
 _STIFFER = 1e3
 _PAGE = """# Gallery
@@ -96,7 +101,7 @@ def main(folder: str = "docs") -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     for draw in GALLERY.values():
         drawing = draw()
-        (pictures / f"{drawing.name}.svg").write_text(picture(drawing), encoding="utf-8")
+        save_figure(picture(drawing), pictures / f"{drawing.name}.svg", "svg")
     texts = pages()
     for name, text in texts.items():
         (Path(folder) / f"{name}.md").write_text(text, encoding="utf-8")
@@ -130,50 +135,31 @@ def _shown(draw: Callable[[], Drawing]) -> str:
     )
 
 
-def picture(drawing: Drawing) -> str:
-    """One machine as the text of an SVG."""
-    shown = film(_unstopped(drawing), Look(slow=1.0))
-    solution = shown.solution
-    drawn = solids(solution.mechanism)
-    seen = flat(shown, drawn)
-    # The frame that is nearest to the drawing: all coordinates zero.
-    touch = int(np.argmin(np.abs(shown.drawn).max(axis=1)))
-    corners = moved(seen, shown, touch)
+def picture(drawing: Drawing) -> Figure:
+    """One machine in its touch configuration, and the path of its point."""
+    still = sketch(drawn_mechanism(drawing))
     path = np.zeros((0, 2))
     if drawing.traced:
-        link, point = drawing.traced.split()
-        path = _path(drawing, shown.position, shown.angle, solution.mechanism, link, point)
-    low = np.vstack([corners, path]).min(axis=0)
-    high = np.vstack([corners, path]).max(axis=0)
-    scale = _SIZE / float((high - low).max())
-
-    def at(places: FloatArray) -> str:
-        x = (places[:, 0] - low[0]) * scale + 4.0
-        z = (high[1] - places[:, 1]) * scale + 4.0
-        return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, z, strict=True))
-
-    width, height = (high - low) * scale + 8.0
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" '
-        f'width="{width:.0f}" height="{height:.0f}">',
-        f"<title>{drawing.title}</title>",
-    ]
-    # The block in a slot has no shape.
-    blocks = {
-        i for i, joint in enumerate(solution.mechanism.joints) if joint.child in _blocks(drawing)
-    }
-    fills = {n: fill for n, fill in _fills(seen, drawn).items() if drawn[n].body not in blocks}
-    for place in sorted(fills, key=lambda item: drawn[item].placement[1, 3], reverse=True):
-        lines.append(
-            f'<polygon points="{at(corners[_outline(seen, place)])}" fill="{fills[place]}" '
-            'stroke="#222" stroke-width="0.7"/>'
-        )
-    if len(path):
-        lines.append(
-            f'<polyline points="{at(path)}" fill="none" stroke="#c22" stroke-width="1" '
-            'stroke-dasharray="3 2"/>'
-        )
-    return "\n".join([*lines, "</svg>", ""])
+        path = _path(drawing)
+        name, point = drawing.traced.split()
+        at = M_PER_MM * np.array([drawing.points[point]])
+        reaching = [replace(link, points=np.concatenate([link.points, at]))
+                    if link.name == name else link for link in still.links]  # fmt: skip
+        still = replace(still, links=tuple(reaching))
+    corners = [*(link.points for link in still.links), *(ends for _, ends in still.struts)]
+    points = MM_PER_M * np.concatenate([*corners, path])
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float((high - low).max())
+    low, high = low - _ROOM * size, high + _ROOM * size
+    width, height = _SIZE_IN * (high - low) / (high - low).max()
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    symbols(axes, still, size)
+    axes.plot(*MM_PER_M * path.T, color="#cc2222", lw=1.0, ls="--", zorder=8)
+    return figure
 
 
 def _unstopped(drawing: Drawing) -> nip.Solution:
@@ -198,63 +184,17 @@ def _unstopped(drawing: Drawing) -> nip.Solution:
         return nip.simulate(drawn_mechanism(drawing), nip.Case(speed_rpm=drawing.speed_rpm))
 
 
-def _path(
-    drawing: Drawing,
-    position: FloatArray,
-    angle: FloatArray,
-    mechanism: nip.Mechanism,
-    link: str,
-    point: str,
-) -> FloatArray:
+def _path(drawing: Drawing) -> FloatArray:
     """Places of a link's point over the turn, shape (frames, 2) [m]."""
-    body = next(i for i, joint in enumerate(mechanism.joints) if joint.child == link)
-    joint = mechanism.joints[body]
-    origin = np.array(mechanism.model.jointPlacements[mechanism.model.getJointId(joint.name)]
-                      .translation)[[0, 2]]  # fmt: skip
-    parent = joint.parent
-    while (above := next((j for j in mechanism.joints if j.child == parent), None)) is not None:
-        stands = mechanism.model.jointPlacements[mechanism.model.getJointId(above.name)]
-        origin = origin + np.array(stands.translation)[[0, 2]]
-        parent = above.parent
-    local = 1e-3 * np.array(drawing.points[point]) - origin
-    step = max(1, len(angle) // 90)
-    turn = angle[::step, body]
-    x = np.cos(turn) * local[0] - np.sin(turn) * local[1]
-    z = np.sin(turn) * local[0] + np.cos(turn) * local[1]
-    return np.asarray(position[::step, body] + np.column_stack([x, z]))
-
-
-def _blocks(drawing: Drawing) -> set[str]:
-    """Links that are blocks in slots."""
-    return {f"{part.name}_block" for part in drawing.parts if isinstance(part, Slot)}
-
-
-def _fills(seen: Flat, drawn: tuple[Solid, ...]) -> dict[int, str]:
-    """Colour of the lightest face of each solid that is seen."""
-    shades = colours(seen, drawn, (), (0.0, 0.0, 0.0))
-    best: dict[int, tuple[float, str]] = {}
-    for item, place, light, shade in zip(seen.items, seen.solid, seen.light, shades, strict=True):
-        if len(item) == 3 and light > best.get(int(place), (0.0, ""))[0]:
-            best[int(place)] = float(light), shade
-    return {place: shade for place, (_, shade) in best.items()}
-
-
-def _outline(seen: Flat, place: int) -> list[int]:
-    """Corners of a solid's outline, in order."""
-    follows: dict[int, list[int]] = {}
-    for item, of in zip(seen.items, seen.solid, strict=True):
-        if of == place and len(item) == 2:
-            follows.setdefault(item[0], []).append(item[1])
-            follows.setdefault(item[1], []).append(item[0])
-    start = next(iter(follows))
-    loop, before = [start], -1
-    while True:
-        here = loop[-1]
-        ahead = next((n for n in follows[here] if n != before), start)
-        if ahead == start:
-            return loop
-        before = here
-        loop.append(ahead)
+    link, point = drawing.traced.split()
+    shown = film(_unstopped(drawing), Look(slow=1.0))
+    solution = shown.solution
+    joints = solution.mechanism.joints
+    body = next(i for i, joint in enumerate(joints) if joint.child == link)
+    touch = worlds(*poses(solution, np.zeros_like(shown.q[:1])))
+    moved = (worlds(shown.position, shown.angle) @ np.linalg.inv(touch))[:, body]
+    path = moved @ [*(M_PER_MM * np.array(drawing.points[point])), 1.0]
+    return np.asarray(path[:: max(1, len(path) // 90), :2])
 
 
 def _sentence(words: str) -> str:
