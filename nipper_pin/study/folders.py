@@ -29,13 +29,14 @@ def make_folder(folder: str | Path) -> None:
 
 
 @contextmanager
-def alone_in(folder: str | Path) -> Iterator[None]:
-    """Be the only process that works in a folder, as far as its file system has locks.
+def alone_in(folder: str | Path, *, shared: bool = False) -> Iterator[None]:
+    """Be the only process that works in a folder, as far as its file system has locks for folders.
 
     The system gives the lock back when the process ends, however it ends.
 
     Args:
         folder: The folder, made if it does not exist.
+        shared: Let others in that share it, too.
 
     Raises:
         InputError: Another process works in it, or it cannot be made.
@@ -46,7 +47,8 @@ def alone_in(folder: str | Path) -> Iterator[None]:
             handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
             stack.callback(os.close, handle)
             try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                how = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
+                fcntl.flock(handle, how | fcntl.LOCK_NB)
             except BlockingIOError as error:
                 message = f"{folder}: another process works in it; wait for it, or give --out"
                 raise InputError(message, folder=str(folder)) from error

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -124,7 +126,7 @@ def test_sweeps_without_pyarrow(tmp_path: Path) -> None:
         store.need_pyarrow,
         lambda: estimate.estimate(plan),
         lambda: table.read_sweep(tmp_path),
-        lambda: store.Store(tmp_path / "new", plan, locks=True).__enter__(),
+        lambda: run.run_sweep(plan, tmp_path / "new"),
     ):
         with pytest.raises(InputError, match="sweeps needs pyarrow, which is not") as caught:
             act()
@@ -150,19 +152,13 @@ def test_workers_of_a_sweep(tmp_path: Path) -> None:
 def test_a_sweep_and_its_report(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chunks: Any
 ) -> None:
-    """Locks where others may compute the same; what was found is what was not computed."""
+    """Alone in the folder but for ranges; what was found is what was not computed."""
     asked: list[Any] = []
 
     class Store:
-        def __init__(self, folder: Path, plan: Any, *, locks: bool) -> None:
-            asked.append((folder, plan, locks))
+        def __init__(self, folder: Path, plan: Any) -> None:
+            asked.append((folder, plan))
             self.plan = SimpleNamespace(chunks=lambda: "all")
-
-        def __enter__(self) -> Store:
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            asked.append("closed")
 
     class Run:
         total, computed, chunks, count = 22, 9, 4, 3
@@ -176,7 +172,14 @@ def test_a_sweep_and_its_report(
         def complete(self) -> None:
             asked.append("complete")
 
+    @contextmanager
+    def alone(folder: Path, *, shared: bool) -> Iterator[None]:
+        asked.append((folder, shared))
+        yield
+        asked.append("left")
+
     clock = iter([100.0, 103.5])
+    monkeypatch.setattr(run, "alone_in", alone)
     monkeypatch.setattr(run, "Store", Store)
     monkeypatch.setattr(run, "_Run", Run)
     monkeypatch.setattr(run, "chosen", lambda *words: words)
@@ -188,8 +191,8 @@ def test_a_sweep_and_its_report(
         plan, tmp_path, scheduler="tcp://a" if chunks else None, chunks=chunks, progress=progress
     )
     assert asked == [
-        (tmp_path, "plan", chunks is None),
-        (None, "tcp://a" if chunks else None, ("all", chunks), "told"), "complete", "closed",
+        (tmp_path, chunks is not None), (tmp_path, "plan"),
+        (None, "tcp://a" if chunks else None, ("all", chunks), "told"), "complete", "left",
         "checked",
     ]  # fmt: skip
     assert (found.folder, found.scenarios, found.found, found.computed) == (tmp_path, 22, 13, 9)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import math
-import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
@@ -40,7 +38,7 @@ from nipper_pin.study.optimise.search import stages as searches
 from nipper_pin.study.optimise.work import Work
 from nipper_pin.study.sweep import local
 from nipper_pin.study.sweep.chunks import DefectError
-from nipper_pin.study.sweep.results import chunk_file, locks, record
+from nipper_pin.study.sweep.results import chunk_file, record
 from nipper_pin.study.sweep.results import store as store_module
 from nipper_pin.study.sweep.results.chunk_file import DamageError
 from nipper_pin.study.sweep.results.table import SweepTable
@@ -669,48 +667,6 @@ def test_chunks_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(DamageError, match=r"bad: damaged, or no chunk of a sweep") as caught:
         chunk_file.read_file(tmp_path / "bad")
     assert caught.value.evidence == {"file": str(tmp_path / "bad")}
-
-
-def test_locks_without_a_file_or_a_system_that_has_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(InputError, match=r"cannot be written \(No such file") as caught:
-        locks.Locks(tmp_path / "gone" / "locks", needed=True)
-    assert caught.value.evidence == {"file": str(tmp_path / "gone" / "locks")}
-    asked: list[tuple[int, int, int]] = []
-    error: list[int] = []
-
-    def lockf(_handle: int, how: int, length: int, byte: int) -> None:
-        asked.append((how, length, byte))
-        if error:
-            raise OSError(error[0], os.strerror(error[0]))
-
-    monkeypatch.setattr(locks.fcntl, "lockf", lockf)
-    file = tmp_path / "locks"
-    for needed in (True, False):
-        held = locks.Locks(file, needed=needed)
-        error.clear()
-        asked.clear()
-        assert held.take(7)
-        held.release(7)
-        with held.folder():
-            assert asked[-1] == (locks.fcntl.LOCK_EX, 1, locks._FOLDER)
-        alone = locks.fcntl.LOCK_EX | locks.fcntl.LOCK_NB
-        assert asked == [
-            (alone, 1, 8), (locks.fcntl.LOCK_UN, 1, 8), (locks.fcntl.LOCK_EX, 1, locks._FOLDER),
-            (locks.fcntl.LOCK_UN, 1, locks._FOLDER),
-        ]  # fmt: skip
-        for busy in (errno.EACCES, errno.EAGAIN):
-            error[:] = [busy]
-            assert not held.take(7)
-        error[:] = [errno.ENOLCK]
-        if needed:
-            with pytest.raises(InputError, match="has no locks") as caught:
-                held.take(7)
-            assert caught.value.evidence == {"file": str(file)}
-        else:
-            assert held.take(7)
-        held.close()
 
 
 def test_records_of_another_format(tmp_path: Path) -> None:

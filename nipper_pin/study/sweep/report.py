@@ -20,7 +20,7 @@ class SweepReport:
     Attributes:
         folder: Where the results are.
         scenarios: Scenarios of the chunks that were asked for, all of which are stored.
-        found: Those that were stored before, or by another process meanwhile.
+        found: Those that were stored before.
         computed: Those that this run computed.
         chunks: Chunks that were asked for.
         damaged: Names of chunks that were damaged, and are computed anew.

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from contextlib import closing
-from itertools import chain
 from pathlib import Path
 
 from ...errors import InputError, SimulationError
-from ...units import S_PER_MIN
+from ..folders import alone_in
 from .chunks import DefectError
 from .local import check_workers, on_this_machine
 from .plan import Chunk, Plan, chosen
 from .report import SweepReport
-from .results import Store, Tally
+from .results import Store, Tally, need_pyarrow
 from .results.chunk_file import DamageError, read
 from .results.extremes import Extremes
 
 Progress = Callable[[int, int, int], None]
 """Called with (scenarios stored, of these found on disk, scenarios in all)."""
-
-# How often to look for chunks of other processes, and how long one may bring nothing forth [s].
-_LOOK_S, _PATIENCE_S = 0.1, 1800.0
 
 
 def run_sweep(
@@ -38,7 +34,7 @@ def run_sweep(
     """Compute what is missing of a sweep, and store each chunk as soon as it is finished.
 
     The rows do not depend on who computes them: chunks follow from the plan, and each is computed
-    alone, in one thread. Several processes may work in one folder: each chunk is computed by one.
+    alone, in one thread. One process at a time works in a folder, or several with ranges of chunks.
 
     Args:
         plan: The plan.
@@ -46,10 +42,11 @@ def run_sweep(
         workers: Local processes; by default as many as there are processors.
         scheduler: Address of a Dask scheduler to use instead.
         chunks: Numbers of the first and the last chunk to compute; by default all.
-        progress: Called at the start, after every chunk, and while others are waited for.
+        progress: Called at the start, after every chunk, and while a scheduler is waited for.
 
     Raises:
-        InputError: An argument cannot be used, or the folder holds another sweep.
+        InputError: An argument cannot be used, the folder holds another sweep, or another process
+            works in it.
         SimulationError: Workers were lost, or scenarios met a fault of the program; what is
             finished is kept. Or no scenario at all has a result.
     """
@@ -61,9 +58,10 @@ def run_sweep(
         from .cluster import check_address
 
         check_address(scheduler)
+    need_pyarrow()
     began = time.perf_counter()
-    # A range of its own is as good as a lock, where a file system has none.
-    with Store(folder, plan, locks=chunks is None) as store:
+    with alone_in(folder, shared=chunks is not None):
+        store = Store(folder, plan)
         run = _Run(store, workers, scheduler, chosen(store.plan.chunks(), chunks), progress)
         run.complete()
     report = SweepReport(
@@ -83,7 +81,7 @@ def run_sweep(
 
 
 class _Run:
-    """One run of a sweep, which may share its chunks with other processes."""
+    """One run of a sweep."""
 
     def __init__(
         self,
@@ -105,14 +103,12 @@ class _Run:
         self.defects: list[DefectError] = []
 
     def complete(self) -> None:
-        """Compute what is missing, and wait for what other processes compute."""
+        """Compute what is missing."""
         self._look_for_stored()
         self._found = self._done
         self._tell()
         try:
-            self._compute(self._claimed())
-            while self._left:
-                self._compute(self._given_up())
+            self._compute()
         except KeyboardInterrupt:
             # One that was stored in this moment is counted, too.
             self._look_for_stored()
@@ -127,18 +123,14 @@ class _Run:
 
     def _look_for_stored(self) -> None:
         for chunk in list(self._left.values()):
-            self._take_up(chunk)
-
-    def _take_up(self, chunk: Chunk) -> bool:
-        """Count a chunk that is on disk; a damaged one is as good as none."""
-        try:
-            table = self._store.rows(chunk)
-        except DamageError as error:
-            self.damaged[chunk.number] = Path(error.evidence["file"]).name
-            return False
-        if table is not None:
-            self._finish(chunk, table)
-        return table is not None
+            try:
+                table = self._store.rows(chunk)
+            except DamageError as error:
+                # As good as none.
+                self.damaged[chunk.number] = Path(error.evidence["file"]).name
+                continue
+            if table is not None:
+                self._finish(chunk, table)
 
     def _finish(self, chunk: Chunk, table: object) -> None:
         self.tally.add(table)
@@ -146,47 +138,12 @@ class _Run:
         self._done += chunk.stop - chunk.start
         self._left.pop(chunk.number)
 
-    def _claimed(self) -> Iterator[Chunk]:
-        """Chunks that no other process has, one by one as they are asked for."""
-        for chunk in list(self._left.values()):
-            if self._store.take(chunk) and not self._stored(chunk):
-                yield chunk
-
-    def _given_up(self) -> Iterator[Chunk]:
-        """Wait for chunks of other processes; gives those that they have not finished."""
-        changed = time.monotonic()
-        while self._left:
-            before = len(self._left)
-            claimed = list(self._claimed())
-            if claimed:
-                yield from claimed
-                return
-            now = time.monotonic()
-            changed = now if len(self._left) < before else changed
-            if now - changed > _PATIENCE_S:
-                message = (
-                    f"other processes have had {len(self._left)} chunks for "
-                    f"{_PATIENCE_S / S_PER_MIN:.0f} minutes and finished none; end "
-                    "them, and run the same command again"
-                )
-                raise SimulationError(message, chunks=list(self._left))
-            self._tell()
-            time.sleep(_LOOK_S)
-
-    def _stored(self, chunk: Chunk) -> bool:
-        """Whether another process has stored a chunk since this one looked last."""
-        found = self._take_up(chunk)
-        if found:
-            self._store.release(chunk)
-        return found
-
-    def _compute(self, chunks: Iterable[Chunk]) -> None:
-        chunks = iter(chunks)
+    def _compute(self) -> None:
         # Nothing to do: no process is started.
-        first = next(chunks, None)
-        if first is None:
+        if not self._left:
             return
-        text, tasks = self._store.plan.job.text(), self._store.plan.rows(chain([first], chunks))
+        plan = self._store.plan
+        text, tasks = plan.job.text(), plan.rows(list(self._left.values()))
         if self._scheduler is None:
             self.count = min(len(self._left), self._workers)
             results = on_this_machine(text, tasks, self.count)
@@ -204,7 +161,6 @@ class _Run:
                     self._store.write(chunk, content)
                     self._finish(chunk, read(content, self.extremes.columns))
                     self.computed += chunk.stop - chunk.start
-                self._store.release(chunk)
                 self._tell()
 
     def _tell(self) -> None:

@@ -1,11 +1,10 @@
-"""How a run of a sweep goes on: what is stored, computed, waited for, told and given up.
+"""How a run of a sweep goes on: what is stored, computed and told.
 
 Store, clock and whoever computes are stand-ins; a chunk is a name and its first and last number.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,11 +22,11 @@ CHUNKS = [SimpleNamespace(number=n, start=10 * n, stop=10 * n + 4 + n) for n in 
 
 
 class Store:
-    """Chunks on disk, and those that other processes have taken."""
+    """Chunks on disk."""
 
-    def __init__(self, stored: set[int], taken: set[int], damaged: set[int]) -> None:
-        self.stored, self.taken, self.damaged = stored, taken, damaged
-        self.said: list[tuple[str, int]] = []
+    def __init__(self, stored: set[int], damaged: set[int]) -> None:
+        self.stored, self.damaged = stored, damaged
+        self.written: list[int] = []
         self.plan = SimpleNamespace(
             job=SimpleNamespace(text=lambda: b"job", quantities=("duration_s",),
                                 axes=(SimpleNamespace(name="preload"),)),
@@ -40,15 +39,8 @@ class Store:
             raise DamageError(message, file=f"/somewhere/{chunk.number}.parquet")
         return f"stored {chunk.number}" if chunk.number in self.stored else None
 
-    def take(self, chunk: Any) -> bool:
-        self.said.append(("take", chunk.number))
-        return chunk.number not in self.taken
-
-    def release(self, chunk: Any) -> None:
-        self.said.append(("release", chunk.number))
-
     def write(self, chunk: Any, content: bytes) -> None:
-        self.said.append(("write", chunk.number))
+        self.written.append(chunk.number)
         self.damaged.discard(chunk.number)
         assert content == f"computed {chunk.number}".encode()
 
@@ -61,7 +53,7 @@ class Run:
         self.added: list[str] = []
         self.asked: list[Any] = []
         self.answers: dict[int, Any] = others.get("answers", {})
-        self.store: Any = Store(*(set(others.get(k, ())) for k in ("stored", "taken", "damaged")))
+        self.store: Any = Store(*(set(others.get(k, ())) for k in ("stored", "damaged")))
         patch.setattr(run, "on_this_machine", self.compute)
         patch.setattr(cluster, "on_scheduler", self.compute)
         patch.setattr(run, "read", lambda content, columns: (content.decode(), columns))
@@ -81,12 +73,11 @@ class Run:
 
 
 def test_a_run_from_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every chunk is taken, computed, stored, counted and given back, and told of."""
+    """Every chunk is computed, stored, counted and told of."""
     made = Run(monkeypatch)
     made.run.complete()
     assert made.asked == [(b"job", 2)]
-    wanted = [(what, n) for n in range(4) for what in ("take", "write", "release")]
-    assert made.store.said == wanted
+    assert made.store.written == [0, 1, 2, 3]
     assert made.added == [(f"computed {n}", COLUMNS) for n in range(4)]
     assert made.seen == made.added
     assert made.told == [(0, 0, 22), (4, 0, 22), (9, 0, 22), (15, 0, 22), (22, 0, 22)]
@@ -127,15 +118,14 @@ def test_defects_end_a_run_when_all_else_is_stored(monkeypatch: pytest.MonkeyPat
         made.run.complete()
     assert caught.value.evidence == {"scenario": 11}
     assert made.run.computed == 4 + 6
-    assert ("write", 1) not in made.store.said
-    assert ("release", 1) in made.store.said
+    assert made.store.written == [0, 2]
     assert [done for done, *_ in made.told] == [0, 4, 4, 10, 10]
 
 
 def test_an_interrupted_run_counts_what_was_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     made = Run(monkeypatch)
 
-    def interrupted(_: Any) -> None:
+    def interrupted() -> None:
         made.store.stored = {1, 2}
         raise KeyboardInterrupt
 
@@ -143,62 +133,6 @@ def test_an_interrupted_run_counts_what_was_stored(monkeypatch: pytest.MonkeyPat
     with pytest.raises(KeyboardInterrupt):
         made.run.complete()
     assert made.told == [(0, 0, 22), (11, 0, 22)]
-
-
-class Clock:
-    """Time that passes by looks; after each something may happen."""
-
-    def __init__(self, patch: pytest.MonkeyPatch, after: Callable[[float], None]) -> None:
-        self.now, self.after = 1000.0, after
-        patch.setattr(run.time, "monotonic", lambda: self.now)
-        patch.setattr(run.time, "sleep", self.sleep)
-
-    def sleep(self, seconds: float) -> None:
-        self.now += seconds
-        self.after(self.now - 1000.0)
-
-
-def test_chunks_of_other_processes_are_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One is stored while this waits, which is told; one is given up, and computed here."""
-    made = Run(monkeypatch, taken={1, 2})
-
-    def later(passed: float) -> None:
-        if passed >= 3 * run._LOOK_S:
-            made.store.stored.add(1)
-            # A process that has stored a chunk gives it back.
-            made.store.taken.discard(1)
-        if passed >= 5 * run._LOOK_S:
-            made.store.taken.discard(2)
-
-    clock = Clock(monkeypatch, later)
-    made.run.complete()
-    assert clock.now - 1000.0 == pytest.approx(5 * run._LOOK_S)
-    assert made.run.computed == 22 - 5
-    assert made.added == [
-        ("computed 0", COLUMNS), ("computed 3", COLUMNS), "stored 1",
-        ("computed 2", COLUMNS),
-    ]  # fmt: skip
-    assert [done for done, *_ in made.told] == [0, 4, 11, 11, 11, 11, 16, 16, 22]
-    assert made.store.said.count(("release", 1)) == 1
-
-
-def test_others_that_never_finish(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The patience begins anew with each chunk that they finish."""
-    made = Run(monkeypatch, taken={1, 2})
-    begin = 0.5 * run._PATIENCE_S
-
-    def later(passed: float) -> None:
-        if passed >= begin and 1 not in made.store.stored:
-            made.store.stored.add(1)
-            made.store.taken.discard(1)
-
-    clock = Clock(monkeypatch, later)
-    words = f"have had 1 chunks for {run._PATIENCE_S / 60:.0f} minutes"
-    with pytest.raises(SimulationError, match=words) as caught:
-        made.run.complete()
-    assert caught.value.evidence == {"chunks": [2]}
-    waited = clock.now - 1000.0
-    assert 1.5 * run._PATIENCE_S < waited <= 1.5 * run._PATIENCE_S + 3.0 * run._LOOK_S
 
 
 # Workers of a scheduler.

@@ -1,12 +1,9 @@
-"""Several processes in one folder: each scenario is computed once, whatever becomes of them."""
+"""One process at a time works in the folder of a sweep, or jobs of an array."""
 
 from __future__ import annotations
 
-import errno
-import json
 import re
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -14,14 +11,13 @@ import pytest
 from sweep_studies import COMMAND, GEOMETRY, TABLE, chunk_files, study, wait_for
 
 from nipper_pin.cli import main, sweep
+from nipper_pin.study.folders import alone_in
 from nipper_pin.study.sweep import read_plan, read_sweep, run_sweep
-
-MANY = GEOMETRY.replace("points = 5", "points = 12")
 
 
 def start(path: str, out: Path, *more: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [*COMMAND, "sweep", path, "--out", str(out), "--workers", "1", "--json", "-", *more],
+        [*COMMAND, "sweep", path, "--out", str(out), "--workers", "1", *more],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -29,53 +25,49 @@ def start(path: str, out: Path, *more: str) -> subprocess.Popen[str]:
     )
 
 
-def report(process: subprocess.Popen[str]) -> dict[str, int]:
-    said, complained = process.communicate(timeout=300)
-    assert process.returncode == 0, complained
-    found: dict[str, int] = json.loads(said)
-    return found
-
-
-@pytest.fixture(scope="module")
-def alone(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, dict[str, bytes]]:
-    """The study, and the files of one process."""
-    folder = tmp_path_factory.mktemp("alone")
-    path = study(folder, MANY)
-    run_sweep(read_plan(path), folder / "out", workers=2)
-    return path, chunk_files(folder / "out")
-
-
-@pytest.mark.slow
-def test_two_processes_share_a_folder(tmp_path: Path, alone: tuple[str, dict[str, bytes]]) -> None:
-    """What each says that it computed adds up to all, without a scenario that both computed.
-
-    Both start with an empty folder at once, and both end with all files, which are those of one
-    process to the last byte.
-    """
-    path, whole = alone
-    found = [report(process) for process in [start(path, tmp_path / "out") for _ in range(2)]]
-    assert [item["scenarios"] for item in found] == [72, 72]
-    assert [item["computed"] + item["found"] for item in found] == [72, 72]
-    assert sum(item["computed"] for item in found) == 72
-    assert min(item["computed"] for item in found) > 0
-    assert chunk_files(tmp_path / "out") == whole
-
-
-@pytest.mark.slow
-def test_a_process_takes_over_from_one_that_is_killed(
-    tmp_path: Path, alone: tuple[str, dict[str, bytes]]
+@pytest.mark.parametrize("bounds", [[], ["--chunks", "0"]])
+def test_a_second_process_is_refused(
+    bounds: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Chunks that a process had taken when it was killed are computed by the other one."""
-    path, whole = alone
-    out = tmp_path / "out"
-    doomed = start(path, out)
-    wait_for(lambda: len(list(out.glob("chunks/*.parquet"))) >= 2)
-    other = start(path, out)
-    doomed.kill()
-    doomed.communicate()
-    assert len(list(out.glob("chunks/*.parquet"))) < len(whole)
-    assert report(other)["scenarios"] == 72
-    assert chunk_files(out) == whole
+    """In a sentence, before anything is written; as soon as the first one ends it may begin."""
+    path, out = study(tmp_path, "[parameters.restitution]\nvalues = [0.1]\n"), tmp_path / "out"
+    arguments = ["sweep", path, "--out", str(out), "--workers", "1", *bounds]
+    with alone_in(out):
+        assert main(arguments) == 2
+        assert capsys.readouterr().err == (
+            f"nipper-pin: {out}: another process works in it; wait for it, or give --out\n"
+        )
+        assert list(out.iterdir()) == []
+    with alone_in(out, shared=True):
+        assert main(arguments) == (0 if bounds else 2)
+    assert main(arguments) == 0
+    assert read_sweep(out).stored == 1
+
+
+@pytest.mark.slow
+def test_a_second_command_changes_nothing_of_the_first(tmp_path: Path) -> None:
+    path = study(tmp_path, GEOMETRY)
+    run_sweep(read_plan(path), tmp_path / "alone", workers=1)
+    first = start(path, tmp_path / "out")
+    wait_for(lambda: (tmp_path / "out" / "chunks").is_dir())
+    second = start(path, tmp_path / "out")
+    assert "another process works in it" in second.communicate(timeout=300)[1]
+    assert second.returncode == 2
+    complained = first.communicate(timeout=300)[1]
+    assert first.returncode == 0, complained
+    assert chunk_files(tmp_path / "out") == chunk_files(tmp_path / "alone")
+
+
+@pytest.mark.slow
+def test_jobs_of_an_array_begin_at_once(tmp_path: Path) -> None:
+    """Each may be the first in the folder, and two of them have a chunk in common."""
+    path, out = study(tmp_path, GEOMETRY), tmp_path / "out"
+    run_sweep(read_plan(path), tmp_path / "alone", workers=1)
+    jobs = [start(path, out, "--chunks", bounds) for bounds in ("0-2", "3-5", "5-7")]
+    for job in jobs:
+        complained = job.communicate(timeout=300)[1]
+        assert job.returncode == 0, complained
+    assert chunk_files(out) == chunk_files(tmp_path / "alone")
 
 
 @pytest.mark.slow
@@ -94,54 +86,6 @@ def test_jobs_of_an_array_have_chunks_of_their_own(
     for bounds in ("8", "8-9", "3-2", "a-b", "1:2", ""):
         assert main([*arguments, bounds]) == 2, bounds
         assert f"--chunks {bounds}" in capsys.readouterr().err
-
-
-def test_a_folder_without_locks_needs_ranges(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def no_lock(*_: object) -> None:
-        raise OSError(errno.ENOLCK, "No locks available")
-
-    monkeypatch.setattr("nipper_pin.study.sweep.results.locks.fcntl.lockf", no_lock)
-    path = study(tmp_path, '[parameters."drives.tension.ratio"]\nvalues = [2.2]\n')
-    arguments = ["sweep", path, "--out", str(tmp_path / "out")]
-    assert main(arguments) == 2
-    said = capsys.readouterr().err
-    assert "this file system has no locks (No locks available)" in said
-    assert "give --chunks" in said
-    assert main([*arguments, "--chunks", "0"]) == 0
-    assert read_sweep(tmp_path / "out").stored == 1
-
-
-@pytest.mark.slow
-def test_chunks_that_nobody_finishes_are_not_waited_for_for_ever(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Another process has a chunk, and does nothing; meanwhile lines say that time goes by."""
-    path, out = study(tmp_path, GEOMETRY.replace("points = 5", "points = 2")), tmp_path / "out"
-    run_sweep(read_plan(path), out, workers=1)
-    (out / "chunks" / "0000001.parquet").unlink()
-    holder = subprocess.Popen(
-        [sys.executable, "-c", "import fcntl, sys, time; handle = open(sys.argv[1], 'r+'); "
-         "fcntl.lockf(handle, fcntl.LOCK_EX, 1, 2); print('held', flush=True); time.sleep(600)",
-         str(out / "locks")],
-        stdout=subprocess.PIPE,
-    )  # fmt: skip
-    try:
-        assert holder.stdout is not None
-        holder.stdout.readline()
-        monkeypatch.setattr("nipper_pin.study.sweep.run._PATIENCE_S", 0.5)
-        monkeypatch.setattr(sweep, "_EVERY_S", 0.1)
-        assert main(["sweep", path, "--out", str(out)]) == 1
-    finally:
-        holder.kill()
-        holder.communicate()
-    *lines, last = capsys.readouterr().err.splitlines()
-    assert len(lines) >= 2
-    assert all(re.fullmatch(r"nipper-pin: 8 of 12 scenarios after \d+ s", line) for line in lines)
-    assert "other processes have had 1 chunks" in last
-    assert main(["sweep", path, "--out", str(out)]) == 0
-    assert "8 were there, 4 computed" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.slow

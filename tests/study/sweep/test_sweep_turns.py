@@ -137,12 +137,12 @@ def test_a_folder_is_read_and_goes_on_with_its_own_plan_only(
     swept: tuple[Any, Any, Any], tmp_path: Path, e62: Mechanism
 ) -> None:
     found, rows, content = swept
-    with Store(tmp_path / "out", found) as store:
-        (chunk,) = found.chunks()
-        store.write(chunk, content)
-        kept = store.rows(chunk)
-        assert kept is not None
-        assert kept.column_names == read(content).column_names
+    store = Store(tmp_path / "out", found)
+    (chunk,) = found.chunks()
+    store.write(chunk, content)
+    kept = store.rows(chunk)
+    assert kept is not None
+    assert kept.column_names == read(content).column_names
     table = read_sweep(tmp_path / "out")
     assert table.quantities == tuple(every(e62))
     assert (table.stored, table.scenarios) == (len(rows), len(rows))

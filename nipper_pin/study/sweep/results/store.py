@@ -13,22 +13,20 @@ from ....outputs.seal import sealed
 from ...folders import make_folder
 from ..plan import Chunk, Plan
 from .chunk_file import check, read_file
-from .locks import Locks
 from .record import continued, plan_record, read_document
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-PLAN, CHUNKS, _LOCKS = "plan.json", "chunks", "locks"
+PLAN, CHUNKS = "plan.json", "chunks"
 
 
 class Store:
-    """The folder of one sweep. Several processes may have it open, on several machines.
+    """The folder of one sweep. Jobs of an array may have it open, on several machines.
 
     Args:
         folder: The folder; made if it does not exist.
         plan: The plan whose results it holds.
-        locks: Whether to refuse a folder whose file system has no locks.
 
     Attributes:
         plan: The plan in the chunks of this folder: those of a study that had fewer points of a
@@ -38,26 +36,15 @@ class Store:
         InputError: It cannot be written, or holds the results of another plan.
     """
 
-    def __init__(self, folder: str | Path, plan: Plan, *, locks: bool = True) -> None:
+    def __init__(self, folder: str | Path, plan: Plan) -> None:
         """Open the folder, and take up what is there if it belongs to the plan."""
-        need_pyarrow()
         self._folder = Path(folder)
         self._chunks = self._folder / CHUNKS
         make_folder(self._chunks)
-        self._locks = Locks(self._folder / _LOCKS, needed=locks)
-        with self._locks.folder():
-            self.plan = self._taken_up(plan)
+        self.plan = self._taken_up(plan)
         job = self.plan.job
         self._identity = job.identity
         self._columns = (*job.columns, *(axis.name for axis in job.axes), *job.quantities)
-
-    def __enter__(self) -> Store:
-        """Use it."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Leave chunks that are not finished to others."""
-        self._locks.close()
 
     def rows(self, chunk: Chunk) -> pa.Table | None:
         """Rows of a chunk; None if it is not on disk.
@@ -72,14 +59,6 @@ class Store:
         check(table, path.name, chunk.start, chunk.stop, self._identity)
         return table
 
-    def take(self, chunk: Chunk) -> bool:
-        """Take a chunk to compute it, if no other process has."""
-        return self._locks.take(chunk.number)
-
-    def release(self, chunk: Chunk) -> None:
-        """Leave a chunk to others."""
-        self._locks.release(chunk.number)
-
     def write(self, chunk: Chunk, content: bytes) -> None:
         """Store one chunk; its file appears only when it is complete."""
         with complete_file(self._path(chunk)) as partial:
@@ -89,13 +68,14 @@ class Store:
         return self._chunks / f"{chunk.number:07d}.parquet"
 
     def _taken_up(self, plan: Plan) -> Plan:
-        file = self._folder / PLAN
+        # Another job may store the plan and its first chunk at this moment.
+        file, chunks = self._folder / PLAN, any(self._chunks.iterdir())
         if file.exists():
             document = read_document(file)
             plan = continued(plan, document, self._folder)
             if plan.hash == document["hash"]:
                 return plan
-        elif any(self._chunks.iterdir()):
+        elif chunks:
             message = f"{self._folder}: holds chunks and no {PLAN}; give another folder with --out"
             raise InputError(message, folder=str(self._folder))
         with complete_file(file) as partial:
