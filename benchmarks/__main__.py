@@ -10,12 +10,16 @@ from nipper_pin.cli import main as run
 
 COMMANDS = Commands(
     "python -m benchmarks",
-    "Measure nipper_pin: run time against error, and random cases with what must hold of each.",
+    "Measure nipper_pin: run time against error, random cases, and the published study again.",
     {
         "run": ("benchmarks.commands.benchmark", "measure run time against error on this machine"),
         "stress": (
             "benchmarks.commands.stress",
             "run random and extreme cases, and check what must hold of each",
+        ),
+        "paper": (
+            "benchmarks.commands.paper",
+            "do the published study of the E62 nipper again, and what it leaves open",
         ),
     },
 )

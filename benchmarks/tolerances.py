@@ -104,3 +104,12 @@ HARD_CONSTRAINT = 1e-9
 of an error of accelerations of 1e-4 it leaves 1e-13."""
 LEAST_SHOWN_ERROR = 1e-16
 """[1] Smaller errors are drawn as this one. It is about half an eps: no double is known better."""
+
+# The published study
+
+SLOWEST_REBOUND = 1e-6
+"""[rad/s] Rest rate of runs whose collisions are counted. A tenth of the lowest threshold of the
+counts, 1e-5 rad/s, so that no count misses a collision."""
+PRELOAD_STEP = 1e-3
+"""[m or rad] Change of a preload from which the share of the spring in a lip force is found. A
+choice: at a given motion forces are linear in the preload, so that no step truncates."""

@@ -6,12 +6,11 @@ from importlib.util import find_spec
 
 from .errors import InputError
 
-_REPORTS = ("matplotlib", "jinja2")
 _SWEEPS = ("numba", "pyarrow")
 EXTRAS = {
     "view": ("meshcat", "umsgpack", "matplotlib", "PIL"),
     "live": ("viser", "trimesh", "manifold3d"),
-    "study": (*_REPORTS, *_SWEEPS),
+    "study": ("matplotlib", *_SWEEPS),
     "sweep": _SWEEPS,
     "cluster": (*_SWEEPS, "distributed"),
     "peers": ("numba", "mujoco", "sksundae"),

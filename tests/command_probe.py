@@ -198,18 +198,10 @@ def _comparisons(note: Callable[..., None], report: SimpleNamespace) -> None:
 
 
 def _studies(note: Callable[..., None], done: dict[str, str], report: SimpleNamespace) -> None:
-    note("nipper_pin.study.paper.paper_study", lambda *_: report)
-    note("nipper_pin.study.identify.record.read_identification", lambda path: {"read": str(path)})
-    note("nipper_pin.study.sensitivity.sensitivities", lambda *_, **__: "sensitivities")
-    note(
-        "nipper_pin.view.paper.files.write_paper",
-        lambda _study, folder, more, *_: _write(
-            Path(folder) / "report.json", facts(more(), "more")
-        ),
-    )
-    note("nipper_pin.study.paper.designer.how_fast", lambda *_: "fast")
-    note("nipper_pin.study.paper.designer.designer", lambda *_: None)
-    note("nipper_pin.view.paper.summary.print_paper", lambda *_: None)
+    note("benchmarks.paper.study.paper_study", lambda *_: report)
+    note("benchmarks.paper.report.write_paper",
+         lambda _study, folder: _write(Path(folder) / "paper.json", done))  # fmt: skip
+    note("benchmarks.paper.report.print_paper", lambda *_: None)
     limit = SimpleNamespace(record=lambda: done, settled=(),
                             speed_rpm=np.array([300.0, 500.0]))  # fmt: skip
     note("nipper_pin.study.speed_limit.speed_limit", lambda *_, **__: limit)

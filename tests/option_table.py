@@ -221,23 +221,13 @@ NEW = {
         "write_drawing.drawing.name": "toggle_press"}, "press", ("write_drawing.drawing.",)),
     "--list": Entry("--list", {**_OTHER_GONE, **_SKELETON_GONE}, moves=("in other/",)),
 }  # fmt: skip
-_STUDIED = ("paper_study", "sensitivities", "how_fast", "designer")
 PAPER = {
-    "MODEL": Entry("e62_identified", {
-        "paper_study.mechanism.name": "e62_identified",
-        "sensitivities.mechanism.name": "e62_identified",
-        "how_fast.mechanism.name": "e62_identified", "designer.mechanism.name": "e62_identified"},
-        moves=tuple(f"{name}.mechanism." for name in _STUDIED)),
-    "--set": of_a_model(*_STUDIED)["--set"],
-    "--out": Entry("--out elsewhere", {
-        "file elsewhere/report.json": True, "file out/paper/report.json": GONE,
-        "write_paper.folder": "elsewhere"},
-        moves=("in elsewhere/", "in out/paper/")),
-    "--identification": Entry("--identification {identification}", {
-        "read_identification called": True, "read_identification.path": "{identification}"},
-                              moves=("in out/paper/report.json.more.identification",)),
-    "--json": Entry("--json -", DOCUMENT | {"print_paper called": GONE, "print_paper.found": GONE},
-                    "--out out/paper"),
+    "MODEL": Entry("e62_identified", {"paper_study.mechanism.name": "e62_identified"},
+                   moves=("paper_study.mechanism.",)),
+    "--set": of_a_model("paper_study")["--set"],
+    "--out": Entry("--out here", {"write_paper called": True, "write_paper.folder": "here",
+                                  **files("here/paper.json")}, moves=("in here/",)),
+    "--json": Entry("--json -", DOCUMENT | {"print_paper called": GONE}),
 }  # fmt: skip
 SPEED_LIMIT = {
     "MODEL": Entry("e62_identified", {"speed_limit.mechanism.name": "e62_identified"},
@@ -347,7 +337,7 @@ TABLE = {
     for command, entries in {
         "simulate": SIMULATE, "view": VIEW, "compare": COMPARE, "live": LIVE,
         "new": NEW, "check": CHECK,
-        "study paper": PAPER, "speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
+        "paper": PAPER, "speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
         "optimise": OPTIMISE, "sweep": SWEEP,
         "plot": PLOT, "verify": VERIFY, "stress": STRESS, "run": BENCHMARK,
     }.items()

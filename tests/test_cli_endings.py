@@ -42,11 +42,7 @@ ASKED: dict[str, dict[str, object]] = {
         "check_model.start_index": 24.0, "next_steps.model": "e62",
         "print_report.provenance": False,
     },
-    "study paper": {
-        "paper_study.mechanism.name": "e62", "write_paper.folder": "out/paper",
-        "sensitivities.mechanism.name": "e62", "sensitivities.speed_rpm": 650.0,
-        "sensitivities.workers": os.cpu_count(),
-    },
+    "paper": {"paper_study.mechanism.name": "e62"},
     "identify {fit}": {
         "identify.starts": 4, "identify.seed": 1, "identify.workers": None,
         # The last of two profiles: of the second best determined number.
@@ -104,7 +100,6 @@ def test_what_is_asked_without_options(words: str, files: dict[str, str], probe:
         assert found.get(name) == value, name
     written = {key for key in found if key.startswith("file ")}
     assert written == {
-        "study paper": {"file out/paper/report.json"},
         "optimise {design}": {"file out/design/result.json", "file out/design/front.svg"},
     }.get(words, set())
     assert not {"write_page called", "write_gif called"} & set(found)
@@ -113,7 +108,7 @@ def test_what_is_asked_without_options(words: str, files: dict[str, str], probe:
 @pytest.mark.parametrize(
     ("words", "printer"),
     [
-        ("study paper", "print_paper"),
+        ("paper", "print_paper"),
         ("identify {fit}", "print_fit"),
         ("optimise {design}", "print_optimum"),
         ("check", "print_report"),
@@ -162,11 +157,6 @@ def test_files_that_were_written_are_named(
     )
     assert main(["plot", "folder"]) == 0
     assert capsys.readouterr().out == "x.svg\ny.svg\n"
-    monkeypatch.setattr("nipper_pin.view.paper.files.write_paper", lambda *_: [Path("r.html"), 1])
-    assert main(["study", "paper", "--out", "elsewhere"]) == 0
-    assert capsys.readouterr().out == "report: r.html\n"
-    assert main(["study", "paper", "--json", "run.json"]) == 0
-    assert "report" not in capsys.readouterr().out
 
 
 def failed(number: int, family: str, word: str, detail: str = "") -> Verdict:
@@ -284,8 +274,9 @@ def test_what_check_ends_with(
         ("sweep {sweep} --chunks a-2", "--chunks a-2: write A-B"),
         ("sweep {sweep} --dry-run --out here", "--out changes nothing beside --dry-run"),
         ("sweep {sweep} --dry-run --scheduler tcp://a:1", "--scheduler changes nothing beside"),
-        ("study paper --json - --identification x.json", "give --out DIR as well"),
-        ("study speed-limit e62 --plot x.svg", "a command of its own: nipper-pin speed-limit"),
+        ("study speed-limit e62 --plot x.svg", "there is no command 'study': nipper-pin speed-lim"),
+        ("study paper --out here", "and python -m benchmarks paper, in a checkout, does the publ"),
+        ("study --help", "there is no command 'study'"),
         ("new", "name the folder to write"),
         ("new --list a", "MODEL changes nothing beside --list"),
         ("new --list --from a", "--from changes nothing beside --list"),

@@ -21,7 +21,6 @@ from test_cli_options import DESIGN, FIT, STUDY
 
 from benchmarks.stress import Verdict
 from nipper_pin import Case, Window, load, simulate
-from nipper_pin.cli.study_progress import REPORT, SENSITIVITIES, STAGES, Work, shown
 
 Told = Callable[..., None]
 
@@ -298,11 +297,17 @@ def test_lines_of_a_sweep(
     )
 
 
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ("run --json -", "benchmarks.run_time.benchmark.benchmark"),
+        ("paper --json -", "benchmarks.paper.study.paper_study"),
+    ],
+)
 def test_steps_of_a_benchmark(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: str, place: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What is being done, on a terminal alone."""
-    words, place = "run --json -", "benchmarks.run_time.benchmark.benchmark"
 
     def tell(_mechanism: Any = None, say: Any = None, **_: Any) -> None:
         say("tables 3 to 5")
@@ -312,81 +317,3 @@ def test_steps_of_a_benchmark(
     assert run(words, monkeypatch) == "tables 3 to 5 ...\n"
     assert main(words.split()) == 0
     assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("words", ["study paper --json -", "study paper --out here"])
-def test_stages_of_a_study(
-    words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A bar with the stage and the time gone, on a terminal alone."""
-
-    def tell(_mechanism: Any = None, say: Any = None, **_: Any) -> None:
-        say("maps")
-
-    __import__("nipper_pin.study.paper")
-    replaced(monkeypatch, "nipper_pin.study.paper.paper_study", tell)
-    text = run(words, monkeypatch)
-    assert re.search(r"(maps|report) ━+.* 0:00:0\d gone", text)
-    assert main(words.split()) == 0
-    assert capsys.readouterr().err == ""
-
-
-@pytest.mark.parametrize("columns", [60, 80, 200])
-def test_the_bar_of_a_study_fits_its_terminal(
-    columns: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """With the longest stage, a count and the time left on one line."""
-    monkeypatch.setenv("COLUMNS", str(columns))
-    stream = Terminal()
-    monkeypatch.setattr(sys, "stderr", stream)
-    now = [0.0]
-    work = Work({**STAGES, **REPORT}, beside=True, clock=lambda: now[0])
-    with shown(work) as show:
-        now[0] = 900.0
-        work.part(SENSITIVITIES, 20, 53)
-        for stage in work.stages:
-            work.begin(stage)
-            show()
-        work.part("groups of figures", 3, 4)
-        work.begin("held and inertial shafts")
-        work.begin("groups of figures")
-        show()
-    lines = [line.strip() for line in re.split(r"[\r\n]", seen(stream.getvalue()))]
-    assert any("groups of figures 3 of 4" in line and " s left" in line for line in lines)
-    assert any("sensitivities 20 of 53" in line for line in lines) == (columns == 200)
-    for line in lines:
-        assert line == "" or "gone" in line
-        assert len(line) <= columns
-
-
-def test_time_left_of_two_chains_of_work() -> None:
-    """The later end of both, each by the part of it that is done; nothing while that is little."""
-    now = [100.0]
-    work = Work({"one": 1.0, "two": 6.0, "three": 1.0}, beside=True, clock=lambda: now[0])
-    work.begin("one")
-    now[0] = 104.0
-    work.begin("two")
-    assert (work.share, work.left()) == (pytest.approx(1.0 / 38.0), None)
-    now[0] = 110.0
-    work.part(SENSITIVITIES, 10, 50)
-    assert work.left() is None
-    assert work.text(both=True) == "two, sensitivities 10 of 50"
-    now[0] = 116.0
-    work.part("two", 3, 6)
-    # Stages: 4 of 8 in 16 s, the end at 132; sensitivities: a fifth in 10 s, the end at 150.
-    assert work.left() == pytest.approx(34.0)
-    assert work.text(both=True) == "two 3 of 6, sensitivities 10 of 50"
-    assert work.text(both=False) == "two 3 of 6"
-    now[0] = 120.0
-    work.part(SENSITIVITIES, 50, 50)
-    assert work.left() == pytest.approx(12.0)
-    assert work.share == pytest.approx((4.0 + 30.0) / 38.0)
-    # It does not become negative, and an unknown stage moves nothing.
-    now[0] = 140.0
-    share = work.share
-    work.begin("four")
-    assert (work.left(), work.share) == (0.0, share)
-    alone = Work({"one": 1.0, "two": 3.0}, beside=False, clock=lambda: now[0])
-    now[0] = 141.0
-    alone.begin("two")
-    assert (alone.share, alone.left()) == (0.25, pytest.approx(3.0))

@@ -35,7 +35,11 @@ def test_page_is_short(page):
     assert words <= MOST
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/index.md", "docs/python.md"])
+@pytest.mark.parametrize(
+    "page",
+    ["README.md", "docs/index.md", "docs/python.md",
+     pytest.param("docs/paper.md", marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_listings_run(page, tmp_path, monkeypatch, capsys):
     """All Python of a page, one listing after the other, with a shorter table."""
     text = (ROOT / page).read_text(encoding="utf-8")

@@ -217,22 +217,6 @@ def test_an_optimum_is_what_the_direct_engine_simulates(tmp_path: Path) -> None:
     assert best[1] == pytest.approx(105.0, abs=1e-3)
 
 
-@pytest.mark.slow
-def test_the_published_study_prints_published_numbers(tmp_path: Path) -> None:
-    """Ratios as the paper has them; the steeve lifts above the speed that is printed, not below."""
-    text = printed("reproduce_paper.py", tmp_path)
-    assert numbers("restitution.first_rebound_amplitude_increase +published#", text) == [[19.8]]
-    limits = dict(numbers("preload# mm: the steeve stays on its stop up to# r/min", text))
-    assert set(limits) == {9.0, 11.0, 13.0}
-    for preload, limit in limits.items():
-        machine = nip.load("e62", {"springs.steeve.preload_length_mm": preload})
-        for speed, lifts in ((limit - 1.0, False), (limit + 1.0, True)):
-            case = nip.Case(speed_rpm=speed, window=nip.Window.CYCLE)
-            first = nip.simulate(machine, case).events[0]
-            assert (first.kind is nip.EventKind.RELEASE) == lifts
-    assert (tmp_path / "out" / "paper" / "report.html").is_file()
-
-
 def test_the_notebook_runs_cell_by_cell(monkeypatch: pytest.MonkeyPatch) -> None:
     """All cells in their order in one namespace, with the certified durations in the end."""
     monkeypatch.setenv("MPLBACKEND", "Agg")

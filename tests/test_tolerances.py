@@ -15,9 +15,9 @@ JUDGES = ROOT / "benchmarks/tolerances.py"
 ROOMS = [PACKAGE / room for room in ("mechanism", "dynamics", "hybrid", "reduced", "study")]
 SETTINGS = {
     "study/steps.py": "_KINDS",  # steps of differences, each for a unit of the document
-    "study/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
-    "study/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
-    "study/paper/scheme/fixed_steps.py": "SETTINGS",
+    "benchmarks/paper/counts.py": "LOWEST, HIGHEST",  # range of thresholds
+    "benchmarks/paper/fixed_step.py": "STEPS_S",  # steps of the schemes that are compared
+    "benchmarks/peers/fixed_steps.py": "SETTINGS",
     "benchmarks/peers/mujoco_native.py": "SETTINGS",  # steps and tolerances that are compared
     "benchmarks/peers/mujoco_shell.py": "SETTINGS",
     "benchmarks/peers/rk4.py": "SETTINGS",

@@ -9,10 +9,10 @@ from __future__ import annotations
 import mujoco
 
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.paper.scheme.planar_model import planar_model
-from nipper_pin.study.paper.scheme.planar_motion import shaft_accelerations
 
 from .mujoco_model import SHAFT_INERTIA, compile_model, mjcf, rates, touch_rates
+from .planar_model import planar_model
+from .planar_motion import shaft_accelerations
 from .protocol import Bounces, Four, Run, Setting
 from .rk4 import closing
 

@@ -6,7 +6,7 @@ on its stop, to rest of the jaw. Unless a peer says otherwise rest is the limit 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -16,29 +16,57 @@ from typing import Protocol, cast
 from nipper_pin.errors import SimulationError
 from nipper_pin.hybrid.contact.bounce_series import BounceSeries
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.paper.scheme.protocol import Four, Run, Setting
-
-__all__ = [
-    "MODULES",
-    "MOST_COLLISIONS",
-    "Bounces",
-    "Four",
-    "Peer",
-    "Run",
-    "Setting",
-    "available",
-]
 
 MODULES = (
     ".rk4",
     ".scipy_ivp",
     ".scipy_pinocchio",
     ".sundae",
-    "nipper_pin.study.paper.scheme.fixed_steps",
+    ".fixed_steps",
     ".mujoco_shell",
     ".mujoco_native",
 )
 MOST_COLLISIONS = 60
+
+
+@dataclass(frozen=True)
+class Four:
+    """The four numbers that a peer is graded by, and its work.
+
+    Attributes:
+        first_rebound_time_s: From the first to the second collision [s].
+        second_rebound_time_s: From the second to the third collision [s].
+        first_amplitude: Largest jaw angle between the first two collisions [rad].
+        transition_time_s: From the first collision to rest [s].
+        evaluations: Evaluations of the equation of motion, or steps where a package does not
+            count its evaluations.
+    """
+
+    first_rebound_time_s: float
+    second_rebound_time_s: float
+    first_amplitude: float
+    transition_time_s: float
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to run a peer.
+
+    Attributes:
+        label: What tables show.
+        value: Step [s] of a fixed-step peer, relative tolerance of an adaptive one.
+        quick: Part of a quick benchmark.
+        method: Variant of the peer, where it has more than one.
+    """
+
+    label: str
+    value: float
+    quick: bool = True
+    method: str = ""
+
+
+Run = Callable[[Setting], Four]
 
 
 class Peer(Protocol):

@@ -10,10 +10,10 @@ import math
 
 from nipper_pin.errors import SimulationError
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.paper.scheme.planar import Frame, Planar, compiled, frame
-from nipper_pin.study.paper.scheme.planar_model import first_rebound_rate, planar_model
-from nipper_pin.study.paper.scheme.planar_motion import acceleration
 
+from .planar import Frame, Planar, compiled, frame
+from .planar_model import first_rebound_rate, planar_model
+from .planar_motion import acceleration
 from .protocol import MOST_COLLISIONS, Four, Run, Setting
 
 NAME = "fixed-step RK4, located impacts (numba, hand-derived equation)"

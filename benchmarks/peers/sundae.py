@@ -11,9 +11,9 @@ from sksundae.cvode import CVODE
 
 from nipper_pin.arrays import FloatArray
 from nipper_pin.mechanism import Mechanism
-from nipper_pin.study.paper.scheme.planar_model import first_rebound_rate, planar_model
-from nipper_pin.study.paper.scheme.planar_motion import jaw_equation
 
+from .planar_model import first_rebound_rate, planar_model
+from .planar_motion import jaw_equation
 from .protocol import Bounces, Four, Run, Setting
 
 NAME = "scikit-sundae CVODE, root finding (hand-derived equation)"

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
 from nipper_pin.outputs import complete_folder
-from nipper_pin.view.console import headline, say, show_table
+from nipper_pin.view.console import say
 
 from ..run_time.benchmark import Benchmark
+from .sheet import Sheet
 
 _NONE = "-"
 _FILES = ("benchmark.json", "tables.md", "work_precision.png")
@@ -40,36 +40,12 @@ _COSTS = {
 }
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """One table.
-
-    Attributes:
-        title: What it shows.
-        headings: Column headings.
-        rows: Cells.
-        text: Number of leading columns that hold words.
-    """
-
-    title: str
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    text: int = 1
-
-
 def print_benchmark(result: Benchmark, console: Console) -> None:
     """Print a benchmark on a terminal of any width."""
     for line in header(result):
         say(console, line)
     for sheet in sheets(result):
-        headline(console, sheet.title)
-        rows, above = [], ""
-        for row in sheet.rows:
-            # A name that is repeated from row to row is printed once.
-            repeated = sheet.text > 1 and row[0] == above
-            rows.append(("", *row[1:]) if repeated else row)
-            above = row[0]
-        show_table(console, sheet.headings, rows, text=range(sheet.text), keys=max(1, sheet.text))
+        sheet.show(console)
     for line in result.unavailable:
         say(console, f"Not measured: {line}")
 
@@ -77,10 +53,7 @@ def print_benchmark(result: Benchmark, console: Console) -> None:
 def markdown(result: Benchmark) -> str:
     """Return the same tables as Markdown."""
     parts = ["\n".join(f"{line}  " for line in header(result))]
-    for sheet in sheets(result):
-        rule = ["---"] * sheet.text + ["---:"] * (len(sheet.headings) - sheet.text)
-        lines = [_line(sheet.headings), _line(rule), *(_line(row) for row in sheet.rows)]
-        parts.append(f"### {sheet.title}\n\n" + "\n".join(lines))
+    parts += [sheet.markdown() for sheet in sheets(result)]
     parts += [f"Not measured: {line}" for line in result.unavailable]
     return "\n\n".join(parts) + "\n"
 
@@ -176,7 +149,3 @@ def _cell(name: str, value: object) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
-
-
-def _line(cells: Iterable[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "/") for cell in cells) + " |"

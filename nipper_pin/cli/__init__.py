@@ -53,7 +53,6 @@ _PLACES = {
     "live": (".live", "a page with sliders whose numbers and picture follow them"),
     "new": (".new", "write a commented model to start from"),
     "check": (".check", "report what a model is, and what is wrong with it"),
-    "study": (".study", "do the published study again and write its report"),
     "speed-limit": (".speed_limit", "how fast a machine can run: where it settles, turns repeat"),
     "identify": (".identify", "find numbers of a model from published ratios or measured rebounds"),
     "optimise": (".optimise", "find the least rebound or transition time inside limits"),
@@ -110,9 +109,12 @@ def _ended(words: list[str], commands: Commands) -> int:
 
 
 def _run(words: list[str], commands: Commands) -> None:
-    if commands is NIPPER_PIN and words[:2] == ["study", "speed-limit"]:
-        message = "study speed-limit is a command of its own: nipper-pin speed-limit"
-        raise InputError(message, command="speed-limit")
+    if commands is NIPPER_PIN and words[:1] == ["study"]:
+        message = (
+            "there is no command 'study': nipper-pin speed-limit tells how fast a machine can run, "
+            "and python -m benchmarks paper, in a checkout, does the published study again"
+        )
+        raise InputError(message, command="study")
     named = next((word for word in words[:1] if word in commands.places), None)
     try:
         options = _parser(named, commands).parse_args(words)

@@ -1,13 +1,7 @@
 """Tolerances of studies: fits, designs and what is said of them."""
 
 STUDY_TOLERANCE = 1e-12
-"""[1] Tolerance of the runs of the published study and of sensitivities. The default of a case."""
-SLOWEST_REBOUND = 1e-6
-"""[rad/s] Rest rate of runs whose collisions are counted. A tenth of the lowest threshold of the
-counts, 1e-5 rad/s, so that no count misses a collision."""
-PRELOAD_STEP = 1e-3
-"""[m or rad] Change of a preload from which the share of the spring in a lip force is found. A
-choice: at a given motion forces are linear in the preload, so that no step truncates."""
+"""[1] Tolerance of the runs of sensitivities and of levers. The default of a case."""
 DOUBTFUL = 1e-3
 """[1] Disagreement of two ways to a sensitivity, by the largest effect of the number, beyond which
 it is not used. A choice: the second way has truncation, and sentences name two digits."""

@@ -95,11 +95,6 @@ def phase_colour(mechanism: Mechanism, closed: frozenset[str]) -> str:
     return _pair(mechanism, closed)[0]
 
 
-def phase_tint(mechanism: Mechanism, closed: frozenset[str]) -> str:
-    """Colour behind the curves of plots in the phase with these closed stops, as in #RRGGBB."""
-    return _pair(mechanism, closed)[1]
-
-
 def _pair(mechanism: Mechanism, closed: frozenset[str]) -> tuple[str, str]:
     """Strong and pale colour of the phase with these closed stops."""
     order = [phase.closed for phase in mechanism.phases]

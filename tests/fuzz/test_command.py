@@ -164,10 +164,9 @@ def test_any_problem_of_an_identification(data: st.DataObject) -> None:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["study", "paper", "--identification", "{missing}"],
-        ["study", "paper", "no-such-model"],
-        ["study", "paper", "--set", "x"],
-        ["study", "paper", "--out", "{file}"],
+        ["paper", "no-such-model"],
+        ["paper", "--set", "x"],
+        ["paper", "--out", "{file}"],
         ["study", "lunch"],
         ["identify", "{missing}"],
         ["identify", "{file}"],

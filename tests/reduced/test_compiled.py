@@ -120,10 +120,7 @@ def test_a_folder_that_stops_taking_files(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_all_machine_code_is_kept_so() -> None:
-    """What is true of a small function is true of transitions, turns and searches.
-
-    The published scheme of the study is compiled in each process, and keeps nothing.
-    """
+    """What is true of a small function is true of transitions, turns and searches."""
     package = Path(compiling.__file__).parents[2]
     users = {
         file.relative_to(package).as_posix()
@@ -131,9 +128,7 @@ def test_all_machine_code_is_kept_so() -> None:
         for file in (package / room).rglob("*.py")
         if re.search(r"^\s*(import|from) numba", file.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    scheme = "study/paper/scheme/planar.py"
-    assert users == {"reduced/kernels/compiled.py", scheme}
-    assert "cache=" not in (package / scheme).read_text(encoding="utf-8")
+    assert users == {"reduced/kernels/compiled.py"}
 
 
 def test_compiled_functions_divide_by_zero_as_numpy_does(tmp_path: Path) -> None:

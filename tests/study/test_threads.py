@@ -77,7 +77,7 @@ def test_sensitivities(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_published_study(tmp_path: Path) -> None:
-    words = ["-c", COMMAND, "study", "paper", "--json", "-"]
+    words = ["-m", "benchmarks", "paper", "--json", "-"]
 
     def numbers(threads: str) -> Any:
         return json.loads(said(threads, words, tmp_path))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-import math
 from collections.abc import Callable
-from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,16 +16,14 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from benchmarks.commands import benchmark as benchmark_command
+from benchmarks.paper import report
 from benchmarks.views import benchmark_report
 from nipper_pin import Case, Mechanism, Solution
 from nipper_pin.cli import simulate as simulate_command
 from nipper_pin.errors import InputError, SingularConfigurationError
 from nipper_pin.hybrid.case import Window
-from nipper_pin.study.identify.record import read_identification
 from nipper_pin.study.optimise import write as write_optimum
 from nipper_pin.view.live import serve, shapes
-from nipper_pin.view.paper import files, kinematic_figures
-from nipper_pin.view.paper.terms import terms
 from nipper_pin.view.run import csv_tables, export, lead, remarks, sampling
 from nipper_pin.view.studies import front_plot
 
@@ -38,92 +34,21 @@ film: Any = import_module("nipper_pin.view.scene.film")
 
 
 @pytest.mark.parametrize("where", ["occupied", "occupied/below"])
-def test_folders_that_cannot_be_made(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
-) -> None:
+def test_folders_that_cannot_be_made(tmp_path: Path, where: str) -> None:
     """By any of those that write folders: said with the reason, and nothing is written."""
     (tmp_path / "occupied").write_text("mine", encoding="utf-8")
     target = tmp_path / where
-    study = made_up_study(monkeypatch)
     anything: Any = SimpleNamespace()
     for act in (
         lambda: export.export(anything, target),
         lambda: benchmark_report.write_benchmark(anything, target),
-        lambda: files.write_paper(study, target),
+        lambda: report.write_paper(anything, target),
         lambda: write_optimum(anything, target),
     ):
         with pytest.raises(InputError, match=r"not a folder|cannot be made a folder") as caught:
             act()
         assert caught.value.evidence == {"folder": str(target)}
     assert (tmp_path / "occupied").read_text(encoding="utf-8") == "mine"
-
-
-def made_up_study(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A study of one figure and one table."""
-    plate = SimpleNamespace(name="figure", svg="<svg/>", pdf=b"pdf")
-    sheet = SimpleNamespace(name="table", csv_text=lambda: "a,b\n")
-    given: list[Any] = []
-
-    def material(*words: Any) -> Any:
-        given.append(words)
-        return SimpleNamespace(plates=[plate], tables=[sheet])
-
-    monkeypatch.setattr(files, "study_plates", lambda study, _: f"plates of {study.name}")
-    monkeypatch.setattr(files, "material", material)
-    monkeypatch.setattr(files, "report_html", lambda *words: f"page of {len(words)}")
-    return SimpleNamespace(name="study", record=lambda: {"a": 1}, given=given)
-
-
-@pytest.mark.parametrize("more", [True, False])
-def test_files_of_the_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: bool) -> None:
-    """The page first; sensitivities stand in the document where they were asked for."""
-    study = made_up_study(monkeypatch)
-    found = SimpleNamespace(record=lambda: {"b": 2})
-    added: Any = SimpleNamespace(
-        sensitivities=found if more else None,
-        designer=SimpleNamespace(record=lambda: {"c": 3}) if more else None,
-    )
-    target = tmp_path / "new" / "folder"
-    written = files.write_paper(study, target, lambda: added)
-    names = ["report.html", "study.json", "figure.svg", "figure.pdf", "table.csv"]
-    assert written == [target / name for name in names]
-    texts = {name: (target / name).read_bytes() for name in names}
-    document = json.loads(texts.pop("study.json"))
-    assert document.pop("files") == {name: sha256(text).hexdigest() for name, text in texts.items()}
-    assert document == {
-        "a": 1,
-        **({"sensitivities": {"b": 2}, "designer": {"c": 3}} if more else {}),
-    }
-    assert texts == {
-        "report.html": b"page of 3", "figure.svg": b"<svg/>", "figure.pdf": b"pdf",
-        "table.csv": b"a,b\n",
-    }  # fmt: skip
-    assert study.given == [(study, added, "plates of study")]
-
-
-def test_files_of_an_earlier_study_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its document names them; of what it cannot have written nothing is touched."""
-    study = made_up_study(monkeypatch)
-    added: Any = SimpleNamespace(sensitivities=None, designer=None)
-    target, outside = tmp_path / "folder", tmp_path / "outside.csv"
-    files.write_paper(study, target, lambda: added)
-    for name in ("earlier.svg", "edited.svg", "notes.txt", "../outside.csv"):
-        (target / name).write_text("text", encoding="utf-8")
-    document = json.loads((target / "study.json").read_bytes())
-    theirs, other = sha256(b"text").hexdigest(), sha256(b"before it was edited").hexdigest()
-    document["files"] |= {"edited.svg": other, "..": theirs, "": theirs} | dict.fromkeys(
-        ("earlier.svg", "../outside.csv", "absent.csv"), theirs
-    )
-    (target / "study.json").write_text(json.dumps(document), encoding="utf-8")
-    written = files.write_paper(study, target, lambda: added)
-    assert {item.name for item in target.iterdir()} == {
-        "edited.svg",
-        "notes.txt",
-        *(item.name for item in written),
-    }
-    assert outside.read_text(encoding="utf-8") == "text"
-    (target / "study.json").write_text('{"files": [1, {}]}', encoding="utf-8")
-    files.write_paper(study, target, lambda: added)
 
 
 def test_figure_of_a_front_as_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,19 +79,6 @@ def test_files_of_an_optimum(tmp_path: Path, e62: Mechanism) -> None:
     assert "612.5" in text
     assert e62.name in text
     assert "0.25" in text
-
-
-def test_documents_that_are_no_identifications(tmp_path: Path) -> None:
-    file = tmp_path / "x.json"
-    for text in ("[]", "{}", '{"goodness": 1}'):
-        file.write_text(text, encoding="utf-8")
-        with pytest.raises(InputError, match="is no identification") as caught:
-            read_identification(file)
-        assert caught.value.evidence == {"file": str(file)}
-    file.write_text("{", encoding="utf-8")
-    with pytest.raises(InputError, match="cannot be read as JSON") as caught:
-        read_identification(file)
-    assert caught.value.evidence == {"file": str(file)}
 
 
 def test_meshes_that_cannot_be_read(tmp_path: Path) -> None:
@@ -252,51 +164,6 @@ class Trial:
 
 
 # Names and units.
-
-
-@pytest.mark.parametrize(
-    ("unit", "wanted"),
-    [
-        ("rad", ("flap angle", "deg", "rad/s", "rad/s²", 57.0, 1.0)),
-        ("m", ("stroke s", "deg", "m/s", "m/s²", 57.0, 1.0)),
-    ],
-)
-def test_the_other_stop_of_the_kinematic_figure(unit: str, wanted: Any) -> None:
-    words: Any = SimpleNamespace(
-        stop="flap", stroke_si=unit, stroke=SimpleNamespace(unit="deg", factor=57.0)
-    )
-    assert kinematic_figures._other_stop(words) == wanted
-
-
-@pytest.mark.parametrize("compared", [True, False])
-@pytest.mark.parametrize("spring", ["revolute", "prismatic"])
-def test_terms_of_a_machine(spring: str, compared: bool) -> None:
-    """Units of its spring and of the stroke of its other stop, and whose numbers they are."""
-    mechanism = SimpleNamespace(
-        joints=[SimpleNamespace(index=0, kind=spring), SimpleNamespace(index=1, kind="revolute")],
-        springs=[SimpleNamespace(index=0)],
-        stops=[],
-        shortcuts={},
-        stop=lambda name: SimpleNamespace(name=name, index=1 if name == "flap" else 0),
-    )
-    for stop, kind in (("flap", "revolute"), ("own", spring)):
-        study: Any = SimpleNamespace(
-            mechanism=mechanism, phase_one=SimpleNamespace(stop=stop), compared=compared
-        )
-        found = terms(study)
-        assert (found.compared, found.stop) == (compared, stop)
-        assert found.stroke_si == ("rad" if kind == "revolute" else "m")
-        assert found.stroke.unit == ("deg" if kind == "revolute" else "mm")
-        assert found.lift.unit == ("mdeg" if kind == "revolute" else "um")
-        told = (found.rate_si, found.rate.factor, found.rate.unit, found.preload_kind,
-                found.preload.factor, found.preload.unit)  # fmt: skip
-        assert told == (
-            ("N_m_per_rad", 1.0, "N m/rad", "angle", pytest.approx(180.0 / math.pi), "deg")
-            if spring == "revolute"
-            else ("N_per_m", 1e-3, "N/mm", "length", 1e3, "mm")
-        )
-        assert ("published ratios" in found.mark) is compared
-        assert found.of_paper("figure 3") == (" (figure 3 of the paper)" if compared else "")
 
 
 # Texts of a run.
@@ -467,46 +334,3 @@ def test_what_a_benchmark_is_given(
     with pytest.raises(InputError, match="--repeats 0: at least 1") as caught:
         benchmark_command._run(options)
     assert caught.value.evidence == {"argument": 0}
-
-
-def test_documents_of_identifications(tmp_path: Path) -> None:
-    """Taken with more keys than are needed; not without one of them, wherever it is missing."""
-    target = dict.fromkeys(
-        ("name", "wanted", "sigma", "found", "relative_deviation", "residual_sigmas", "outlier"), 1
-    )
-    parameter = dict.fromkeys(
-        ("path", "low", "high", "before", "identified", "standard_deviation",
-         "standard_deviation_scaled", "range_left", "determined"), 1
-    )  # fmt: skip
-    whole: dict[str, Any] = dict.fromkeys(
-        ("title", "model", "caution", "seed", "within_4_percent", "within_10_percent",
-         "singular_values", "identifiable_directions", "profiles"), 1
-    )  # fmt: skip
-    whole |= {
-        "targets": [target, {**target, "more": 2}], "parameters": [parameter],
-        "goodness": {"verdict": "agrees", "sentence": "It agrees.", "more": 2}, "more": 3,
-    }  # fmt: skip
-    file = tmp_path / "x.json"
-
-    def reads(document: Any) -> bool:
-        file.write_text(json.dumps(document), encoding="utf-8")
-        try:
-            return bool(read_identification(file) == document)
-        except InputError:
-            return False
-
-    assert reads(whole)
-    assert reads({**whole, "targets": []})
-    for key in ("targets", "parameters"):
-        (row, *_) = whole[key]
-        for name in row:
-            assert not reads({**whole, key: [row, {k: row[k] for k in row if k != name}]}), name
-        for other in (None, {}, [1], [[]]):
-            assert not reads({**whole, key: other})
-    for name in ("verdict", "sentence"):
-        assert not reads({**whole, "goodness": {name: "x"}})
-    assert not reads({**whole, "goodness": []})
-    for name in ("title", "model", "caution", "seed", "within_4_percent", "goodness",
-                 "singular_values", "identifiable_directions", "profiles", "targets",
-                 "parameters"):  # fmt: skip
-        assert not reads({k: value for k, value in whole.items() if k != name}), name

@@ -24,11 +24,8 @@ from nipper_pin import Case, Mechanism, Solution, Window, simulate
 from nipper_pin.hybrid.event import EventKind
 from nipper_pin.study.identify.fitting.goodness import Verdict
 from nipper_pin.study.optimise.result import CAUTION
-from nipper_pin.study.paper.published import published
-from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.view import reading
 from nipper_pin.view.console import paste, say, show_table
-from nipper_pin.view.paper import summary, tables
 from nipper_pin.view.scene.solids import solids
 from nipper_pin.view.studies import check_report as checked
 from nipper_pin.view.studies import optimise_report
@@ -246,70 +243,6 @@ def test_text_is_printed_without_styles_of_its_own() -> None:
     assert head.index(":smile:") + len(":smile:") == len(cells)
 
 
-# Tables 3 to 5 of the study.
-
-GIVEN = published()
-
-
-def transitions(values: Any, n: int) -> Any:
-    """Numbers whose digits say row and column."""
-    row = np.arange(1.0, n + 1.0)[:, None]
-    return SimpleNamespace(
-        values=np.array(values, dtype=float), amplitudes=1e-3 * (row + np.array([[0.1, 0.2]])),
-        times=1e-3 * (row + np.array([[0.3, 0.4]])), durations=1e-3 * (row[:, 0] + 0.5),
-        shares=0.1 * row[:, 0] + 0.06,
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize("compared", [True, False])
-def test_tables_3_to_5_by_heading(e62: Mechanism, compared: bool) -> None:
-    """The published share stands in the table of speeds, where there are published numbers."""
-    cases = (GIVEN.speeds_rpm, GIVEN.restitutions, GIVEN.stiffnesses)
-    speed, restitution, stiffness = (transitions(values, len(values)) for values in cases)
-    study: Any = SimpleNamespace(
-        mechanism=e62, published=GIVEN, compared=compared,
-        phase_one=SimpleNamespace(stop="steeve"),
-        studies=SimpleNamespace(speed=speed, restitution=restitution, stiffness=stiffness),
-    )  # fmt: skip
-    found = tables.published_tables(study)
-    heads = ("speed [r/min]", "e [-]", "k [N/mm]")
-    factors = (1.0, 1.0, 1e-3)
-    for number, (sheet, head, values, factor) in enumerate(
-        zip(found, heads, cases, factors, strict=True), start=3
-    ):
-        assert sheet.name == f"table_{number}"
-        assert sheet.title.endswith(f" (table {number} of the paper)") is compared
-        shown = {
-            item.heading: [row[place] for row in sheet.shown]
-            for place, item in enumerate(sheet.columns)
-        }
-        stated = shown.pop("published", None)
-        assert (stated is not None) == (compared and number == 3)
-        if stated is not None:
-            shares = [GIVEN.ratios[f"speed.first_two_share_{value:g}"] for value in values]
-            assert stated == [f"{100.0 * share:.2f} %" for share in shares]
-        assert [float(text) for text in shown.pop(head)] == pytest.approx(
-            [factor * value for value in values]
-        )
-        for heading, texts in shown.items():
-            tenths = {"A<sub>1</sub>": 0.1, "A<sub>2</sub>": 0.2, "T<sub>1</sub>": 0.3,
-                      "T<sub>2</sub>": 0.4}  # fmt: skip
-            for row, text in enumerate(texts, start=1):
-                value, _, unit = text.partition(" ")
-                if heading.startswith("share"):
-                    assert (float(value), unit) == (pytest.approx(10.0 * row + 6.0), "%")
-                elif heading.startswith("time to rest"):
-                    assert float(value) == pytest.approx(row + 0.5)
-                else:
-                    size = row + tenths[heading.split(" ")[0]]
-                    angle = math.degrees(size)
-                    right = size if "[ms]" in heading else angle
-                    assert ("[ms]" in heading) == heading.startswith("T")
-                    assert ("[mdeg]" in heading) == heading.startswith("A")
-                    assert float(value) == pytest.approx(right, rel=1e-3)
-        assert len(shown) == 6
-
-
 # Turns that are shown.
 
 
@@ -426,38 +359,3 @@ def test_names_are_printed_as_they_are() -> None:
     assert printed(lambda console: print_verdict(right, console)) == (
         "case 8 (chains): right, COMPLETED\n"
     )
-
-
-# The study.
-
-
-@pytest.mark.parametrize("compared", [True, False])
-def test_study_on_a_terminal(monkeypatch: pytest.MonkeyPatch, compared: bool) -> None:
-    """Ratios beside the published ones and how many are near; or the changes of another machine."""
-    monkeypatch.setattr(summary, "note", lambda _: f"a note {ODD}")
-    changes = {"speed.a_change": 1.5, "stiffness.none": None}
-    monkeypatch.setattr(summary, "ratio_values", lambda _: changes)
-    names = ("speed.first_rebound_amplitude_increase", "stiffness.first_rebound_time_change",
-             "speed.first_two_share_450")  # fmt: skip
-    items = [Ratio(name, *values) for name, values in zip(
-        names, ((4.0, 3.95), (-0.5, -0.46), (0.2, 0.3)), strict=True)]  # fmt: skip
-    study: Any = SimpleNamespace(
-        compared=compared, ratios=items, identified=items[:2] if compared else (), studies=None,
-        mechanism=SimpleNamespace(name=ODD),
-    )  # fmt: skip
-    text = printed(lambda console: summary.print_paper(study, console))
-    assert text.endswith(f"a note {ODD}\n")
-    if not compared:
-        assert " ".join(text.split()).startswith("Changes over the three studies, and shares ratio")
-        assert columns(text, "ratio", 2) == {
-            "ratio": ["a change over the speed", "none over the spring rate"],
-            "value": ["1.500", "-"],
-        }  # fmt: skip
-        return
-    assert text.startswith("Published ratios beside ours")
-    assert columns(text, "ratio", 3) == {
-        "ratio": [tables.ratio_words(name) for name in names], "published": ["4", "-0.5", "0.2"],
-        "ours": ["3.950", "-0.4600", "0.3000"], "deviation": ["-1.2 %", "-8.0 %", "+50.0 %"],
-    }  # fmt: skip
-    assert f"\n{ODD}: 1 of 3 within 4 %, 2 within 10 %\n" in text
-    assert f"\n{summary.IDENTIFIED}: 1 of 2 within 4 %, 2 within 10 %\n" in text

@@ -32,15 +32,11 @@ from nipper_pin.study import speed_limit
 from nipper_pin.study.check import ModelReport, check_model
 from nipper_pin.study.identify.fitting.goodness import Verdict as Fitted
 from nipper_pin.study.next_steps import NextSteps, next_steps
-from nipper_pin.study.paper.published import published
-from nipper_pin.study.paper.ratios import Ratio
 from nipper_pin.study.sweep.report import SweepReport
 from nipper_pin.study.sweep.results import Tally
 from nipper_pin.study.sweep.results.extremes import Extremes
 from nipper_pin.view import console as printing
 from nipper_pin.view.console import paste, say, show_table, unbroken_console
-from nipper_pin.view.paper import summary
-from nipper_pin.view.paper.front_page import FrontPage, LeverLine
 from nipper_pin.view.run.table import print_solution
 from nipper_pin.view.studies.check_report import print_report
 from nipper_pin.view.studies.optimise_report import print_optimum
@@ -48,10 +44,6 @@ from nipper_pin.view.studies.speed_limit_report import print_speed_limit
 
 Write = Callable[[Console], None]
 WIDTHS = (60, 80, 200)
-LEVER = LeverLine("eccentric pin 1 mm nearer to its shaft", "5 → 4 mm", "1 → 2", "-15.4 %", "3 → 4",
-                  "-6.5 %", "+5.2 %", "--set a.b=4")  # fmt: skip
-PAGE = FrontPage(650.0, ("What bounces by 301.2 mdeg. " * 5,) * 2, "Why. " * 30, (LEVER,) * 3,
-                 "mdeg", ("Up to 1,545 r/min it is at rest. " * 4,) * 2)  # fmt: skip
 LONG = "a/folder/with/a/name/that/is/longer/than/a/terminal/" * 3
 
 
@@ -166,26 +158,6 @@ def test_benchmarks(width: int) -> None:
         cost=dict.fromkeys(parts, costs),
     )  # fmt: skip
     assert not faults(lambda console: print_benchmark(result, console), width)
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("compared", [True, False])
-def test_the_published_study(compared: bool, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(summary, "note", lambda _: "a note on what the numbers are " * 5)
-    ratios = {name: 1.5 for name in published().ratios}
-    monkeypatch.setattr(summary, "ratio_values", lambda _: ratios)
-    items = [Ratio(name, 0.125, -0.0123456) for name in published().ratios]
-    study: Any = SimpleNamespace(
-        compared=compared, ratios=items, identified=items, studies=None,
-        mechanism=SimpleNamespace(name="e62"),
-    )  # fmt: skip
-    assert len(items) > 5
-    assert not faults(lambda console: summary.print_paper(study, console), width)
-    monkeypatch.setattr(summary, "front_page", lambda *_: PAGE)
-    found: Any = SimpleNamespace(speed_rpm=650.0)
-    assert not faults(lambda console: summary.print_paper(study, console, found), width)
-    text = printed(lambda console: summary.print_paper(study, console, found), width)
-    assert text.splitlines()[-1] == "Next: nipper-pin simulate e62 --speed 650 --set a.b=4"
 
 
 # Commands that print by themselves.

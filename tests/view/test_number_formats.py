@@ -11,7 +11,6 @@ import pytest
 
 from nipper_pin.terms import Shown, digits, fixed
 from nipper_pin.view.compare.words import percent_text
-from nipper_pin.view.paper.tables import percent
 from nipper_pin.view.studies.sweep_figures.columns import short
 
 MM = Shown(words="gap", unit="mm", factor=1e3)
@@ -35,9 +34,6 @@ FORMATS: dict[str, tuple[Callable[[Any], str], dict[Any, str]]] = {
         0.0: "0", 0.12345: "0.123", 12.345: "12.3", 999.4: "999", 1e3: "1000", -1234.5: "-1234",
         999_999.0: "999999", 1e6: "1e+06", 1.2345e-5: "1.23e-05",
     }),
-    # A share with its sign; a part of a decimal is nothing.
-    "percent": (percent, {0.1234: "+12.3 %", -0.1: "-10.0 %", 0.0: "+0.0 %", -4e-4: "+0.0 %"}),
-    "percent, whole": (partial(percent, decimals=0), {0.126: "+13 %", -0.994: "-99 %"}),
     # Differences: as many decimals as leave three digits.
     "difference": (percent_text, {
         0.0: "< 0.01 %", -0.00499: "< 0.01 %", 0.0051: "+0.01 %", -9.994: "-9.99 %",

@@ -1,16 +1,12 @@
-"""An identification as plain data, for JSON, and read back."""
+"""An identification as plain data, for JSON."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
-from ...texts import MOST_JSON, read_text
 from .fitting.determine import DETERMINED, Determinability
 from .fitting.fit import Fit
 from .fitting.goodness import Goodness
@@ -21,14 +17,6 @@ WORD = (
     "Fitted, not validated: numbers that were adjusted to the targets cannot be confirmed by them. "
     "An estimate, never the maker's data."
 )
-
-_KEYS = {"title", "model", "caution", "seed", "targets", "parameters", "within_4_percent",
-         "goodness", "singular_values", "identifiable_directions", "profiles"}  # fmt: skip
-_GOODNESS_KEYS = {"verdict", "sentence"}
-_TARGET_KEYS = {"name", "wanted", "sigma", "found", "relative_deviation", "residual_sigmas",
-                "outlier"}  # fmt: skip
-_PARAMETER_KEYS = {"path", "low", "high", "before", "identified", "standard_deviation",
-              "standard_deviation_scaled", "range_left", "determined"}  # fmt: skip
 
 
 def record(
@@ -139,33 +127,3 @@ def _numbers(fit: Fit, judged: Goodness, known: Determinability) -> list[dict[st
 def _or_none(value: float) -> float | None:
     """JSON has no infinity: a value that was to be zero has no relative deviation."""
     return float(value) if np.isfinite(value) else None
-
-
-def read_identification(path: str | Path) -> dict[str, Any]:
-    """Read what ``nipper-pin identify --json FILE`` wrote.
-
-    Args:
-        path: The file.
-
-    Raises:
-        InputError: It cannot be read, or is not such a document.
-    """
-    try:
-        document = json.loads(read_text(Path(path), MOST_JSON))
-    except (OSError, ValueError, RecursionError) as error:
-        message = (
-            f"{path}: cannot be read as JSON ({error}); write it by nipper-pin identify --json"
-        )
-        raise InputError(message, file=str(path)) from error
-    right = isinstance(document, dict) and document.keys() >= _KEYS
-    right = right and isinstance(document["goodness"], dict)
-    right = right and document["goodness"].keys() >= _GOODNESS_KEYS
-    for key, needed in (("targets", _TARGET_KEYS), ("parameters", _PARAMETER_KEYS)):
-        rows = document[key] if right else None
-        right = isinstance(rows, list) and all(
-            isinstance(row, dict) and row.keys() >= needed for row in rows
-        )
-    if not right:
-        message = f"{path}: is no identification; write it by nipper-pin identify --json"
-        raise InputError(message, file=str(path))
-    return dict(document)

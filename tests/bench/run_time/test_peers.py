@@ -27,7 +27,6 @@ CASES = json.loads(
     (Path(__file__).parents[2] / "reference" / "e62_transition.json").read_text(encoding="utf-8")
 )["cases"]
 ROOM = "benchmarks.peers"
-SCHEME = "nipper_pin.study.paper.scheme"
 
 # Module, the package it needs beside numba, one quick setting, and the error (worst of four) that
 # docs/benchmark_peers.md has, rounded up to a power of ten with at least a factor two to spare.
@@ -53,7 +52,7 @@ def _peer(name: str, needs: str) -> Any:
     """A peer, where its package is installed."""
     pytest.importorskip("numba")
     pytest.importorskip(needs)
-    return import_module(f"{ROOM}.{name}" if name != "fixed_steps" else f"{SCHEME}.{name}")
+    return import_module(f"{ROOM}.{name}")
 
 
 def _errors(four: Four, case: str = "650") -> tuple[float, ...]:
@@ -114,7 +113,7 @@ def test_the_hand_derived_equation_agrees_with_the_reference(case: str) -> None:
 def test_the_first_rebound_rate(e62: Mechanism) -> None:
     """The rate after the first collision is the reference's to round-off: twelve digits of one."""
     _peer("rk4", "numba")
-    planar = import_module(f"{SCHEME}.planar_model")
+    planar = import_module(f"{ROOM}.planar_model")
     rate = planar.first_rebound_rate(planar.planar_model(e62, SPEED_RPM))
     wanted = float(CASES["650"]["collisions"][0]["separation_rate"])
     assert rate == pytest.approx(wanted, rel=1e-12)
@@ -127,8 +126,8 @@ def test_the_equation_is_that_of_the_engine(e62: Mechanism) -> None:
     is 1e-2 of it, the Coriolis terms more, so a missing term would show by ten orders.
     """
     _peer("rk4", "numba")
-    planar = import_module(f"{SCHEME}.planar_model")
-    bound = import_module(f"{SCHEME}.planar_motion")
+    planar = import_module(f"{ROOM}.planar_model")
+    bound = import_module(f"{ROOM}.planar_motion")
     equation = bound.jaw_equation(planar.planar_model(e62, SPEED_RPM))
     solution = simulate(e62, Case(speed_rpm=SPEED_RPM))
     system = System(e62, solution.shaft)
@@ -184,7 +183,7 @@ def test_peers_say_what_they_are() -> None:
 def test_another_mechanism_is_refused() -> None:
     """The hand-derived equation is that of one topology, and says so."""
     _peer("rk4", "numba")
-    model = import_module(f"{SCHEME}.planar_model")
+    model = import_module(f"{ROOM}.planar_model")
     folder = Path(__file__).parents[2] / "verification" / "models" / "four_bar"
     with pytest.raises(InputError, match="hand-derived"):
         model.planar_model(load(folder), SPEED_RPM)

@@ -22,7 +22,6 @@ from scipy.stats import qmc
 from nipper_pin.cli import main
 from nipper_pin.study.identify.fitting.goodness import Goodness, Verdict
 from nipper_pin.study.identify.fitting.outliers import _refitted, leverages
-from nipper_pin.view.paper.identification import identification_plate, identification_tables
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 SIGMAS = 3.0
@@ -261,49 +260,6 @@ def test_the_printed_tables_say_what_the_document_says(found: Run) -> None:
             inner = inner[part]
         inner[path[-1]] += math.copysign(0.06 * abs(inner[path[-1]]) + 0.012, inner[path[-1]])
         assert printed_mistakes(found.report, doctored), key
-
-
-def test_tables_and_figure_of_the_page_hold_the_document(found: Run) -> None:
-    """Each number by its column's heading; the figure's curves by their data."""
-    document = found.document
-    targets, numbers = identification_tables(document)
-    for table, rows, keys in (
-        (targets, document["targets"], ("name", "wanted", "sigma", "found", "relative_deviation",
-                                        "residual_sigmas", "outlier")),
-        (numbers, document["parameters"], ("path", "before", "identified", "standard_deviation",
-                                     "standard_deviation_scaled", "low", "high", "range_left",
-                                     "determined")),
-    ):  # fmt: skip
-        assert tuple(column.key for column in table.columns) == keys
-        assert table.rows == tuple(tuple(row[key] for key in keys) for row in rows)
-        for shown, row in zip(table.shown, rows, strict=True):
-            for text, column in zip(shown, table.columns, strict=True):
-                value = row[column.key]
-                if column.key == "path":
-                    # People read words and another unit; the file keeps the path.
-                    assert text == WORDS[value][0]
-                    continue
-                if not isinstance(value, float):
-                    assert text in {str(value), "yes", "no", ""}
-                    assert (text == "yes") == (value is True)
-                    continue
-                plain = text.rstrip("% ")
-                scale = 100.0 if text.endswith("%") else 1.0
-                if "path" in row and not text.endswith("%"):
-                    scale = WORDS[row["path"]][1]
-                assert abs(float(plain) - scale * value) <= last_digit(plain)
-    figure = identification_plate(document, "").figure
-    values, profiles = figure.axes
-    line = values.lines[0]
-    assert list(line.get_ydata()) == document["singular_values"]
-    assert sum(len(part.get_xdata()) for part in values.lines[1:]) == 3
-    assert len(values.lines[1].get_xdata()) == document["identifiable_directions"]
-    (item,) = document["profiles"]
-    best = next(x["identified"] for x in document["parameters"] if x["path"] == item["path"])
-    away = (np.array(item["values"]) - best) / item["sigma"]
-    assert profiles.lines[0].get_xdata() == pytest.approx(away)
-    assert list(profiles.lines[0].get_ydata()) == item["cost"]
-    assert list(profiles.lines[1].get_ydata()) == item["quadratic"]
 
 
 @pytest.mark.slow

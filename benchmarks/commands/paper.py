@@ -1,0 +1,51 @@
+"""``python -m benchmarks paper``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from nipper_pin.cli.arguments import check_outputs, load_mechanism, write_json
+from nipper_pin.extras import require
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Define the arguments of the command."""
+    parser.add_argument(
+        "model",
+        nargs="?",
+        metavar="MODEL",
+        help="the E62, another set of numbers for it, or another comber, on which the same is "
+        "done without a comparison: a model's name, or a folder (default e62)",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="change a number of the model; may be repeated",
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the result as JSON; - for stdout")
+    parser.add_argument("--out", metavar="DIR", help="write JSON, table and plots into a folder")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> None:
+    check_outputs(options.out, options.json)
+    require("study", "numba", "matplotlib", what="the published study")
+    from ..paper.report import print_paper, write_paper
+    from ..paper.study import paper_study
+
+    def say(text: str) -> None:
+        if sys.stderr.isatty():
+            sys.stderr.write(f"{text} ...\n")
+
+    result = paper_study(load_mechanism(options), say)
+    if options.out is not None:
+        write_paper(result, options.out)
+    if options.json is not None:
+        write_json(result.record(), options.json)
+    if options.json != "-":
+        from nipper_pin.view.console import Terminal
+
+        print_paper(result, Terminal())

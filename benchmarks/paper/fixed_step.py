@@ -1,0 +1,110 @@
+"""Error of the published scheme, a fixed step of 0.01 us, against ours."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from nipper_pin.arrays import FloatArray
+from nipper_pin.hybrid.case import Case
+from nipper_pin.hybrid.simulate import simulate
+from nipper_pin.mechanism import Mechanism
+
+from ..peers import fixed_steps
+from ..peers.protocol import Setting
+from .published import Published
+
+STEPS_S = (1e-6, 3e-7, 1e-7, 3e-8, 1e-8)
+RULES = ("forward", "semi-implicit")
+# What is compared, and where a run of the scheme has it.
+_READ = {
+    "rebound_time_s_1": "first_rebound_time_s",
+    "rebound_time_s_2": "second_rebound_time_s",
+    "rebound_amplitude_1": "first_amplitude",
+    "duration_s": "transition_time_s",
+}
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Errors of one explicit rule.
+
+    Attributes:
+        name: "forward" (Euler) or "semi-implicit".
+        steps_s: Steps, falling [s], shape (K,).
+        errors: Relative errors, shape (K, quantities).
+        order: Slope of the transition time's error over the step, by least squares on logarithms.
+        extrapolated: Relative errors of what the two smallest steps extrapolate to with order one,
+            shape (quantities,): that the limit is ours.
+    """
+
+    name: str
+    steps_s: FloatArray
+    errors: FloatArray
+    order: float
+    extrapolated: FloatArray
+
+
+@dataclass(frozen=True)
+class FixedStep:
+    """The published scheme beside ours.
+
+    Attributes:
+        speed_rpm: Cylinder speed [r/min].
+        steps_taken: Steps of one transition at the published step.
+        our_evaluations: Evaluations of ours.
+        our_error_s: Stated error of our transition time [s].
+        rules: The explicit rules that the study may have used; which one is not stated.
+    """
+
+    speed_rpm: float
+    steps_taken: int
+    our_evaluations: int
+    our_error_s: float
+    rules: tuple[Rule, ...]
+
+    def record(self) -> dict[str, Any]:
+        """Return the errors as plain data."""
+        return {
+            **{key: value for key, value in asdict(self).items() if key != "rules"},
+            "quantities": list(_READ),
+            "rules": [
+                {
+                    "name": rule.name,
+                    "steps_s": rule.steps_s.tolist(),
+                    "relative_errors": rule.errors.tolist(),
+                    "order": rule.order,
+                    "extrapolated_errors": rule.extrapolated.tolist(),
+                }
+                for rule in self.rules
+            ],
+        }
+
+
+def fixed_step(mechanism: Mechanism, conditions: Published) -> FixedStep:
+    """Run the published scheme of an E62 with several steps, at the common speed."""
+    speed = conditions.common_speed_rpm
+    solution = simulate(mechanism, Case(speed_rpm=speed))
+    first, second = solution.collisions[:2]
+    end = solution.transitions[0].duration
+    exact = np.array([first.rebound_time, second.rebound_time, first.rebound_amplitude, end])
+    run = fixed_steps.prepare(mechanism, speed)
+    rules, taken = [], 0
+    for name in RULES:
+        runs = [run(Setting(name, step, method=name)) for step in STEPS_S]
+        taken = runs[-1].evaluations
+        values = np.array([[getattr(item, key) for key in _READ.values()] for item in runs])
+        rules.append(_rule(name, np.array(STEPS_S), values, exact))
+    return FixedStep(
+        speed, taken, solution.evaluations, float(solution.errors[-1].time), tuple(rules)
+    )
+
+
+def _rule(name: str, steps: FloatArray, values: FloatArray, exact: FloatArray) -> Rule:
+    errors = values / exact - 1.0
+    slope = np.polyfit(np.log(steps), np.log(np.abs(errors[:, -1])), 1)[0]
+    coarse, fine = values[-2:]
+    limit = fine + (fine - coarse) / (steps[-2] / steps[-1] - 1.0)
+    return Rule(name, steps, errors, float(slope), limit / exact - 1.0)

@@ -1,0 +1,83 @@
+"""The published ratios beside ours as one table, for a terminal and as Markdown, and all files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from nipper_pin.outputs import complete_folder
+from nipper_pin.terms import digits
+from nipper_pin.view.console import say
+
+from ..views.sheet import Sheet
+from .ratios import Ratio, agreement, ratio_values
+from .study import IDENTIFIED, PaperStudy
+from .words import ratio_words
+
+_TEXTS = ("paper.json", "ratios.md")
+
+
+def sheet(study: PaperStudy) -> Sheet:
+    """The table: of a machine that nothing was published of, its ratios alone."""
+    words = ratio_words(study)
+    if not study.compared:
+        rows = tuple((words[key], digits(v)) for key, v in ratio_values(study.studies).items())
+        return Sheet("Changes over the three studies, and shares", ("ratio", "ours"), rows)
+    return Sheet(
+        "Published ratios beside ours",
+        ("ratio", "published", "ours", "deviation"),
+        tuple(
+            (words[item.name], f"{item.published:g}", digits(item.ours), _percent(item))
+            for item in study.ratios
+        ),
+    )
+
+
+def _percent(item: Ratio) -> str:
+    # Negative round-off is written as zero without a sign.
+    return f"{round(100.0 * item.relative_deviation, 1) + 0.0:+.1f} %"
+
+
+def sentences(study: PaperStudy) -> list[str]:
+    """What has to be said below the table."""
+    found = []
+    if study.ratios:
+        found.append(_agreement(study.mechanism.name, study.ratios))
+    if study.identified:
+        found.append(_agreement(IDENTIFIED, study.identified))
+    return [*found, study.note]
+
+
+def _agreement(name: str, items: Sequence[Ratio]) -> str:
+    counted = agreement(items)
+    near, far = counted["within_4_percent"], counted["within_10_percent"]
+    return f"{name}: {near} of {counted['of']} within 4 %, {far} within 10 %"
+
+
+def print_paper(study: PaperStudy, console: Console) -> None:
+    """Print table and sentences."""
+    sheet(study).show(console)
+    for text in sentences(study):
+        say(console, text)
+
+
+def write_paper(study: PaperStudy, folder: str | Path) -> None:
+    """Write the document, the table as Markdown and every figure as SVG.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    from nipper_pin.view.figure_file import save_figure
+
+    from .figures import NAMES, figures
+
+    with complete_folder(folder, (*_TEXTS, *(f"{name}.svg" for name in NAMES))) as new:
+        document = json.dumps(study.record(), indent=1, allow_nan=False) + "\n"
+        table = "\n\n".join([sheet(study).markdown(), *sentences(study)]) + "\n"
+        for name, text in zip(_TEXTS, (document, table), strict=True):
+            (new / name).write_text(text, encoding="utf-8")
+        for name, figure in figures(study).items():
+            save_figure(figure, new / f"{name}.svg", "svg")

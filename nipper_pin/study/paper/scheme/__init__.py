@@ -1,1 +1,0 @@
-"""The published scheme: fixed steps on the hand-derived planar equation of the E62."""
