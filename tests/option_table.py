@@ -272,12 +272,10 @@ IDENTIFY = {
 }  # fmt: skip
 OPTIMISE = {
     "STUDY.toml": Entry("{other_optimise}", {"optimise.problem.title": "another one",
-                                             "optimise.folder": "out/other_optimise",
                                              **files("out/other_optimise/front.svg",
                                                      "out/other_optimise/result.json")},
                         moves=("optimise.problem.", "in out/", "file out/optimise/")),
-    "--out": Entry("--out here", {"optimise.folder": "here",
-                                  **files("here/front.svg", "here/result.json")}, "{optimise}",
+    "--out": Entry("--out here", files("here/front.svg", "here/result.json"), "{optimise}",
                    ("in here/", "in out/", "file out/optimise/")),
     "--seed": Entry("--seed 7", {"optimise.seed": 7}, "{optimise}"),
     "--starts": Entry("--starts 2", {"optimise.starts": 2}, "{optimise}"),

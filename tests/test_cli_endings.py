@@ -50,7 +50,7 @@ ASKED: dict[str, dict[str, object]] = {
     },
     "optimise {design}": {
         "optimise.starts": 6, "optimise.seed": 1, "optimise.check": True, "optimise.points": 12,
-        "optimise.workers": None, "optimise.folder": "out/design",
+        "optimise.workers": None,
     },
     "sweep {sweep}": {
         "run_sweep.folder": "out/sweep", "run_sweep.workers": None, "run_sweep.scheduler": None,

@@ -168,7 +168,7 @@ def test_starts_of_an_identification(
 def test_parts_of_an_optimisation(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The bar, and how many parts an interrupt leaves, on any stream."""
+    """The bar, on a terminal alone."""
 
     def tell(*_: Any, progress: Any, **__: Any) -> None:
         progress(3, 12)
@@ -183,18 +183,6 @@ def test_parts_of_an_optimisation(
         capsys.readouterr()
         assert main(["optimise", "design.toml"]) == 0
         assert capsys.readouterr().err == ""
-    replaced(monkeypatch, place, tell, True)
-    line = (
-        "nipper-pin: interrupted; 3 finished parts are in out/design: run the same command "
-        "again for the others\n"
-    )
-    assert run("optimise design.toml", monkeypatch, 130).endswith(line)
-    assert main(["optimise", "design.toml"]) == 130
-    assert capsys.readouterr().err == line
-    with monkeypatch.context() as patch:
-        patch.setattr(place, interrupted)
-        assert main(["optimise", "design.toml", "--out", "here"]) == 130
-    assert "interrupted; 0 finished parts are in here: " in capsys.readouterr().err
 
 
 def verdict(number: int, word: str = "right") -> Verdict:

@@ -15,9 +15,6 @@ from pathlib import Path
 import pytest
 
 import nipper_pin as nip
-from nipper_pin import InputError
-from nipper_pin.cli import main
-from nipper_pin.study.folders import alone_in
 
 # Modules that keep files of their own are imported, and have written them, before the limit comes.
 PROGRAM = """
@@ -146,19 +143,3 @@ def test_an_output_that_is_full(words: str, tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.startswith("nipper-pin: the output: cannot be written")
     assert done.stderr.count("\n") == 1
-
-
-def test_a_folder_takes_one_search_at_a_time(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A second one is refused in a sentence; as soon as the first one ends it may begin."""
-    folder = tmp_path / "out"
-    design = Path(__file__).parents[1] / "scripts/optimise_rebound.toml"
-    with alone_in(folder):
-        assert main(["optimise", str(design), "--out", str(folder)]) == 2
-        said = capsys.readouterr().err
-        assert said.startswith(f"nipper-pin: {folder}: another process works in it")
-        with pytest.raises(InputError, match="another process"), alone_in(folder):
-            pass
-    with alone_in(folder):
-        assert list(folder.iterdir()) == []

@@ -59,8 +59,6 @@ MANY = {
     "reduced/turns/peak_torques.py turn_torques",
     "reduced/turns/quantities.py turn_quantities",
     "reduced/turns/turn.py turns",
-    "study/entry_points.py optimise",
-    "study/optimise/run.py optimise",
     "study/transitions/engine_choice.py transition_table",
     "study/turns/engine_choice.py turn_table",
 }

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..errors import one_line
 from ..extras import require
-from .arguments import refuse_beside, write_json
+from .arguments import check_outputs, refuse_beside, write_json
 
 _POINTS = 12
 
@@ -23,8 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         metavar="DIR",
-        help="folder of the results (default out/ and the name of the study); "
-        "one that holds finished parts is completed",
+        help="folder of the results (default out/ and the name of the study)",
     )
     parser.add_argument(
         "--seed", type=int, default=1, metavar="N", help="seed of the starts (default 1)"
@@ -64,7 +63,8 @@ def _run(options: argparse.Namespace) -> None:
     else:
         require("study", "matplotlib", what="the figure of the front")
     folder = Path(options.out or Path("out") / Path(options.study).stem)
-    with _progress(folder) as advance:
+    check_outputs(str(folder), options.json)
+    with _progress() as advance:
         optimum = optimise(
             problem,
             starts=options.starts,
@@ -72,7 +72,6 @@ def _run(options: argparse.Namespace) -> None:
             check=not options.no_check,
             points=_POINTS if options.points is None else options.points,
             workers=options.workers,
-            folder=folder,
             progress=advance,
         )
     # The figure of another front must not stand beside a new result.
@@ -97,23 +96,9 @@ def _run(options: argparse.Namespace) -> None:
 
 
 @contextmanager
-def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
-    """Show progress on a terminal; after an interrupt report the finished parts."""
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """Progress; how many parts there are shows only as they are done, so no share is told."""
     from ..view.progress import progress
 
-    kept = [0]
-    try:
-        # How many parts there are shows only as they are done: a share would go backwards.
-        with progress("parts", alike=False) as tell:
-
-            def advance(done: int, known: int) -> None:
-                kept[0] = done
-                tell(done, None, f"parts (at least {known:,})")
-
-            yield advance
-    except KeyboardInterrupt:
-        sys.stderr.write(
-            f"nipper-pin: interrupted; {kept[0]} finished parts are in {one_line(str(folder))}: "
-            "run the same command again for the others\n"
-        )
-        raise
+    with progress("parts", alike=False) as tell:
+        yield lambda done, known: tell(done, None, f"parts (at least {known:,})")

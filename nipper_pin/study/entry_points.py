@@ -82,7 +82,6 @@ def optimise(
     check: bool = True,
     points: int = 12,
     workers: int | None = None,
-    folder: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> optimisation.Optimum:
     """Find the best design inside bounds and limits.
@@ -95,14 +94,13 @@ def optimise(
         points: Points of the Pareto front of a problem with two aims.
         workers: Processes; by default as many as there are processors. 1: one, which is this one
             if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
-        folder: Where finished parts are kept and found again; by default nowhere.
         progress: Called with (parts finished, parts known so far).
 
     Returns:
         The optimum, what holds it back, and how it was controlled.
 
     Raises:
-        InputError: The file or an argument cannot be used, or the folder holds another problem.
+        InputError: The file or an argument cannot be used.
         InfeasibleError: No design that was found meets all limits.
         SimulationError: No sample is a machine that can be simulated, or a process died.
     """
@@ -116,7 +114,6 @@ def optimise(
         check=check,
         points=points,
         workers=workers,
-        folder=folder,
         progress=progress,
     )
 

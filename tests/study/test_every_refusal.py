@@ -403,14 +403,14 @@ def test_screens_without_a_machine(monkeypatch: pytest.MonkeyPatch) -> None:
         searches, "samples", lambda *_: np.arange(2.0 * searches.SHARE + 2.0)[:, None]
     )
     asked: Any = SimpleNamespace(text=lambda: b"text")
-    names: list[Any] = []
+    shares: list[Any] = []
 
     def work(values: Any) -> Any:
-        def do_all(_kind: Any, tasks: Any) -> list[Any]:
-            names.extend((name, task.args[0], len(task.args[1])) for name, task in tasks.items())
+        def do_all(tasks: Any) -> list[Any]:
+            shares.extend((task.args[0], len(task.args[1])) for task in tasks)
             return [
-                tuple(SimpleNamespace(values=values, why=f"{name} {z[0]:g}") for z in task.args[1])
-                for name, task in tasks.items()
+                tuple(SimpleNamespace(values=values, why=f"no {z[0]:g}") for z in task.args[1])
+                for task in tasks
             ]
 
         return SimpleNamespace(all=do_all)
@@ -421,10 +421,7 @@ def test_screens_without_a_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [item.why.split()[1] for item in found[size - 1 : size + 1]] == [
         f"{size - 1}", f"{size}",
     ]  # fmt: skip
-    assert names == [
-        ("screen_0", b"text", size), (f"screen_{size}", b"text", size),
-        (f"screen_{2 * size}", b"text", 2),
-    ]  # fmt: skip
+    assert shares == [(b"text", size), (b"text", size), (b"text", 2)]
 
 
 def test_a_check_that_finds_no_feasible_design(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -435,15 +432,16 @@ def test_a_check_that_finds_no_feasible_design(monkeypatch: pytest.MonkeyPatch) 
         found = SimpleNamespace(feasible=feasible, z=(0.5,))
         done: list[str] = []
         work = SimpleNamespace(
-            one=lambda _kind, name, _task: done.append(name) or found,  # noqa: B023
-            all=lambda _kind, tasks: done.extend(tasks) or ["polished"],  # noqa: B023
+            one=lambda task: done.append(task.func.__name__) or found,  # noqa: B023
+            all=lambda tasks: done.extend(item.func.__name__ for item in tasks)  # noqa: B023
+            or ["polished"],
             mapper=None,
         )
         made: Any = searches.Search
         search = made(problem=asked, seen=(), starts=1, seed=2, work=work)
         aim: Any = "aim"
         assert search.check(aim) == (found, "polished" if feasible else None)
-        assert done == (["check", "check_polished"] if feasible else ["check"])
+        assert done == (["evolve", "descend"] if feasible else ["evolve"])
 
 
 def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -458,10 +456,10 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(
         infeasible, "replace", lambda _, limits: SimpleNamespace(text=lambda: limits)
     )
-    tasks: dict[str, Any] = {}
+    tasks: list[Any] = []
 
-    def do_all(_kind: Any, given: Any) -> list[Any]:
-        tasks.update(given)
+    def do_all(given: Any) -> list[Any]:
+        tasks.extend(given)
         return [SimpleNamespace(feasible=False, violation=0.25)]
 
     asked: Any = SimpleNamespace(
@@ -473,7 +471,7 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
     scales: Any = infeasible.Scales(1.0, (1.0, 8.0, 2.0))
     nearest: Any = SimpleNamespace(z=(0.75,))
     work: Any = SimpleNamespace(all=do_all)
-    error = infeasible._infeasible(asked, scales, nearest, "name", work)
+    error = infeasible._infeasible(asked, scales, nearest, work)
     assert "nearest (x = 0.75) breaks b <= 1: 4 is reached, missed by 3 N (alone it is still" in (
         error.message
     )
@@ -484,22 +482,8 @@ def test_limits_that_are_kept_are_not_told_as_broken(monkeypatch: pytest.MonkeyP
         "missed_by_alone": 2.0,
     }  # fmt: skip
     assert error.evidence["numbers"] == {"x": 0.75}
-    (name,) = tasks
-    assert name == "name_alone_1"
-    assert tasks[name].args == ((limits[1],), infeasible.Scales(1.0, (8.0,)), (0.75,))
-
-
-class Store:
-    """What is kept, in a dictionary."""
-
-    def __init__(self, **kept: Any) -> None:
-        self.kept = kept
-
-    def get(self, name: str, _kind: Any) -> Any:
-        return self.kept.get(name)
-
-    def put(self, name: str, part: Any) -> None:
-        self.kept[name] = part
+    (task,) = tasks
+    assert task.args == ((limits[1],), infeasible.Scales(1.0, (8.0,)), (0.75,))
 
 
 @pytest.fixture(name="work")
@@ -531,22 +515,19 @@ def made_up_work() -> tuple[Any, list[tuple[int, int]], Any]:
             self.ends.append(words)
 
     pool = Pool()
-    store: Any = Store(old=11)
-    work: Any = Work(store, 3, lambda done, known: told.append((done, known)))
+    work: Any = Work(3, lambda done, known: told.append((done, known)))
     work._workers._pool = pool
     return work, told, pool
 
 
 def test_parts_of_a_search_in_processes(work: Any) -> None:
-    """In their order whoever ends first; what is kept is not done again."""
+    """In their order whoever ends first."""
     doing, told, pool = work
-    assert doing.all(int, {"new": lambda: 7, "old": lambda: 1 / 0, "last": lambda: 9}) == [7, 11, 9]
-    assert told[0] == (1, 3)
+    assert doing.all([lambda: 7, lambda: 11, lambda: 9]) == [7, 11, 9]
+    assert told[0] == (0, 3)
     assert told[-1] == (3, 3)
-    assert doing._store.kept == {"old": 11, "new": 7, "last": 9}
-    assert doing.one(int, "own", lambda: 5) == 5
-    assert doing.one(int, "own", lambda: 1 / 0) == 5
-    assert told[-1] == (4, 5)
+    assert doing.one(lambda: 5) == 5
+    assert told[-1] == (4, 4)
     assert doing.mapper(abs, [-3, 2]) == [3, 2]
     with doing:
         pass
@@ -560,7 +541,7 @@ def test_parts_of_a_search_in_processes(work: Any) -> None:
 def test_a_search_whose_process_dies(work: Any) -> None:
     doing, _, pool = work
     pool.broken = True
-    for act in (lambda: doing.all(int, {"new": lambda: 7}), lambda: doing.mapper(abs, [1])):
+    for act in (lambda: doing.all([lambda: 7]), lambda: doing.mapper(abs, [1])):
         with pytest.raises(SimulationError, match="a worker process died, perhaps") as caught:
             act()
         assert caught.value.evidence == {"workers": 3}

@@ -6,14 +6,11 @@ import os
 import time
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 from ...errors import SimulationError, without_numbers
 from ...given import MOST_SEED, MOST_STARTS, MOST_WORKERS, whole
-from ..folders import alone_in
 from .control import control
 from .design import Design, design
 from .points import Evaluator
@@ -24,7 +21,6 @@ from .search.descend import Descent
 from .search.front import front
 from .search.samples import Found
 from .search.stages import Search, screen
-from .store import Store
 from .work import Progress, Work
 
 
@@ -36,13 +32,12 @@ def optimise(
     check: bool = True,
     points: int = 12,
     workers: int | None = None,
-    folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Optimum:
     """Find the best design inside bounds and limits.
 
     Every part (a share of the screen, a descent, the global check) is a function of the problem and
-    the seed alone, so the number of workers and an interruption do not change a bit of the result.
+    the seed alone, so the number of workers does not change a bit of the result.
 
     Args:
         problem: The problem.
@@ -52,23 +47,19 @@ def optimise(
         points: Points of the Pareto front of a problem with two aims.
         workers: Processes; by default as many as there are processors. 1: one, which is this one
             if ``OPENBLAS_NUM_THREADS=1`` was set before numpy was imported.
-        folder: Where finished parts are kept and found again; by default nowhere.
         progress: Called with (parts finished, parts known so far).
 
     Raises:
-        InputError: An argument is out of range, the folder holds another problem, or another
-            process works in it.
+        InputError: An argument is out of range.
         InfeasibleError: No design that was found meets all limits.
         SimulationError: No sample is a machine that can be simulated, or a process died.
     """
     _check_arguments(starts=starts, seed=seed, points=points, workers=workers)
     began = time.perf_counter()
-    with nullcontext() if folder is None else alone_in(folder):
-        store = Store(folder, problem, {"seed": seed, "starts": starts})
-        with Work(store, workers or os.cpu_count() or 1, progress) as work:
-            search = Search(problem, screen(problem, seed, work), starts, seed, work)
-            led = _searched(search, check=check, points=points)
-            return _optimum(search, led, began)
+    with Work(workers or os.cpu_count() or 1, progress) as work:
+        search = Search(problem, screen(problem, seed, work), starts, seed, work)
+        led = _searched(search, check=check, points=points)
+        return _optimum(search, led, began)
 
 
 def _check_arguments(*, starts: int, seed: int, points: int, workers: int | None) -> None:
@@ -102,7 +93,7 @@ class _Led:
 
 def _searched(search: Search, *, check: bool, points: int) -> _Led:
     problem = search.problem
-    descents = search.descents(problem.aims[0], "first")
+    descents = search.descents(problem.aims[0])
     best, found, gain = descents[0], None, 0.0
     every = [*descents]
     if check:
@@ -114,7 +105,7 @@ def _searched(search: Search, *, check: bool, points: int) -> _Led:
             best = polished
     curve: tuple[tuple[float, ...], ...] = ()
     if len(problem.aims) > 1:
-        second = search.descents(problem.aims[1], "second", best.z)
+        second = search.descents(problem.aims[1], best.z)
         by = tuple(search.scales(aim) for aim in problem.aims)
         curve, more = front(problem, by, (best, second[0]), points, search.work)
         every += [*second, *more]

@@ -11,7 +11,7 @@ from ...outputs import complete_folder
 from .result import Optimum
 
 RESULTS = ("result.json", "overrides.json", "case.json", "front.svg", "front.png")
-"""Names of what a search leaves beside its parts; they change together."""
+"""Names of what a search writes; they change together."""
 
 
 def write(optimum: Optimum, folder: str | Path) -> tuple[Path, ...]:

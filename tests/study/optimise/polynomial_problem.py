@@ -24,7 +24,7 @@ def problem(*limits: Limit, aims: tuple[Aim, ...] = (), **others: Any) -> Proble
     given = {
         "title": "mine", "model": "e62", "changes": {"stops.jaw.restitution": 0.25},
         "sources": Sources.of(load("e62")), "speed_rpm": 600.0, "rest_rate": None,
-        "tolerance": 1e-10, "versions": {},
+        "tolerance": 1e-10,
         "parameters": tuple(
             Parameter(name=name, target=Target(kind="model", path=f"to.{name}"), low=low,
                       high=high, start=low + 0.25 * (high - low))

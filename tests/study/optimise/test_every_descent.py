@@ -18,7 +18,6 @@ from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
 from nipper_pin.study.optimise.search import binding, descend, front, infeasible
 from nipper_pin.study.optimise.search import samples as search
 from nipper_pin.study.optimise.search.trace import Scales, Trace
-from nipper_pin.study.optimise.store import Store
 from nipper_pin.study.optimise.work import Work
 from nipper_pin.tolerances.study import DESIGN_STEP
 
@@ -50,7 +49,7 @@ def polynomials(monkeypatch: pytest.MonkeyPatch) -> list[Source]:
 
 def work(calls: list[tuple[int, int]] | None = None) -> Work:
     progress = None if calls is None else lambda *counts: calls.append(counts)
-    return Work(Store(None, problem(), {}), 1, progress)
+    return Work(1, progress)
 
 
 def test_derivatives_of_points() -> None:
@@ -208,7 +207,7 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert near.rank == (near.violation, near.aim)
     assert sources
     with pytest.raises(InfeasibleError) as caught, work() as parts:
-        infeasible.from_feasible_designs(asking, by, [near], "first", parts)
+        infeasible.from_feasible_designs(asking, by, [near], parts)
     one, two = caught.value.evidence["limits"]
     assert (one["limit"], two["limit"]) == ("duration_s >= 4", "duration_s <= 2")
     assert one["reached"] == two["reached"] == pytest.approx(3.0, abs=1e-5)
@@ -222,9 +221,7 @@ def test_limits_that_nothing_meets(sources: list[Source]) -> None:
     assert f"the nearest (one = {numbers['one']:.6g}, two = " in caught.value.message
     wide = problem(Limit(quantity=TIME, side="low", value=3.0))
     with work() as parts:
-        (again,) = infeasible.from_feasible_designs(
-            wide, Scales(2.0, (0.5,)), [near], "first", parts
-        )
+        (again,) = infeasible.from_feasible_designs(wide, Scales(2.0, (0.5,)), [near], parts)
     assert again.feasible
     assert again.aim == pytest.approx(4.25, abs=1e-4)
 

@@ -10,7 +10,6 @@ from nipper_pin.errors import ModelError
 from nipper_pin.mechanism import Mechanism
 from nipper_pin.study.optimise import read_problem
 from nipper_pin.study.optimise.problem.problem import Aim, Limit, read_text
-from nipper_pin.study.sweep.job import versions
 
 DESIGN = """
 format = 1
@@ -49,7 +48,7 @@ def written(folder: Path, text: str) -> Path:
 def test_the_file_of_a_design(tmp_path: Path, e62: Mechanism) -> None:
     found = read_problem(written(tmp_path, DESIGN))
     assert (found.title, found.model, found.speed_rpm) == ("mine", "e62", 512.5)
-    assert (found.rest_rate, found.tolerance, found.versions) == (1e-3, 1e-6, versions())
+    assert (found.rest_rate, found.tolerance) == (1e-3, 1e-6)
     assert found.changes == {"stops.jaw.restitution": 0.25}
     assert found.aims == (Aim(quantity="rebound_amplitude_1", sense=1.0),
                           Aim(quantity="clamping_force_N", sense=-1.0))  # fmt: skip

@@ -17,7 +17,6 @@ from nipper_pin.study.optimise.search import samples as search
 from nipper_pin.study.optimise.search.descend import Descent
 from nipper_pin.study.optimise.search.samples import Seen
 from nipper_pin.study.optimise.search.trace import Scales
-from nipper_pin.study.optimise.store import Store
 from nipper_pin.study.optimise.work import Work
 
 AIM, TIME = "rebound_amplitude_1", "duration_s"
@@ -48,7 +47,7 @@ def polynomials(monkeypatch: pytest.MonkeyPatch) -> list[Source]:
 
 def work(calls: list[tuple[int, int]] | None = None) -> Work:
     progress = None if calls is None else lambda *counts: calls.append(counts)
-    return Work(Store(None, problem(), {}), 1, progress)
+    return Work(1, progress)
 
 
 def seen(z: tuple[float, float], aim: float = 1.0, time: float = 2.0, why: str = "") -> Seen:
@@ -139,22 +138,20 @@ def test_the_evolution(sources: list[Source], monkeypatch: pytest.MonkeyPatch) -
     assert not search.evolve(nowhere, Scales(2.0, (4.0,)), 4, mapper).feasible
 
 
-def test_parts_that_are_counted(tmp_path: Any) -> None:
-    """What is known and what is done, after each part; kept parts at once, and not done again."""
+def test_parts_that_are_counted() -> None:
+    """What is known and what is done, after each part; results in the order of the tasks."""
     done: list[str] = []
 
     def task(name: str) -> Any:
         return lambda: (done.append(name), name)[1]
 
-    for kept in (False, True):
-        calls: list[tuple[int, int]] = []
-        store = Store(tmp_path / "out", problem(), {})
-        with Work(store, 1, lambda *counts, calls=calls: calls.append(counts)) as parts:
-            first = parts.all(str, {name: task(name) for name in ("a", "b")})
-            one = parts.one(str, "c", task("c"))
-        assert (first, one) == (["a", "b"], "c")
-        assert done == ["a", "b", "c"]
-        assert calls == ([(2, 2), (3, 3)] if kept else [(0, 2), (1, 2), (2, 2), (3, 3)])
+    calls: list[tuple[int, int]] = []
+    with work(calls) as parts:
+        first = parts.all([task("a"), task("b")])
+        one = parts.one(task("c"))
+    assert (first, one) == (["a", "b"], "c")
+    assert done == ["a", "b", "c"]
+    assert calls == [(0, 2), (1, 2), (2, 2), (3, 3)]
 
 
 @pytest.mark.parametrize(
@@ -165,7 +162,7 @@ def test_settings_of_a_search(
     monkeypatch: pytest.MonkeyPatch, name: str, value: int, least: int
 ) -> None:
     """The least that can be used is used; one less is refused before anything is done."""
-    monkeypatch.setattr(run, "Store", lambda *_: pytest.fail("begun"))
+    monkeypatch.setattr(run, "Work", lambda *_: pytest.fail("begun"))
     with pytest.raises(InputError, match=f"{name} = {value} .* from {least} to") as caught:
         run.optimise(problem(), **{name: value})  # type: ignore[arg-type]
     assert (caught.value.evidence["key"], caught.value.evidence["value"]) == (name, value)

@@ -26,14 +26,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nipper_pin import Case, InfeasibleError, InputError, Window, load, simulate
+from nipper_pin import Case, InfeasibleError, Window, load, simulate
 from nipper_pin.cli import main
 from nipper_pin.study.optimise import Limit, Optimum, Problem, optimise, read_problem
 from nipper_pin.study.optimise.points import Evaluator
 from nipper_pin.study.optimise.problem.quantities import lowest
 from nipper_pin.study.optimise.search import descend as descending
 from nipper_pin.study.optimise.search.trace import Trace
-from nipper_pin.study.optimise.store import Store
 
 MASS = Path(__file__).resolve().parents[2] / "verification" / "models" / "bouncing_mass"
 GRAVITY = 9.81
@@ -193,16 +192,14 @@ def mean_force(preload_mm: float) -> float:
 
 @pytest.mark.slow
 def test_same_seed_same_bits_whoever_computes(tmp_path: Path) -> None:
-    """One process or two, one go or with parts from a folder; another seed starts elsewhere."""
+    """One process or two; another seed starts elsewhere."""
     found = problem(tmp_path, AT_LEAST)
     one = quick(found, check=True)
-    two = quick(found, check=True, workers=2, folder=tmp_path / "out")
-    again = quick(found, check=True, folder=tmp_path / "out")
-    for other in (two, again):
-        assert other.best == one.best
-        assert other.descents == one.descents
-        assert other.check == one.check
-        assert other.account == one.account
+    two = quick(found, check=True, workers=2)
+    assert two.best == one.best
+    assert two.descents == one.descents
+    assert two.check == one.check
+    assert two.account == one.account
     elsewhere = quick(found, seed=2)
     assert [item.start for item in elsewhere.descents] != [item.start for item in one.descents]
     assert elsewhere.best.numbers[E_N] == pytest.approx(one.best.numbers[E_N], rel=1e-5)
@@ -272,39 +269,6 @@ def test_impossible_machines_inside_the_bounds_are_gone_around(tmp_path: Path) -
     assert found.best.values["duration_s"] == pytest.approx(rest(u, 0.1), rel=2e-5)
     assert found.no_machine
     assert all("mass" in why for why in found.no_machine)
-
-
-@pytest.mark.slow
-def test_interrupted_search_goes_on(tmp_path: Path) -> None:
-    """What is finished is kept as it is, a file cut short is not taken, and the end is the same."""
-    found = problem(tmp_path, AT_LEAST)
-    out = tmp_path / "out"
-
-    def interrupt(done: int, _known: int) -> None:
-        if done >= 11:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        quick(found, folder=out, progress=interrupt)
-    kept = {path.name: path.stat().st_mtime_ns for path in (out / "parts").iterdir()}
-    assert len(kept) == 11
-    cut = out / "parts" / "first_0.json"
-    cut.write_bytes(cut.read_bytes()[:-9])
-    result = quick(found, folder=out)
-    for name, written in kept.items():
-        path = out / "parts" / name
-        assert (path.stat().st_mtime_ns == written) == (path != cut)
-    assert result.best == quick(found).best
-
-
-def test_results_of_two_problems_are_not_mixed(tmp_path: Path) -> None:
-    found = problem(tmp_path, AT_LEAST)
-    quick(found, folder=tmp_path / "out")
-    other = replace(found, limits=(replace(found.limits[0], value=3e-5),))
-    with pytest.raises(InputError, match="another optimisation"):
-        quick(other, folder=tmp_path / "out")
-    with pytest.raises(InputError, match="differ in: seed"):
-        quick(found, folder=tmp_path / "out", seed=2)
 
 
 # --- what cannot be had --------------------------------------------------------------------------
@@ -462,44 +426,41 @@ def test_command_writes_what_simulate_and_load_take(
     assert len(document["front"]) == 2
     assert (out / "front.svg").read_text().startswith("<?xml")
     assert "never the maker's" in document["caution"]
-    # Without --json the same as text, from the parts that are there.
+    # Without --json the same as text.
     assert main(["optimise", str(example), *arguments]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "What holds it back" in text
     assert "itself breaks: least force of the stop of the initial phase at least 0 N" in text
 
 
-def test_an_interrupt_says_what_is_kept(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("old", [False, True])
+def test_an_interrupt_leaves_what_was_there(
+    old: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """No folder, or the one that was there; a search after it is a new one, and takes nothing."""
+    out, file = tmp_path / "out", study(tmp_path, AT_LEAST)
+    words = ["optimise", str(file), "--out", str(out), "--workers", "1", "--starts", "1"]
+    if old:
+        # As an earlier version kept finished parts.
+        (out / "parts").mkdir(parents=True)
+        (out / "problem.json").write_text('{"format": 1, "hash": "another"}')
+        (out / "parts" / "first_0.json").write_text("[]")
+    before = {path: path.read_bytes() for path in out.rglob("*.json")}
+
     def stopped(*_: object, progress: Any, **__: object) -> None:
         progress(7, 15)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nipper_pin.study.optimise.optimise", stopped)
-    out = tmp_path / "out"
-    assert main(["optimise", str(study(tmp_path, AT_LEAST)), "--out", str(out)]) == 130
-    said = capsys.readouterr().err
-    assert f"interrupted; 7 finished parts are in {out}: run the same command again" in said
-
-
-def test_an_interrupt_counts_what_is_stored(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It comes in the moment between a stored part and the note that it is stored."""
-    put, out = Store.put, tmp_path / "out"
-
-    def interrupted(store: Store, name: str, part: object) -> None:
-        put(store, name, part)
-        if name == "first_1":
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(Store, "put", interrupted)
-    words = ["--out", str(out), "--workers", "1", "--starts", "3", "--no-check"]
-    assert main(["optimise", str(study(tmp_path, AT_LEAST)), *words]) == 130
-    # Nine shares of the screen, and two descents.
-    assert len(list((out / "parts").iterdir())) == 11
-    assert f"interrupted; 11 finished parts are in {out}" in capsys.readouterr().err
+    with monkeypatch.context() as patch:
+        patch.setattr("nipper_pin.study.optimise.optimise", stopped)
+        assert main(words) == 130
+    assert out.exists() == old
+    assert {path: path.read_bytes() for path in out.rglob("*.json")} == before
+    assert main([*words, "--no-check"]) == 0
+    after = {path: path.read_bytes() for path in out.rglob("*.json")}
+    assert {path: after.pop(path) for path in before} == before
+    names = {"result.json", "overrides.json", "case.json"}
+    assert {path.relative_to(out).as_posix() for path in after} == names
 
 
 def test_infeasible_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -509,7 +470,7 @@ def test_infeasible_is_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[st
     said = capsys.readouterr().err
     assert "missed by 0.0008726 m" in said
     assert said.count("\n") == 1
-    assert not (tmp_path / "out" / "result.json").exists()
+    assert not (tmp_path / "out").exists()
 
 
 # --- parts ---------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -97,7 +96,6 @@ class Problem:
         units: Units of the quantities of aims and limits by name.
         rest_rate: Separation rate at which a transition ends; None: at its limit.
         tolerance: Relative accuracy of the transitions.
-        versions: Versions of the packages that compute, by name.
     """
 
     title: str
@@ -111,7 +109,6 @@ class Problem:
     units: Mapping[str, str]
     rest_rate: float | None
     tolerance: float
-    versions: Mapping[str, str]
 
     @property
     def low(self) -> FloatArray:
@@ -192,13 +189,6 @@ class Problem:
     def text(self) -> bytes:
         """The problem as JSON; equal problems give equal texts."""
         return msgspec.json.encode(self, order="deterministic")
-
-    @property
-    def hash(self) -> str:
-        """Name of the results: problems with the same hash have the same optimum."""
-        # Results do not depend on the path of the model's folder.
-        placeless = replace(self, model="", sources=replace(self.sources, folder=""))
-        return hashlib.sha256(placeless.text()).hexdigest()
 
 
 def read_text(text: bytes) -> Problem:

@@ -20,7 +20,6 @@ from ...identify.problem.geometry import Sources
 from ...identify.problem.parameters import read_values
 from ...sweep.axes import SPEED, find_target
 from ...sweep.changes import check_paths
-from ...sweep.job import versions
 from ...sweep.study_file import check_bounds, without_visuals
 from ...toml_files import Bounds, Table, at_key, base_mechanism, model_beside, read_table, refuse
 from .problem import Aim, Limit, Parameter, Problem
@@ -89,7 +88,6 @@ def read_problem(path: str | Path) -> Problem:
         units=units([item.quantity for item in aims] + list(table.limits), mechanism),
         rest_rate=table.case.rest_rate,
         tolerance=table.case.tolerance,
-        versions=versions(),
     )
 
 

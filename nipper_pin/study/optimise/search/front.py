@@ -51,7 +51,7 @@ def front(
     reached = _second(source, ends[0])
     if reached - ends[1].aim <= NO_CONFLICT * by[1].aim:
         return (ends[0].z,), []
-    tasks: dict[str, Callable[[], Descent]] = {}
+    tasks: list[Callable[[], Descent]] = []
     counts: list[int] = []
     for k in range(1, points):
         part = k / (points - 1)
@@ -62,11 +62,8 @@ def front(
         if source.at(blend).usable:
             starts.insert(1, tuple(blend.tolist()))
         counts.append(len(starts))
-        tasks |= {
-            f"front_{points}_{k}_{number}": partial(descend, text, scales, z)
-            for number, z in enumerate(starts)
-        }
-    found = work.all(Descent, tasks)
+        tasks += [partial(descend, text, scales, z) for z in starts]
+    found = work.all(tasks)
     left = iter(found)
     groups = [list(islice(left, count)) for count in counts]
     best = [ends[0], *(min(group, key=lambda item: item.rank) for group in groups)]

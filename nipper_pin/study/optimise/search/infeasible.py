@@ -18,7 +18,7 @@ from .trace import Scales
 
 
 def from_feasible_designs(
-    problem: Problem, by: Scales, tried: Sequence[Descent], name: str, work: Work
+    problem: Problem, by: Scales, tried: Sequence[Descent], work: Work
 ) -> list[Descent]:
     """Descents from designs that meet all limits, found by making violations small alone.
 
@@ -26,29 +26,20 @@ def from_feasible_designs(
         problem: The problem with one aim.
         by: Its scales.
         tried: Descents, none of which meets the limits.
-        name: Begin of the names of the parts.
         work: Does the parts.
 
     Raises:
         InfeasibleError: There are no such designs.
     """
     text = problem.text()
-    nearest = work.all(
-        Descent,
-        {f"{name}_mend_{k}": partial(restore, text, by, item.z) for k, item in enumerate(tried)},
-    )
+    nearest = work.all([partial(restore, text, by, item.z) for item in tried])
     met = [item for item in nearest if item.feasible]
     if met:
-        return work.all(
-            Descent,
-            {f"{name}_again_{k}": partial(descend, text, by, item.z) for k, item in enumerate(met)},
-        )
-    raise _infeasible(problem, by, min(nearest, key=lambda item: item.violation), name, work)
+        return work.all([partial(descend, text, by, item.z) for item in met])
+    raise _infeasible(problem, by, min(nearest, key=lambda item: item.violation), work)
 
 
-def _infeasible(
-    problem: Problem, by: Scales, nearest: Descent, name: str, work: Work
-) -> InfeasibleError:
+def _infeasible(problem: Problem, by: Scales, nearest: Descent, work: Work) -> InfeasibleError:
     """The error, with every limit that the nearest design breaks."""
     z = np.array(nearest.z)
     point = Evaluator(problem).at(z)
@@ -58,7 +49,7 @@ def _infeasible(
             continue
         alone = replace(problem, limits=(limit,)).text()
         task = partial(restore, alone, Scales(by.aim, (by.limits[k],)), nearest.z)
-        (single,) = work.all(Descent, {f"{name}_alone_{k}": task})
+        (single,) = work.all([task])
         broken.append(
             {
                 "limit": str(limit),

@@ -29,12 +29,9 @@ def screen(problem: Problem, seed: int, work: Work) -> list[Seen]:
     """
     places = [tuple(z) for z in samples(problem, seed).tolist()]
     text = problem.text()
-    tasks = {
-        f"screen_{k}": partial(look, text, tuple(places[k : k + SHARE]))
-        for k in range(0, len(places), SHARE)
-    }
-    shares = work.all(tuple[Seen, ...], tasks)
-    seen = [item for share in shares for item in share]
+    shares = [tuple(places[k : k + SHARE]) for k in range(0, len(places), SHARE)]
+    looked = work.all([partial(look, text, share) for share in shares])
+    seen = [item for share in looked for item in share]
     if not any(item.values for item in seen):
         error = no_machine(f"{len(seen)} samples", Evaluator(problem).at(problem.start).why)
         raise error
@@ -63,27 +60,22 @@ class Search:
         """Sizes of an aim and of the limits."""
         return scales(self.problem, aim, self.seen)
 
-    def descents(self, aim: Aim, name: str, *more: tuple[float, ...]) -> tuple[Descent, ...]:
+    def descents(self, aim: Aim, *more: tuple[float, ...]) -> tuple[Descent, ...]:
         """Descents from all starts, the best first; the limits are met by that one at least."""
         problem, by = self.problem.with_aim(aim), self.scales(aim)
         text = problem.text()
         places = (*begins(self.seen, aim, by, self.starts), *more)
-        tasks = {f"{name}_{k}": partial(descend, text, by, z) for k, z in enumerate(places)}
-        found = self.work.all(Descent, tasks)
+        found = self.work.all([partial(descend, text, by, z) for z in places])
         if not any(item.feasible for item in found):
-            found += from_feasible_designs(problem, by, found, name, self.work)
+            found += from_feasible_designs(problem, by, found, self.work)
         return tuple(sorted(found, key=lambda item: item.rank))
 
     def check(self, aim: Aim) -> tuple[Found, Descent | None]:
         """Differential evolution, and the descent from what it found."""
         problem, by = self.problem.with_aim(aim), self.scales(aim)
         text = problem.text()
-        found = self.work.one(
-            Found, "check", partial(evolve, text, by, self.seed, self.work.mapper)
-        )
+        found = self.work.one(partial(evolve, text, by, self.seed, self.work.mapper))
         if not found.feasible:
             return found, None
-        (polished,) = self.work.all(
-            Descent, {"check_polished": partial(descend, text, by, found.z)}
-        )
+        (polished,) = self.work.all([partial(descend, text, by, found.z)])
         return found, polished
