@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from .errors import (
     AssemblyError,
     ConvergenceError,
-    DamagedError,
     ElementError,
     ImpactError,
     InfeasibleError,
@@ -90,7 +89,6 @@ __all__ = [
     "Collision",
     "Comparison",
     "ConvergenceError",
-    "DamagedError",
     "DriveMode",
     "ElementError",
     "Event",

@@ -197,13 +197,6 @@ class ImpactError(SimulationError):
     """
 
 
-class DamagedError(NipperError):
-    """A saved run, case or sweep is not whole (exit status 1).
-
-    Evidence: ``problems``, a sentence each.
-    """
-
-
 class MisfitError(NipperError):
     """Numbers were fitted to data that contradict them (exit status 1).
 

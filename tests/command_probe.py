@@ -27,7 +27,6 @@ from programs import PARSERS, main
 from benchmarks.stress import Campaign
 from nipper_pin import Mechanism, Solution, load_solution
 from nipper_pin.study.next_steps import NextSteps
-from nipper_pin.study.verify import Verified
 
 Facts = dict[str, Any]
 _PLAIN = (str, int, float, Path, type(None))
@@ -154,10 +153,6 @@ def stand_ins(probe: Probe) -> None:
     note("nipper_pin.mechanism.skeleton.write_skeleton")
     note("nipper_pin.mechanism.drawing.write_drawing")
     note("nipper_pin.view.run.export.plot_solution", _drawn)
-    note(
-        "nipper_pin.study.verify.verify",
-        lambda path: (Verified(Path(path), "run", "1.0", "all", ()),),
-    )
     report = SimpleNamespace(record=lambda: done)
     note("nipper_pin.study.check.check_model", lambda *_: report)
     note("nipper_pin.study.next_steps.next_steps", lambda *_: NextSteps((), ("next",)))

@@ -314,13 +314,6 @@ PLOT = {
     "--format": Entry("--format png", {"plot_sweep.kind": "png"}, "folder"),
     "--out": Entry("--out here", {"plot_sweep.target": "here"}, "folder"),
 }  # fmt: skip
-VERIFY = {
-    "FILE-OR-FOLDER": Entry("elsewhere.npz", {"verify.path": "elsewhere.npz"}),
-    "--json": Entry("--json -", {"stdout": "document", "document.whole": True,
-                                 "document.parts.0.path": "run.npz",
-                                 "document.parts.0.kind": "run", "document.parts.0.holds": "all",
-                                 "document.parts.0.version": "1.0", "forces": GONE}, "run.npz"),
-}  # fmt: skip
 BENCHMARK = {
     "--quick": Entry("--quick", {"benchmark.quick": True}),
     "--repeats": Entry("--repeats 7", {"benchmark.repeats": 7}),
@@ -337,7 +330,7 @@ TABLE = {
         "new": NEW, "check": CHECK,
         "paper": PAPER, "speed-limit": SPEED_LIMIT, "identify": IDENTIFY,
         "optimise": OPTIMISE, "sweep": SWEEP,
-        "plot": PLOT, "verify": VERIFY, "stress": STRESS, "run": BENCHMARK,
+        "plot": PLOT, "stress": STRESS, "run": BENCHMARK,
     }.items()
     for option, entry in entries.items()
 }  # fmt: skip

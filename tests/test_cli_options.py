@@ -37,7 +37,6 @@ ASKED_FOR = {
     "optimise STUDY.toml": "{optimise}",
     "sweep STUDY.toml": "{sweep}",
     "plot DIR": "folder",
-    "verify FILE-OR-FOLDER": "run.npz",
     "new MODEL": "other",
     "new --list": "other",
 }

@@ -70,7 +70,7 @@ def test_links_are_followed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("end", ["", "/below"])
 @pytest.mark.parametrize("words", [
-    "simulate --json", "simulate --out", "simulate --case", "new", "check", "verify", "sweep",
+    "simulate --json", "simulate --out", "simulate --case", "new", "check", "sweep",
     "optimise", "identify", "plot", "view --solution", "view --html", "view --gif",
     "check --drawing", "compare e62", "speed-limit --plot",
 ])  # fmt: skip

@@ -58,7 +58,6 @@ _PLACES = {
     "optimise": (".optimise", "find the least rebound or transition time inside limits"),
     "sweep": (".sweep", "compute many scenarios, on all processors or on a cluster"),
     "plot": (".plot", "draw the results of a sweep"),
-    "verify": (".verify", "tell whether a saved run, case or sweep is whole, and who made it"),
 }
 NIPPER_PIN = Commands(
     "nipper-pin",

@@ -29,7 +29,6 @@ from nipper_pin import (
     load_solution,
 )
 from nipper_pin.mechanism import find_model
-from nipper_pin.study.verify import verify
 
 if TYPE_CHECKING:
     from nipper_pin.study.sweep import Plan
@@ -40,7 +39,6 @@ _BASES = {"parts": HERE / "bases" / "parts", "e62": find_model("e62")}
 # One of so many models that can be used is simulated as well, and another one followed by turns.
 _SIMULATED = 50
 _COLLISIONS = 8
-_VERIFIED = 5
 
 
 class NotOneLineError(AssertionError):
@@ -166,21 +164,13 @@ def case(data: bytes) -> bool:
     """A saved case; the folder of its model is that of the base."""
     file = home() / "case.json"
     file.write_bytes(data.replace(b"@HOME@", str(home()).encode()))
-    _verified(file, data)
     return judged(lambda: _used(load_case(file)[0], data))
-
-
-def _verified(file: Path, data: bytes) -> None:
-    """Verify one of some, since that reads a file once more."""
-    if zlib.crc32(data) % _VERIFIED == 0:
-        judged(lambda: verify(file))
 
 
 def npz(data: bytes) -> bool:
     """A saved run, and all that is computed of it when it is asked for."""
     file = home() / "run.npz"
     file.write_bytes(data)
-    _verified(file, data)
     read: list[Solution] = []
     if not judged(lambda: read.append(load_solution(file))):
         return False
@@ -223,7 +213,6 @@ def parquet(data: bytes) -> bool:
         Tally().add(table)
 
     judged(use)
-    judged(lambda: verify(folder))
     return judged(lambda: read_sweep(folder).to_frame("pandas"))
 
 
@@ -243,7 +232,6 @@ def plan(data: bytes) -> bool:
         .replace(b'"@VERSIONS@"', json.dumps(planned.job.versions).encode())
     )
     judged(lambda: repr(read_sweep(folder, most=2)))
-    judged(lambda: verify(folder))
     return judged(lambda: Store(folder, planned))
 
 

@@ -19,7 +19,6 @@ from refusals import answer
 import nipper_pin
 from nipper_pin import Case, InputError, load, save, save_case, simulate
 from nipper_pin.mechanism import find_model
-from nipper_pin.outputs.seal import SEAL, sealed
 from nipper_pin.view.console import Terminal, headline, paste, say, show_table
 
 BASES = Path(__file__).parent / "bases"
@@ -42,7 +41,7 @@ def raw(text: str) -> set[str]:
 
 def in_case(folder: Path) -> None:
     document = json.loads((folder / "case.json").read_text())
-    (folder / "case.json").write_text(json.dumps({**document, "version": CODES}))
+    (folder / "case.json").write_text(json.dumps({**document, "format": CODES}))
 
 
 def in_run(folder: Path) -> None:
@@ -52,15 +51,13 @@ def in_run(folder: Path) -> None:
             for name in archive.namelist()
         }
     document = json.loads(str(stored["document"]))
-    stored["document"] = np.array(json.dumps({**document, "version": CODES}))
+    stored["document"] = np.array(json.dumps({**document, "format": CODES}))
     np.savez(folder / "run.npz", **stored)
 
 
 def in_plan(folder: Path) -> None:
     plan = json.loads((BASES / "plan.json").read_text())
-    plan.pop(SEAL, None)
-    plan["versions"] = {"nipper-pin": CODES}
-    (folder / "plan.json").write_text(json.dumps(sealed(plan)))
+    (folder / "plan.json").write_text(json.dumps({**plan, "format": CODES}))
 
 
 def in_title(folder: Path) -> None:
@@ -81,10 +78,12 @@ def in_path(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(("change", "words"), [
-    (in_case, ["verify", "case.json"]), (in_run, ["verify", "run.npz"]), (in_plan, ["verify", "."]),
+    (in_case, ["simulate", "--case", "case.json"]), (in_plan, ["plot", "."]),
+    (in_run, ["view", "--solution", "run.npz"]),
     (in_title, ["check", "pend"]), (in_title, ["simulate", "pend"]),
     (in_name, ["check", "pend"]), (in_name, ["simulate", "pend"]),
-    (in_path, ["verify", f"{CODES}/run.npz"]), (in_path, ["verify", f"{CODES}/case.json"]),
+    (in_path, ["view", "--solution", f"{CODES}/no.npz"]),
+    (in_path, ["simulate", "--case", f"{CODES}/no.json"]),
     (in_path, ["check", CODES]), (in_path, ["simulate", "--case", CODES]),
     (in_path, ["compare", f"{CODES}/run.npz", "run.npz"]), (in_path, ["new", CODES]),
     (in_path, ["simulate", "--out", f"{CODES}/out/x\udcff"]),

@@ -361,6 +361,21 @@ def test_a_case_comes_back_and_repeats_the_run(name: str, tmp_path: Path) -> Non
     _same(simulate(read_mechanism, read_case).events, simulate(mechanism, case).events)
 
 
+def test_a_case_may_be_edited(tmp_path: Path) -> None:
+    """It is a text that is checked as models are."""
+    mechanism, case = load("e62"), Case(speed_rpm=650.0)
+    path = save_case(mechanism, case, tmp_path / "case.json")
+    for speed in (600.0, -600.0):
+        document = json.loads(path.read_text(encoding="utf-8"))
+        document["case"]["speed_rpm"] = speed
+        path.write_text(json.dumps(document), encoding="utf-8")
+        if speed > 0.0:
+            assert load_case(path)[1] == dataclasses.replace(case, speed_rpm=speed)
+            continue
+        with pytest.raises(InputError, match=r"speed_rpm = -600\.0"):
+            load_case(path)
+
+
 @pytest.mark.parametrize("text", ["", "{}", "[]", "no json", '{"format": 1}', "\x00\xff"])
 def test_a_file_that_is_no_case_is_an_input_error(tmp_path: Path, text: str) -> None:
     """Anything else than a case is refused with the name of the file."""

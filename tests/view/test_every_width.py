@@ -26,7 +26,7 @@ from benchmarks.stress import Campaign
 from benchmarks.stress.judging import Verdict
 from benchmarks.views.benchmark_report import print_benchmark
 from benchmarks.views.stress_report import print_campaign
-from nipper_pin import Case, Mechanism, Solution, Window, save, simulate
+from nipper_pin import Case, Mechanism, Solution, Window, simulate
 from nipper_pin.cli import main
 from nipper_pin.study import speed_limit
 from nipper_pin.study.check import ModelReport, check_model
@@ -190,15 +190,6 @@ def printing_of(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[li
 )
 def test_new_models(words: str, width: int, printing_of: Callable[[list[str]], Write]) -> None:
     assert not faults(printing_of(words.split()), width)
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_saved_runs(
-    width: int, transition: Solution, tmp_path: Path, printing_of: Callable[[list[str]], Write]
-) -> None:
-    """The path of the file is a word that may be longer than the terminal."""
-    file = save(transition, tmp_path / ("long_" * 20))
-    assert not faults(printing_of(["verify", str(file)]), width)
 
 
 SWEEP = """format = 1

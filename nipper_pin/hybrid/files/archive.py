@@ -46,14 +46,13 @@ def need_readable(arrays: Mapping[str, NDArray[Any]]) -> None:
     raise InputError(message, arrays=len(arrays), bytes=total)
 
 
-def read_archive(stream: IO[bytes], only: str = "") -> dict[str, NDArray[Any]]:
+def read_archive(stream: IO[bytes]) -> dict[str, NDArray[Any]]:
     """Read the arrays of an archive, or refuse it before they take more than they may.
 
     Sizes stand in the archive's directory and at the begin of each array.
 
     Args:
         stream: The archive.
-        only: Name of the only array that is wanted; empty for all.
 
     Returns:
         The arrays by name.
@@ -72,9 +71,7 @@ def read_archive(stream: IO[bytes], only: str = "") -> dict[str, NDArray[Any]]:
             message = f"it holds {len(members)} arrays; at most {MOST_ARRAYS} are read"
             raise ValueError(message)
         named = {item.filename.removesuffix(_SUFFIX): item for item in members}
-        return {
-            name: _array(archive, item) for name, item in named.items() if name == (only or name)
-        }
+        return {name: _array(archive, item) for name, item in named.items()}
 
 
 def _array(archive: zipfile.ZipFile, item: zipfile.ZipInfo) -> NDArray[Any]:

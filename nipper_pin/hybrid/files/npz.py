@@ -164,27 +164,6 @@ def load_case(path: str | Path) -> tuple[Mechanism, Case]:
         raise InputError(message, file=str(path)) from error
 
 
-def made_by(path: str | Path) -> str:
-    """Version of the package that wrote a saved run or case; empty if that cannot be told.
-
-    Args:
-        path: The file.
-
-    Raises:
-        InputError: The file cannot be read.
-    """
-    try:
-        if Path(path).suffix != ".npz":
-            return npz_schema.version_of(read_text(Path(path), MOST_JSON))
-        with opened(Path(path)) as stream:
-            return npz_schema.version_of(str(read_archive(stream, "document")["document"]))
-    except OSError as error:
-        message = f"{path}: cannot be read ({error.strerror or error})"
-        raise InputError(message, file=str(path)) from error
-    except _DAMAGE:
-        return ""
-
-
 def _setting(mechanism: Mechanism, case: Case) -> dict[str, Any]:
     need_as_written(mechanism)
     return {

@@ -150,7 +150,6 @@ class _Anything(msgspec.Struct, frozen=True):
     """A document of any format."""
 
     format: Any = None
-    version: str = ""
 
 
 def format_of(text: str) -> object:
@@ -163,11 +162,6 @@ def format_of(text: str) -> object:
         msgspec.MsgspecError: It is no JSON, or says nothing of it; a ``ValueError``.
     """
     return msgspec.json.decode(text, type=_Anything).format
-
-
-def version_of(text: str) -> str:
-    """The version that wrote a document, empty if it does not say; as :func:`format_of`."""
-    return msgspec.json.decode(text, type=_Anything).version
 
 
 def setting(text: str) -> Setting:

@@ -19,11 +19,6 @@ _ANGLE = "cylinder_angle_rad"
 _FORCE = {"N": "force_N", "N m": "torque_N_m"}
 _FORCE_ON = {"m": "force_N", "rad": "torque_N_m"}
 
-
-# Of the largest number of a column: another machine may add up in another order.
-_SAME_NUMBER = 1e-9
-
-
 TABLES = ("collisions.csv", "phases.csv", "link_velocities.csv", "motion.csv")
 """Names of the tables."""
 
@@ -38,33 +33,6 @@ def tables(solution: Solution) -> Iterator[tuple[str, str]]:
     yield TABLES[1], _csv(_PHASE_HEADER, _phases(solution))
     yield TABLES[2], _csv(_LINK_HEADER, _links(solution))
     yield TABLES[3], _csv(*_motion(solution))
-
-
-def same_table(one: str, other: str) -> bool:
-    """Return whether two tables have the same texts, and the same numbers up to round-off.
-
-    Args:
-        one: A table in CSV.
-        other: The other one.
-    """
-    if one == other:
-        return True
-    rows = [list(csv.reader(io.StringIO(text, newline=""))) for text in (one, other)]
-    if [len(row) for row in rows[0]] != [len(row) for row in rows[1]]:
-        return False
-    columns = (zip(*table, strict=False) for table in rows)
-    return all(_same_column(a, b) for a, b in zip(*columns, strict=True))
-
-
-def _same_column(one: tuple[str, ...], other: tuple[str, ...]) -> bool:
-    pairs = [(a, b) for a, b in zip(one, other, strict=True) if a != b]
-    if not pairs:
-        return True
-    try:
-        size = max(abs(float(b)) for b in other[1:] if b)
-        return all(abs(float(a) - float(b)) <= _SAME_NUMBER * size for a, b in pairs)
-    except ValueError:
-        return False
 
 
 _PHASE_HEADER = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from ...hybrid.files.npz import save, save_case
@@ -12,24 +11,7 @@ from ...outputs import complete_file, complete_folder
 from .csv_tables import TABLES, tables
 from .plots import PLOTS, plot_solution
 
-_DRAWN = tuple(f"{name}.png" for name in PLOTS)
-NEEDED = (*TABLES, "solution.npz", "case.json")
-"""Files that every folder of a run has, beside plots."""
-
-
-def missing(folder: Path) -> list[str]:
-    """Which files of a run are not in its folder, a sentence each.
-
-    Args:
-        folder: The folder; one without tables and plots is none that :func:`export` has written.
-    """
-    if not any(os.path.lexists(folder / name) for name in (*TABLES, *_DRAWN)):
-        return []
-    return [
-        f"{name} is {'no file of its own' if os.path.lexists(folder / name) else 'missing'}"
-        for name in NEEDED
-        if not (folder / name).is_file() or (folder / name).is_symlink()
-    ]
+_FILES = (*TABLES, "solution.npz", "case.json", *(f"{name}.png" for name in PLOTS))
 
 
 def export(solution: Solution, folder: str | Path) -> list[Path]:
@@ -57,9 +39,6 @@ def export(solution: Solution, folder: str | Path) -> list[Path]:
             *plot_solution(solution, target),
         ]
     return [Path(folder) / file.name for file in written]
-
-
-_FILES = (*NEEDED, *_DRAWN)
 
 
 def _write(path: Path, text: str) -> Path:

@@ -137,6 +137,23 @@ def test_a_damaged_chunk_is_named_and_computed_anew(
     assert read_sweep(out).stored == 4
 
 
+def test_a_chunk_of_another_place_or_plan_is_named(copy: Path, tmp_path: Path) -> None:
+    """Its rows would stand there twice, or be those of another machine."""
+    whole = chunk(copy, 1).read_bytes()
+    (tmp_path / "other").mkdir()
+    other = plan(tmp_path / "other", SMALL.replace("12.0", "12.5"))
+    run_sweep(other, tmp_path / "other" / "out", workers=1)
+    for source, said in (
+        (chunk(copy), "holds scenarios of another chunk; run the sweep again"),
+        (chunk(tmp_path / "other", 1), "holds scenarios of another plan; run the sweep again"),
+    ):
+        chunk(copy, 1).write_bytes(source.read_bytes())
+        with pytest.raises(InputError, match=f"0000001.parquet: {said}"):
+            read_sweep(copy / "out")
+    chunk(copy, 1).write_bytes(whole)
+    assert read_sweep(copy / "out").stored == 4
+
+
 @pytest.mark.slow
 def test_whole_chunks_of_something_else_are_computed_anew(copy: Path, tmp_path: Path) -> None:
     """Each doctored chunk can be read, and is not what belongs in its place.

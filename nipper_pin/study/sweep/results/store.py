@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from ....errors import InputError
 from ....extras import require
 from ....outputs import complete_file
-from ....outputs.seal import sealed
 from ...folders import make_folder
 from ..plan import Chunk, Plan
 from .chunk_file import check, read_file
@@ -79,9 +78,7 @@ class Store:
             message = f"{self._folder}: holds chunks and no {PLAN}; give another folder with --out"
             raise InputError(message, folder=str(self._folder))
         with complete_file(file) as partial:
-            partial.write_text(
-                json.dumps(sealed(plan_record(plan)), indent=1) + "\n", encoding="utf-8"
-            )
+            partial.write_text(json.dumps(plan_record(plan), indent=1) + "\n", encoding="utf-8")
         return plan
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ....errors import InputError
 from ....given import whole
-from .chunk_file import DamageError, read_file
+from .chunk_file import DamageError, check, read_file
 from .record import columns_of, read_document
 from .store import CHUNKS, PLAN, need_pyarrow
 
@@ -94,10 +95,10 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
     named = (axis["name"] for axis in document["axes"])
     wanted = [*columns_of(document), *named, *document["quantities"]]
     parts: list[pa.Table] = []
-    stored = 0
+    stored = end = 0
     for file in files:
         try:
-            part = read_file(file, wanted)
+            part, end = _part(file, wanted, document["identity"], end)
         except DamageError as error:
             message = f"{error.message}; run the sweep again: it computes this chunk anew"
             raise InputError(message, file=str(file)) from error
@@ -121,3 +122,14 @@ def read_sweep(folder: str | Path, most: int | None = None) -> SweepTable:
         stored=stored,
         table=pa.concat_tables(parts),
     )
+
+
+def _part(file: Path, columns: Sequence[str], plan: str, begin: int) -> tuple[pa.Table, int]:
+    """Rows of a chunk of a plan behind those of the chunks before it, and where they end."""
+    part = read_file(file, columns)
+    first = int(part["scenario"][0].as_py())
+    check(part, str(file), first, first + len(part), plan)
+    if first < begin:
+        message = f"{file}: holds scenarios of another chunk"
+        raise DamageError(message, file=str(file))
+    return part, first + len(part)
