@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from ..tolerances import FALSE_ALARM
 from .judging import REFUSED, Verdict
 
-# Refused of 385 cases of each family, 10,000 cases of seed 421 (docs/stress.md); of linkages, 385
-# cases of that seed alone.
+# Refused of 385 cases of each family (benchmarks/README.md), 10,000 cases of seed 421; of linkages,
+# 385 cases of that seed alone.
 _CASES = 385
 MEASURED = {
     "ordinary": 3, "speed": 3, "restitution": 3, "spring": 0, "mass ratio": 2, "little inertia": 5,

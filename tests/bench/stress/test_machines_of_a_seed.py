@@ -1,4 +1,4 @@
-"""A seed gives the machines that it gave: docs/stress.md and failures in campaigns are told by it.
+"""A seed gives the machines that it gave: failures in campaigns are told by it.
 
 A family that is changed on purpose gives others. This file, run by `python`, then writes the
 record anew, and campaigns that were published have to say of which version they are.

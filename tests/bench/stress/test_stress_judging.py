@@ -212,7 +212,7 @@ def verdicts(word: Callable[[str, int], str], each: int = 39) -> list[Verdict]:
 
 
 def measured(family: str, place: int) -> str:
-    """As many refusals in 39 cases as the campaign in docs/stress.md has."""
+    """As many refusals in 39 cases as the campaign in benchmarks/README.md has."""
     return REFUSED if place < round(39 * MEASURED[family] / 385) else RIGHT
 
 
