@@ -151,7 +151,9 @@ def read(content: bytes, columns: Sequence[str] | None = None) -> pa.Table:
         )
         _check_columns(file.schema_arrow, columns)
         names = file.schema_arrow.names
-        table = file.read([name for name in names if columns is None or name in columns])
+        chosen = [name for name in names if columns is None or name in columns]
+        # Threads of a library that still end with the process may abort it.
+        table = file.read(chosen, use_threads=False)
         _check_text(table)
         for place, item in enumerate(table.schema):
             if pa.types.is_dictionary(item.type):
